@@ -7,8 +7,8 @@
 
 namespace tenon {
 
-/// `from` as it arrives `samples` periods later, by a block NAME_delay in `diagram` that says `initial` until
-/// then; `from` itself if there are none.
+/// Delays `from` by `samples` periods with a block NAME_delay in `diagram`, whose output is `initial` until
+/// the first value arrives. Returns the delayed output, or `from` if `samples` is 0.
 template <class T>
 const OutputPort<T>& Late(Subdiagram& diagram, const std::string& name, const OutputPort<T>& from,
                           const T& initial, Rate rate, int samples) {

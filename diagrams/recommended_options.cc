@@ -1,5 +1,4 @@
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
-#include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/recommended_options.h>
@@ -34,8 +33,8 @@ void CdprIntegration::Validate() const {
   DemandWithin("atol", atol, kFinestAtol, kCoarsest);
 }
 
-// Ticks every few milliseconds restart the integrator, and the plants declare their jumps: open tables see
-// all that matters, at an evaluation less per tick.
+// Ticks restart the integrator every few milliseconds, and the plants declare their jumps. Open tables are
+// sufficient then, and save one evaluation per tick.
 
 SimulatorOptions LeggedIntegration::Options(const std::string& plant) const {
   const bool stabilized = method == LeggedIntegrator::kStabilized;
@@ -62,9 +61,6 @@ SimulatorOptions RecommendedOptions(const QuadrupedStand& stand) {
 }
 SimulatorOptions RecommendedOptions(const QuadrupedWalk& walk) {
   return RecommendedOptions(walk.world);
-}
-SimulatorOptions RecommendedOptions(const GuideDog& guide_dog) {
-  return RecommendedOptions(guide_dog.world);
 }
 SimulatorOptions RecommendedOptions(const CdprLoop&) {
   return CdprIntegration().Options();

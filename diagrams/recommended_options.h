@@ -10,34 +10,34 @@
 namespace tenon {
 
 class CdprLoop;
-class GuideDog;
 class QuadrupedStand;
 class QuadrupedWalk;
 class QuadrupedWorld;
 
 /// @file
-/// How the shipped diagrams are integrated. The scenarios of the apps take their defaults from here, so a
-/// program that uses these options runs a case as its app does, bit by bit:
+/// Options of the integrator for the shipped diagrams. They are the defaults of the apps' scenarios, so a
+/// program with these options reproduces the run of an app bit by bit:
 ///
 ///     auto& walk = builder.Add<QuadrupedWalk>("loop", params);
 ///     Simulator simulator(builder.Build(), RecommendedOptions(walk));
 
-/// Seed of the random streams, of the recommended options and of a scenario that gives none.
+/// Seed of the random streams in the recommended options, and in a scenario that gives none.
 inline constexpr std::uint64_t kRecommendedSeed = 1;
 
-/// Explicit Runge-Kutta methods: kErk of order 2 to 5 and kStabilized of 2 and 3, see Method. By default a
-/// walk takes 3.7 (A1) to 5 (B2) evaluations per ms and is within 0.03 mm of the exact motion for 6 s;
-/// stabilized, with absolute tolerances of 1e-3, 1e-1 and 1e-5, it takes 3.0 and is within 0.08 mm.
+/// Explicit Runge-Kutta methods: kErk of order 2 to 5 or kStabilized of order 2 or 3, see Method. With the
+/// defaults, a walk takes 3.7 (A1) to 5 (B2) evaluations per ms, and stays within 0.03 mm of the exact motion
+/// for 6 s. Stabilized, with absolute tolerances of 1e-3, 1e-1 and 1e-5, it takes 3.0 and stays within 0.08
+/// mm.
 enum class LeggedIntegrator { kRungeKutta, kStabilized };
 constexpr auto EnumNames(LeggedIntegrator) {
   return std::array{Named{LeggedIntegrator::kRungeKutta, "runge_kutta"},
                     Named{LeggedIntegrator::kStabilized, "stabilized"}};
 }
 
-/// How a diagram with a QuadrupedWorld is integrated. Defaults: the recommendation of QuadrupedPlant.
+/// Integration of a diagram with a QuadrupedWorld. The defaults are those that QuadrupedPlant recommends.
 struct LeggedIntegration {
-  LeggedIntegrator method = LeggedIntegrator::kRungeKutta;  ///< stabilized for longer steps
-  int order = 2;                                            ///< of the method; 2 or 3 if stabilized
+  LeggedIntegrator method = LeggedIntegrator::kRungeKutta;  ///< kStabilized allows longer steps
+  int order = 2;                                            ///< order of the method; 2 or 3 if stabilized
   double rtol = 1e-2;                                       ///< relative tolerance
   double atol_position = 1e-4;  ///< absolute tolerance of positions and angles [m, rad]
   double atol_velocity = 1e-2;  ///< absolute tolerance of their rates [m/s, rad/s]
@@ -52,14 +52,14 @@ struct LeggedIntegration {
             {"atol_bristles", &LeggedIntegration::atol_bristles}};
   }
   void Validate() const;  ///< throws ParameterError
-  /// For a diagram in which this is the path of the QuadrupedPlant, as of "loop.world.plant".
+  /// Options for a diagram whose QuadrupedPlant has the path `plant`, such as "loop.world.plant".
   SimulatorOptions Options(const std::string& plant) const;
 };
 
-/// How a CdprLoop is integrated. The defaults take one step per millisecond on D1; the platform is then 3
-/// micrometres off a run with order 5 and rtol 1e-9 after 20 s.
+/// Integration of a CdprLoop. The defaults take one step per millisecond on D1, and the platform is within 3
+/// micrometres of a run with order 5 and rtol 1e-9 after 20 s.
 struct CdprIntegration {
-  int order = 2;       ///< of the Runge-Kutta method
+  int order = 2;       ///< order of the Runge-Kutta method
   double rtol = 1e-3;  ///< relative tolerance
   double atol = 1e-5;  ///< absolute tolerance
 
@@ -75,7 +75,6 @@ struct CdprIntegration {
 SimulatorOptions RecommendedOptions(const QuadrupedWorld& world);
 SimulatorOptions RecommendedOptions(const QuadrupedStand& stand);
 SimulatorOptions RecommendedOptions(const QuadrupedWalk& walk);
-SimulatorOptions RecommendedOptions(const GuideDog& guide_dog);
 SimulatorOptions RecommendedOptions(const CdprLoop& loop);
 
 }  // namespace tenon

@@ -1,7 +1,7 @@
 #pragma once
 
 /// @file
-/// Everything that takes to write a block: ports, states, calculations, parameters.
+/// Everything needed to write a block: ports, states, calculations, parameters.
 ///
 ///     #include <tenon/systems/block.h>
 ///
@@ -24,7 +24,7 @@
 ///       }
 ///     };
 ///
-/// What the members are is told in ports.h and state.h, how a diagram is made of blocks in diagram_builder.h.
+/// The members of a block are documented in ports.h and state.h, diagrams in diagram_builder.h.
 
 #include <tenon/systems/framework/block/calculation.h>
 #include <tenon/systems/framework/block/external_port.h>

@@ -13,14 +13,14 @@
 namespace tenon {
 
 enum class ShapeKind {
-  kBox,       ///< about p_W, edges along its frame; size: the three edges [m]
-  kSphere,    ///< about p_W; size: radius [m]
-  kCylinder,  ///< about p_W, along its frame's z; size: radius, length [m]
-  kCapsule,   ///< the same with round ends; length is that of the cylinder between them
+  kBox,       ///< centred at p_W, edges along its axes; size: the three edges [m]
+  kSphere,    ///< centred at p_W; size: radius [m]
+  kCylinder,  ///< centred at p_W, along its z axis; size: radius, length [m]
+  kCapsule,   ///< like a cylinder with round ends; length is that of the cylindrical part
   kSegment,   ///< a straight rod from p_W to p_W + vector_W [m]; size: radius [m]
   kArrow,     ///< from p_W along scale * vector_W, for forces and velocities
-  kMesh,      ///< triangles, given in its frame
-  kTrace,     ///< the path that p_W takes in the whole run; size: radius of a ball at p_W, or 0 [m]
+  kMesh,      ///< triangles, in coordinates of its frame
+  kTrace,     ///< path of p_W during the whole run; size: radius of a ball at p_W, or 0 [m]
 };
 constexpr auto EnumNames(ShapeKind) {
   return std::array{Named{ShapeKind::kBox, "box"},           Named{ShapeKind::kSphere, "sphere"},
@@ -29,14 +29,14 @@ constexpr auto EnumNames(ShapeKind) {
                     Named{ShapeKind::kMesh, "mesh"},         Named{ShapeKind::kTrace, "trace"}};
 }
 
-/// What a shape stands for: decides its colour, and can be shown and hidden together.
+/// Category of a shape, which sets its colour; shapes of a category can be shown and hidden together.
 enum class ShapeRole {
-  kBody,   ///< of what moves by the diagram: a replay follows it
-  kLine,   ///< what it hangs on or pulls at
-  kLoad,   ///< what it carries
-  kOther,  ///< what moves beside it
+  kBody,   ///< bodies moved by the diagram; a replay follows them with its camera
+  kLine,   ///< cables, ropes and leashes
+  kLoad,   ///< payloads
+  kOther,  ///< other moving bodies
   kGround,
-  kFixture,  ///< what stands around
+  kFixture,  ///< stationary objects
   kForce,
   kDisturbance,
   kEstimate,
@@ -50,28 +50,28 @@ constexpr auto EnumNames(ShapeRole) {
                     Named{ShapeRole::kEstimate, "estimates"}, Named{ShapeRole::kReference, "reference"}};
 }
 
-/// A surface of triangles that share their corners.
+/// A surface of triangles with shared corners.
 struct TriangleMesh {
   std::vector<std::array<float, 3>> corners;            ///< [m]
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices of corners, counterclockwise from outside
 };
 
-/// One thing to look at. What stays the same during a run is set once, in the initial value of the port that
-/// puts it out; what moves is written at every evaluation, and that alone is logged.
+/// One object to be drawn. The constant members are set once, in the initial value of the output port; the
+/// members in Fields() are written at every evaluation, and only these are logged.
 struct Shape {
   ShapeKind kind = ShapeKind::kSphere;
   ShapeRole role = ShapeRole::kBody;
   std::string name{};
   Vec<3> size = Vec<3>::Zero();  ///< see ShapeKind [m]
-  double scale = 1;              ///< of an arrow: its length [m] per unit of vector_W, say m/N
-  std::string unit{};            ///< of `value`; if given, the value decides the colour
+  double scale = 1;              ///< length of an arrow [m] per unit of vector_W, for example in m/N
+  std::string unit{};            ///< of `value`; if not empty, the value sets the colour
 
   Vec<3> p_W = Vec<3>::Zero();       ///< [m]
   Vec<4> q_W{1, 0, 0, 0};            ///< attitude (w, x, y, z)
-  Vec<3> vector_W = Vec<3>::Zero();  ///< of a segment [m], of an arrow in its own unit
+  Vec<3> vector_W = Vec<3>::Zero();  ///< for a segment [m], for an arrow in its own unit
   double value = 0;
   bool visible = true;
-  std::shared_ptr<const TriangleMesh> mesh{};  ///< of a kMesh
+  std::shared_ptr<const TriangleMesh> mesh{};  ///< for a kMesh
 
   static Shape Box(ShapeRole role, std::string name, const Vec<3>& edges) {
     return {ShapeKind::kBox, role, std::move(name), edges};
@@ -100,7 +100,7 @@ struct Shape {
     return {ShapeKind::kTrace, role, std::move(name), {ball_radius, 0, 0}};
   }
 
-  /// What moves.
+  /// The members that change during a run.
   static FieldList Fields() {
     return {{"p_W", &Shape::p_W, "m"},  {"q_W", &Shape::q_W, "", "w,x,y,z"}, {"vector_W", &Shape::vector_W},
             {"value", &Shape::value},   {"visible", &Shape::visible},        Undescribed(&Shape::kind),
@@ -109,9 +109,9 @@ struct Shape {
   }
 };
 
-/// What a block looks like: a signal like any other, which a plant, a reference or an observer puts out and a
-/// replay draws, so that whatever draws knows nothing of what it draws. The number of shapes is that of the
-/// port's initial value and stays. W is the world, z up, SI units.
+/// The appearance of a block as a signal: a plant, a reference or an observer outputs it and a replay draws
+/// it, without knowing the block. The number of shapes is set by the port's initial value. W is the world
+/// frame, z up, SI units.
 ///
 ///     OutputPort<Geometry> geometry{this, {"geometry"},
 ///                                   {Shape::Box(ShapeRole::kBody, "cart", {.3, .2, .1})},

@@ -1,1 +1,1 @@
-// What tenon_precompile precompiles belongs to a target; this is its source.
+// The source of the target whose precompiled headers tenon_precompile shares.

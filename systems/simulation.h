@@ -1,7 +1,7 @@
 #pragma once
 
 /// @file
-/// Everything that takes to wire blocks into a diagram and to run it.
+/// Everything needed to build a diagram of blocks and to run it.
 ///
 ///     #include <tenon/systems/simulation.h>
 ///
@@ -16,7 +16,7 @@
 ///     const auto log = simulator.AddLog(tenon::Hz(100), {&cart.state, &pd.u});
 ///     simulator.RunTo(10);
 
-// First, because a compiler's error then names it after fewer other headers.
+// First, because compiler errors then list fewer headers.
 // clang-format off
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 // clang-format on

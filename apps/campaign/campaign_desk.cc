@@ -30,7 +30,7 @@ std::optional<std::size_t> CampaignDesk::Take() {
     if (Stopped()) return {};
     if (const auto run = schedule_.Next()) return run;
     if (schedule_.finished()) return {};
-    changed_.wait_for(lock, std::chrono::milliseconds(100));  // a signal wakes nobody
+    changed_.wait_for(lock, std::chrono::milliseconds(100));  // a signal does not notify
   }
 }
 
@@ -90,7 +90,7 @@ void WorkInThreads(CampaignDesk& desk, const CampaignRunner& runner, int jobs) {
   try {
     for (int i = 1; i < jobs; ++i) others.emplace_back(work);
   } catch (const std::system_error& error) {
-    Say(fmt::format("warning: only {} jobs at a time: {}\n", others.size() + 1, error.what()));
+    Say(fmt::format("warning: running only {} jobs at a time: {}\n", others.size() + 1, error.what()));
   }
   work();
 }

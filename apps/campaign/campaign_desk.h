@@ -14,27 +14,27 @@
 
 namespace tenon::apps {
 
-/// Where the workers of a campaign get their runs and hand in the results: the one writer of its table, which
-/// also shows on stderr how far it is. Any thread may call; a signal, see SignalGuard, or a table that cannot
-/// be written closes it.
+/// Distributes the runs of a campaign to workers, writes their results to the table and shows the progress on
+/// stderr. It is thread-safe. A signal (see SignalGuard) or a failed write of the table closes it.
 class CampaignDesk {
  public:
-  /// `done`: runs of the schedule that were done before.
+  /// `done` is the number of runs that earlier processes completed.
   CampaignDesk(CampaignSchedule& schedule, CampaignTable& table, std::size_t done);
 
-  /// A run to do; waits while it depends on others whether there is one. None if the campaign is over.
+  /// Returns the next run; waits if that depends on results of other runs. Empty at the end of the campaign.
   std::optional<std::size_t> Take();
-  /// The same without waiting; none also if there is none yet.
+  /// Returns the next run without waiting; empty also if it depends on results of other runs.
   std::optional<std::size_t> TryTake();
+  /// Records the result of a run, empty if a signal stopped it.
   void Put(std::size_t run, const std::optional<CampaignResult>& result);
-  /// Whether no more runs will be given out.
+  /// Returns whether there are no further runs.
   bool closed();
-  /// Ends the display; throws what closed it, OutputError.
+  /// Ends the progress display. Rethrows the OutputError that closed the desk.
   void Close();
 
  private:
   bool Stopped() const;
-  std::optional<double> Share() const;  ///< of all runs, if it is known how many there will be
+  std::optional<double> Share() const;  ///< completed share of all runs, if their number is known
   std::string Text() const;
 
   std::mutex mutex_;
@@ -47,7 +47,7 @@ class CampaignDesk {
   ProgressLine line_;
 };
 
-/// Runs a campaign in `jobs` threads, until the desk has no more.
+/// Executes runs in `jobs` threads until the desk has no more.
 void WorkInThreads(CampaignDesk& desk, const CampaignRunner& runner, int jobs);
 
 }  // namespace tenon::apps

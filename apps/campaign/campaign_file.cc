@@ -14,7 +14,8 @@ constexpr std::size_t kMostSeeds = 10'000'000;
 
 void DemandFactors(const std::map<std::string, double>& sets) {
   for (const auto& [key, factor] : sets)
-    if (factor == 0) throw ParameterError(fmt::format("sets: the factor of {} is 0: it would not vary", key));
+    if (factor == 0)
+      throw ParameterError(fmt::format("sets: the factor of {} is 0, so that it would not vary", key));
 }
 
 }  // namespace
@@ -37,12 +38,12 @@ void Variation::Validate() const {
                    uniform.has_value() + normal.has_value() + lognormal.has_value() + sobol.has_value() +
                    latin_hypercube.has_value();
   if (ways != 1)
-    throw ParameterError(
-        fmt::format("{} ways to vary: give one of grid, linspace, list, choices, uniform, normal, lognormal, "
-                    "sobol, latin_hypercube",
-                    ways));
+    throw ParameterError(fmt::format(
+        "{} ways to vary are given: give exactly one of grid, linspace, list, choices, uniform, normal, "
+        "lognormal, sobol, latin_hypercube",
+        ways));
   if (!sets.empty() && (!list.empty() || !choices.empty()))
-    throw ParameterError("sets: factors are for numbers; a choice says by itself what it sets");
+    throw ParameterError("sets: factors apply to numbers only; remove them from a list or choices");
   DemandFactors(sets);
   if (linspace) {
     const double count = (*linspace)[2];
@@ -67,7 +68,7 @@ void SeedRange::Validate() const {
   if (count < 1 || count > kMostSeeds)
     throw ParameterError(fmt::format("count = {} must be from 1 to {}", count, kMostSeeds));
   if (first > std::numeric_limits<std::uint64_t>::max() - count)
-    throw ParameterError(fmt::format("first = {}: the last seed would be beyond 64 bits", first));
+    throw ParameterError(fmt::format("first = {}: the last seed would exceed 64 bits", first));
 }
 
 void LimitSearch::Validate() const {
@@ -101,7 +102,7 @@ void CampaignFile::Validate() const {
   if (!(confidence > 0 && confidence < 1))
     throw ParameterError(fmt::format("confidence = {} must lie between 0 and 1, say 0.95", confidence));
   if (limit && estimate != Estimate::kAll)
-    throw ParameterError("estimate and limit: a search for a limit estimates by itself; leave estimate away");
+    throw ParameterError("estimate and limit exclude each other; remove estimate");
 }
 
 }  // namespace tenon::apps

@@ -8,15 +8,15 @@
 
 namespace tenon::apps {
 
-/// What a rank tells the writer of a run that ended.
+/// Message of an MPI rank to rank 0 about a completed run.
 struct CampaignMessage {
   std::size_t run = 0;
-  std::optional<CampaignResult> result;  ///< none if a signal stopped it
+  std::optional<CampaignResult> result;  ///< empty if a signal stopped the run
 };
 
-/// As text that Unpack reads; what is no UTF-8 in a cell becomes U+FFFD.
+/// Serializes a message for Unpack. Bytes that are not UTF-8 become U+FFFD.
 std::string Pack(const CampaignMessage& message);
-/// Throws nlohmann::json::exception where `text` is not from Pack.
+/// Parses a text of Pack. Throws nlohmann::json::exception for other texts.
 CampaignMessage Unpack(const std::string& text);
 
 }  // namespace tenon::apps

@@ -26,7 +26,7 @@ bool StartedByMpi() {
 
 namespace {
 
-// To rank 0: a row, or that a run is wanted; from there: a run, or that there are no more.
+// Tags of messages to rank 0 (a row, a request for a run) and from rank 0 (a run, or kNoMore).
 constexpr int kRow = 1, kWanted = 2, kRun = 3;
 constexpr long long kNoMore = -1;
 
@@ -49,9 +49,9 @@ MpiSession::~MpiSession() {
 
 void MpiSession::Lead(CampaignDesk& desk, const CampaignRunner& runner, int jobs) {
   std::jthread own([&] { WorkInThreads(desk, runner, jobs); });
-  std::deque<int> waiting;  // ranks, once for each run that they want
-  // Every other rank asks twice, and once more with each row.
-  int open = 2 * (size_ - 1);  // questions that will get, or have got, no kNoMore yet
+  std::deque<int> waiting;  // ranks, once for each requested run
+  // Each other rank requests two runs at the start and one more with each row.
+  int open = 2 * (size_ - 1);  // requests that kNoMore has not answered yet
   while (open > 0) {
     int there = 0;
     MPI_Status status;
@@ -81,7 +81,7 @@ void MpiSession::Lead(CampaignDesk& desk, const CampaignRunner& runner, int jobs
       waiting.pop_front();
       gave = true;
     }
-    // A receive that blocks would keep a core busy.
+    // A blocking receive would keep a core busy.
     if (there == 0 && !gave) std::this_thread::sleep_for(std::chrono::microseconds(300));
   }
 }
@@ -115,8 +115,9 @@ void MpiSession::Abort(int exit_code) {
 
 MpiSession::MpiSession() {
   throw ParameterError(
-      "started by mpirun, but built without MPI: apt-get install libopenmpi-dev and build again, or start it "
-      "alone, with --jobs");
+      "mpirun started a program that was built without MPI: apt-get install libopenmpi-dev and rebuild, or "
+      "use "
+      "--jobs without mpirun");
 }
 MpiSession::~MpiSession() = default;
 void MpiSession::Lead(CampaignDesk&, const CampaignRunner&, int) {}

@@ -5,15 +5,14 @@
 
 namespace tenon::apps {
 
-/// Whether this process was started by mpirun.
+/// Returns whether mpirun started this process.
 bool StartedByMpi();
 
-/// A process among those that mpirun started, from the first one on to the last; MPI is there as long as it
-/// lives. Rank 0 has the desk, and works besides; the others fetch their runs from it, one ahead of the one
-/// that they do, so that nobody waits for a message.
+/// Initializes MPI during its lifetime. Rank 0 has the desk and also executes runs; the other ranks request
+/// their runs from it, one ahead of the current run, so that they do not wait for messages.
 class MpiSession {
  public:
-  /// Throws ParameterError if this was built without MPI.
+  /// Throws ParameterError if the program was built without MPI.
   MpiSession();
   ~MpiSession();
   MpiSession(const MpiSession&) = delete;
@@ -21,11 +20,11 @@ class MpiSession {
 
   int rank() const { return rank_; }
   int size() const { return size_; }
-  /// On rank 0: works through the campaign with all ranks, and `jobs` threads of its own.
+  /// Executes the campaign with all ranks and `jobs` threads of this process. Call it on rank 0.
   void Lead(CampaignDesk& desk, const CampaignRunner& runner, int jobs);
-  /// On the others, until rank 0 has no more.
+  /// Executes runs until rank 0 has no more. Call it on the other ranks.
   void Follow(const CampaignRunner& runner);
-  /// Ends all processes, since this one cannot go on.
+  /// Ends all processes after an error.
   [[noreturn]] void Abort(int exit_code);
 
  private:

@@ -16,12 +16,12 @@
 namespace tenon::apps {
 namespace {
 
-/// The text of a scalar.
+/// Returns the text of a YAML scalar.
 std::string Unquoted(const std::string& yaml) {
   return YamlDocument::Parse("text: " + yaml, "scenario").Text("text");
 }
 
-/// What a value sets: itself under its name, or keys by factors.
+/// Returns the keys that a value sets with their factors; by default its own key.
 std::vector<std::pair<std::string, double>> Targets(const std::string& name,
                                                     const std::map<std::string, double>& sets) {
   if (sets.empty()) return {{name, 1}};
@@ -32,26 +32,26 @@ std::string Text(double value) {
   return fmt::format("{}", value);
 }
 
-/// Throws ParameterError if a value stands in a list twice, be it as 1 and 1.0.
+/// Throws ParameterError if a list contains a value twice, also in different notations such as 1 and 1.0.
 void DemandNoneTwice(const std::vector<std::string>& labels) {
   std::set<std::string> seen;
   for (const std::string& label : labels) {
     const std::optional<double> number = internal::NumberIn<double>(label);
     if (!seen.insert(number ? Text(*number) : label).second)
-      throw ParameterError(fmt::format("{} stands there twice: its runs would be the same, take one out",
+      throw ParameterError(fmt::format("{} is given twice, and its runs would be the same: remove one",
                                        internal::Excerpt(label)));
   }
 }
 
-/// Throws ParameterError if runs.csv has a column of that name anyway.
+/// Throws ParameterError if `name` is the name of a column of results in runs.csv.
 void DemandNoColumn(const std::string& name) {
   for (const char* column : {"run", "seed", "case", "finished", "fell", "simulated_s", "end_reason"})
     if (name == column)
-      throw ParameterError(fmt::format("'{}' is what a run comes to, not what it is given{}", name,
-                                       name == "seed" ? "; say seeds: {first: 1, count: 20}" : ""));
+      throw ParameterError(fmt::format("'{}' is a result of runs and cannot be varied{}", name,
+                                       name == "seed" ? "; use seeds: {first: 1, count: 20}" : ""));
 }
 
-/// All keys of the scenario that a variation may set.
+/// Returns all keys of the scenario that a variation can set.
 std::set<std::string> KeysOf(const std::string& name, const Variation& how) {
   std::set<std::string> keys;
   for (const auto& [label, settings] : how.choices)
@@ -73,7 +73,8 @@ void CampaignPlan::AddAxis(const std::string& name, const Variation& how,
   std::vector<double> values = how.grid;
   if (how.linspace) {
     const auto [from, to, count] = *how.linspace;
-    for (double i = 0; i < count; ++i)  // 0.05, not 0.049999999999999996
+    for (double i = 0; i < count;
+         ++i)  // rounded, because labels show all digits: 0.05, not 0.049999999999999996
       values.push_back(std::stod(fmt::format("{:.12g}", from + (to - from) * i / (count - 1))));
   }
   for (const double value : values) {
@@ -103,7 +104,7 @@ void CampaignPlan::AddDrawn(const std::string& name, const Variation& how) {
       return distribution.Draw(random);
     };
   } else if (how.latin_hypercube) {
-    // The design is one for all points of the product: what differs between them is what they say.
+    // All points of the product share one design, so that they differ only in their own values.
     RandomStream random(file_.seeds.first, name);
     auto points = std::make_shared<const std::vector<double>>(LatinHypercube(num_seeds(), random));
     drawn.draw = [points, range = *how.latin_hypercube](std::uint64_t, std::size_t k) {
@@ -137,8 +138,8 @@ CampaignPlan::CampaignPlan(const YamlDocument& document)
     for (const std::string& key : KeysOf(name, how)) {
       const auto [other, added] = by_key.emplace(key, name);
       if (!added)
-        throw ParameterError(fmt::format("{}: {} is varied by {} already", document.PlaceOf("vary." + name),
-                                         key, other->second));
+        throw ParameterError(fmt::format("{}: {} is already varied by {}; remove one of them",
+                                         document.PlaceOf("vary." + name), key, other->second));
     }
     if (points_ > 10'000'000)
       throw ParameterError(
@@ -148,19 +149,20 @@ CampaignPlan::CampaignPlan(const YamlDocument& document)
   if (file_.limit) {
     DemandNoColumn(file_.limit->key);
     auto keys = Targets(file_.limit->key, file_.limit->sets);
-    keys.emplace_back(file_.limit->key, 1);  // a column of the table
+    keys.emplace_back(file_.limit->key, 1);  // also a column of the table
     for (const auto& [key, factor] : keys) {
       if (by_key.contains(key) || file_.vary.contains(key) || file_.set.contains(key))
         throw ParameterError(
-            fmt::format("{}: {} is also set or varied; take it out there", document.PlaceOf("limit"), key));
+            fmt::format("{}: {} is also set or varied; remove it there", document.PlaceOf("limit"), key));
     }
   }
   sobol_points_ = Sobol(num_seeds(), sobol_.size());
   if (file_.limit) levels_ = (std::size_t{1} << file_.limit->steps) - 1;
   if (static_cast<double>(points_) * static_cast<double>(levels_) * static_cast<double>(num_seeds()) >
       (file_.limit ? 1e15 : 1e9))
-    throw ParameterError(fmt::format("{}: {} points, {} levels and {} seeds are too many runs",
-                                     document.PlaceOf("seeds"), points_, levels_, num_seeds()));
+    throw ParameterError(
+        fmt::format("{}: {} points, {} levels and {} seeds make too many runs; reduce one of them",
+                    document.PlaceOf("seeds"), points_, levels_, num_seeds()));
 }
 
 std::vector<std::string> CampaignPlan::Scenarios() const {
@@ -179,8 +181,7 @@ std::vector<std::string> CampaignPlan::Scenarios() const {
 }
 
 double CampaignPlan::LevelValue(std::size_t level) const {
-  // In a heap, depth d begins at 2^d - 1; the bisection goes to the middle of the (level - begin)-th of 2^d
-  // parts.
+  // In the heap, depth d begins at index 2^d - 1, and its values are the centres of 2^d equal parts.
   const std::size_t begin = std::bit_floor(level + 1) - 1;
   const double parts = static_cast<double>(begin + 1);
   const double middle = (static_cast<double>(level - begin) + 0.5) / parts;
@@ -190,7 +191,7 @@ double CampaignPlan::LevelValue(std::size_t level) const {
 std::vector<std::size_t> CampaignPlan::LabelsAt(std::size_t point) const {
   std::vector<std::size_t> at(axes_.size());
   for (std::size_t i = axes_.size(); i-- > 0;
-       point /= axes_[i].labels.size())  // the last one changes fastest
+       point /= axes_[i].labels.size())  // the last axis changes fastest
     at[i] = point % axes_[i].labels.size();
   return at;
 }

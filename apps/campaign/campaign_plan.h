@@ -13,7 +13,7 @@
 
 namespace tenon::apps {
 
-/// What a run is: it follows from its index alone.
+/// The seed, scenario and settings of a run, which depend only on its index.
 struct RunSetup {
   std::uint64_t seed = 1;
   std::string scenario;
@@ -21,14 +21,15 @@ struct RunSetup {
   std::vector<std::pair<std::string, std::string>> varied;    ///< columns of runs.csv
 };
 
-/// The points of a campaign, its seeds at each point, and which run means what. Constant, so that any number
-/// of threads may ask.
+/// The points of a campaign, the seeds at each point and the numbering of runs. It is immutable and
+/// thread-safe.
 ///
-/// run = (point levels + level) seeds + k, where k counts the seeds, and a level is one of the values that a
-/// bisection may come to: 0 without one, else its place in the tree of bisections, numbered as a heap from 0.
+/// A run has the index (point levels + level) seeds + k, where k counts the seeds. The level identifies a
+/// value of the bisection by its position in the binary tree of intervals, numbered as in a heap from 0; it
+/// is 0 without bisection.
 class CampaignPlan {
  public:
-  /// Reads `file`; throws ParameterError with file, line and key.
+  /// Reads `file`. Throws ParameterError with file, line and key.
   explicit CampaignPlan(const YamlDocument& file);
   CampaignPlan(const CampaignPlan&) = delete;
   CampaignPlan& operator=(const CampaignPlan&) = delete;
@@ -45,28 +46,28 @@ class CampaignPlan {
   std::size_t RunOf(std::size_t point, std::size_t level, std::size_t k) const {
     return (point * levels_ + level) * num_seeds() + k;
   }
-  /// All scenarios that may run.
+  /// Returns all scenarios that can occur.
   std::vector<std::string> Scenarios() const;
-  /// What the grids, lists and choices say at a point, by name.
+  /// Returns the values of the grids, lists and choices at a point by name.
   std::vector<std::pair<std::string, std::string>> AtPoint(std::size_t point) const;
-  /// The value of the limit's key at a level.
+  /// Returns the value of the limit's key at a level.
   double LevelValue(std::size_t level) const;
-  /// The same as indices of their labels.
+  /// Returns the indices of the axes' labels at a point.
   std::vector<std::size_t> LabelsAt(std::size_t point) const;
 
   struct Setting {
     std::string key, value;
   };
-  /// One factor of the product of points, a list of what it may set.
+  /// One factor of the product of points.
   struct Axis {
     std::string name;
     std::vector<std::string> labels;
-    std::vector<std::vector<Setting>> settings;  ///< for each label
+    std::vector<std::vector<Setting>> settings;  ///< settings of each label
   };
   const std::vector<Axis>& axes() const { return axes_; }
 
  private:
-  /// One value for each seed.
+  /// A variation that draws one value for each seed.
   struct Drawn {
     std::string name;
     std::vector<std::pair<std::string, double>> sets;
@@ -76,10 +77,10 @@ class CampaignPlan {
   void AddDrawn(const std::string& name, const Variation& how);
 
   CampaignFile file_;
-  std::vector<std::string> order_;  ///< of `vary`, as in the file
+  std::vector<std::string> order_;  ///< keys of `vary` in the order of the file
   std::vector<Axis> axes_;
   std::vector<Drawn> drawn_;
-  std::vector<std::string> sobol_;  ///< names
+  std::vector<std::string> sobol_;  ///< keys varied by the Sobol sequence
   std::vector<std::vector<double>> sobol_points_;
   std::size_t points_ = 1;
   std::size_t levels_ = 1;

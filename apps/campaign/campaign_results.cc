@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The columns of a table, and which of them are numbers wherever they are given.
+/// The numeric columns of a table: drawn values and figures.
 struct Columns {
   std::vector<std::string> drawn, figures;
 };
@@ -33,7 +33,7 @@ Columns SortColumns(const fs::path& table, const CampaignPlan& plan) {
   for (const CampaignPlan::Axis& axis : plan.axes()) known.insert(axis.name);
   Columns columns;
   std::set<std::string> no_number;
-  std::map<std::string, bool> varied;  // by name: stands before the figures
+  std::map<std::string, bool> varied;  // by name: whether the column precedes the figures
   CampaignTable::Read(table, plan.size(), [&](std::size_t, const CampaignRow& row) {
     bool before = true;
     const bool ran = !Cell(row, "case").empty();
@@ -57,7 +57,7 @@ std::string PointName(const CampaignPlan& plan, std::size_t point) {
   return name;
 }
 
-/// The figure by which runs are bad; empty if there is none.
+/// Returns the figure by which the worst runs are selected; empty if there is none.
 std::string WorstBy(const CampaignPlan& plan, const std::vector<std::string>& figures) {
   const std::string& wanted = plan.file().worst_by;
   if (!wanted.empty()) {
@@ -72,7 +72,7 @@ std::string WorstBy(const CampaignPlan& plan, const std::vector<std::string>& fi
   return {};
 }
 
-constexpr std::size_t kPicks = 5;  // of those that failed, and of the worst
+constexpr std::size_t kPicks = 5;  // number of listed failures and of listed worst runs
 
 void AddPicks(CampaignReport& report, const std::string& worst_by, const std::string& command,
               const fs::path& directory) {
@@ -173,7 +173,7 @@ void WriteResults(const CampaignPlan& plan, const CampaignSchedule& schedule, co
   }
   nlohmann::ordered_json summary{
       {"app", file.app}, {"scenario", file.scenario}, {"confidence", file.confidence}};
-  if (file.limit) {  // runs at values that a bisection chose say nothing together
+  if (file.limit) {  // the overall survival at values of a bisection has no meaning
     summary["runs"] = all.count;
     fmt::print("{} runs\n", all.count);
   } else {
@@ -206,7 +206,7 @@ void WriteResults(const CampaignPlan& plan, const CampaignSchedule& schedule, co
     summary["causes"].push_back({{"cause", cause.text}, {"runs", cause.count}, {"first", cause.first}});
     if (summary["causes"].size() <= 10) fmt::print("{} failed: {}\n", cause.count, cause.text);
   }
-  if (!report.picks.empty()) fmt::print("worth a look:\n");
+  if (!report.picks.empty()) fmt::print("runs to inspect:\n");
   for (const CampaignReport::Pick& pick : report.picks) fmt::print("  {}    # {}\n", pick.command, pick.why);
 
   WriteFile(directory / "summary.json",

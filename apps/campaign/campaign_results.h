@@ -8,13 +8,13 @@
 
 namespace tenon::apps {
 
-/// Makes of the table of a campaign what there is to look at: report.html and summary.json beside it, and
-/// some lines on stdout. `schedule` knows what limits were found; `command` is how to run one again, but for
-/// its number. Throws OutputError.
+/// Evaluates the table of a campaign: writes report.html and summary.json beside it and prints a summary on
+/// stdout. `schedule` holds the limits found; `command` is the command line that repeats a run, without the
+/// run's number. Throws OutputError.
 void WriteResults(const CampaignPlan& plan, const CampaignSchedule& schedule, const std::string& command,
                   const std::filesystem::path& directory);
 
-/// Where a run that is done again leaves its files.
+/// Returns the output directory of a repeated run.
 std::filesystem::path ReplayDirectory(const std::filesystem::path& directory, std::size_t run);
 
 }  // namespace tenon::apps

@@ -46,7 +46,7 @@ CampaignRunner::CampaignRunner(const CampaignPlan& plan, const YamlDocument& fil
   for (const std::string part : {"set", "vary"})
     for (const std::string& key : file.Keys(part))
       if (refusal_.find("--set " + key + "=") != refusal_.npos) place = file.PlaceOf(part + "." + key);
-  throw ParameterError(fmt::format("{}: none of the runs can begin: {}", place, refusal_));
+  throw ParameterError(fmt::format("{}: no run can begin: {}", place, refusal_));
 }
 
 namespace {
@@ -63,7 +63,7 @@ CampaignRunner::Prepared CampaignRunner::Prepare(std::size_t run) const {
   const RunSetup setup = plan_.Setup(run);
   Prepared prepared{.scenario = scenarios_.at(setup.scenario), .row = BeginRow(run, setup)};
   for (const auto& [key, value] : setup.settings) prepared.scenario.Set(key, value);
-  // By their names, since scenarios of one campaign may say them in another order.
+  // Sorted by name, because scenarios of one campaign can have different orders of keys.
   auto drawn = DrawScenario(prepared.scenario, setup.seed);
   std::ranges::sort(drawn);
   for (const auto& [key, value] : drawn)
@@ -77,7 +77,7 @@ CampaignRow CampaignRunner::Begin(std::size_t run) const {
 
 namespace {
 
-/// What begins like the figures of a run that began.
+/// Returns the row of a run that could not begin.
 CampaignResult Failed(CampaignRow row, const std::string& reason) {
   row.emplace_back("finished", "false");
   row.emplace_back("end_reason", reason);
@@ -93,7 +93,7 @@ CampaignResult Judged(CampaignRow row, const Summary& summary) {
       reason = text;
     } else if (name == "finished") {
       row.emplace_back(name, survived ? "true" : "false");
-    } else if (Cell(row, name).empty()) {  // else it stands in front: the seed, what was varied
+    } else if (Cell(row, name).empty()) {  // the seed and varied keys are already in the row
       row.emplace_back(name, text.empty() ? "NaN" : text);
     }
   }

@@ -13,34 +13,34 @@
 
 namespace tenon::apps {
 
-/// What a run came to.
+/// The result of a run.
 struct CampaignResult {
   CampaignRow row;
-  bool survived = false;  ///< it reached its end
-  int exit_code = 0;      ///< an ExitCode, as the app's own
+  bool survived = false;  ///< the run reached its end
+  int exit_code = 0;      ///< ExitCode of the app
 };
 
-/// Turns the runs of a plan into rows. Constant: any number of threads may run.
+/// Executes runs of a plan and returns their rows. It is immutable and thread-safe.
 class CampaignRunner {
  public:
-  /// Reads all scenarios; of the points of the plan, or a hundred of them, the first run is checked. Throws
-  /// ParameterError, with the place in the campaign's file of the key that is refused, if none can run.
+  /// Reads all scenarios and checks the first run of at most a hundred points. If none of these can run,
+  /// throws ParameterError with the place of the invalid key in the campaign's file.
   CampaignRunner(const CampaignPlan& plan, const YamlDocument& file, ScenarioApp app);
 
-  /// Runs one. What is thrown is a row with its reason. Nothing if a signal stopped it.
+  /// Executes a run. An exception becomes a row with its message. Empty if a signal stopped the run.
   std::optional<CampaignResult> Run(std::size_t run) const;
-  /// The same with all outputs in a directory; throws what it throws.
+  /// Executes a run with all outputs in a directory and does not catch exceptions.
   CampaignResult Replay(std::size_t run, const std::filesystem::path& out) const;
-  /// The columns of a run that are known before it has run.
+  /// Returns the columns that are known before the run.
   CampaignRow Begin(std::size_t run) const;
-  /// How many of the points that were checked are refused, with the reason of the first.
+  /// Numbers of checked and of refused points, and the reason of the first refusal.
   std::size_t num_checked() const { return num_checked_; }
   std::size_t num_refused() const { return num_refused_; }
   const std::string& refusal() const { return refusal_; }
-  /// Why the scenario of the first point that can run would not take `duration_s` for its own time, as of one
-  /// that ends before its figures begin; empty if it would.
+  /// The error if the scenario of the first valid point does not accept the campaign's `duration_s`, for
+  /// example because its figures begin later; else empty.
   const std::string& cut_short() const { return cut_short_; }
-  /// All scenarios as they are read, for comparing.
+  /// Returns all scenarios as text, for comparison.
   std::string ScenarioTexts() const;
 
  private:

@@ -25,7 +25,8 @@ std::optional<std::size_t> CampaignSchedule::Next() {
   return adaptive() ? NextAdaptive() : NextFixed();
 }
 
-/// All points with the first seed, then with the second: a campaign that is stopped has seen the whole.
+/// Runs all points with the first seed, then with the second, so that an interrupted campaign covers all
+/// points.
 std::optional<std::size_t> CampaignSchedule::NextFixed() {
   for (; cursor_ < plan_.size(); ++cursor_) {
     const std::size_t run = plan_.RunOf(cursor_ % plan_.num_points(), 0, cursor_ / plan_.num_points());
@@ -88,7 +89,7 @@ bool CampaignSchedule::Decided(const Sequence& at) const {
   const CampaignFile& file = plan_.file();
   if (!file.limit)
     return WilsonInterval(at.survived, at.judged, file.confidence).width() <= file.interval_width;
-  // After 8, 16, 32, … seeds, which share the risk of a wrong decision.
+  // Tests after 8, 16, 32, … seeds share the risk of a wrong decision.
   constexpr std::size_t kFirstLook = 8;
   if (at.judged % kFirstLook != 0 || !std::has_single_bit(at.judged / kFirstLook)) return false;
   const auto looks = static_cast<double>(std::bit_width(plan_.num_seeds() / kFirstLook));

@@ -12,7 +12,7 @@
 namespace tenon::apps {
 namespace {
 
-/// As RFC 4180 has it, on one line.
+/// Quotes a cell as in RFC 4180, on one line.
 std::string Quoted(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   std::replace(text.begin(), text.end(), '\r', ' ');
@@ -29,7 +29,7 @@ std::string Quoted(std::string text) {
 std::string Line(const std::vector<std::string>& cells) {
   std::string line;
   for (const std::string& cell : cells) {
-    if (!line.empty()) line += ',';  // the first cell, of the run, is never empty
+    if (!line.empty()) line += ',';  // the first cell holds the run and is never empty
     line += Quoted(cell);
   }
   line += '\n';
@@ -61,7 +61,7 @@ std::vector<std::string> Cells(std::string_view line) {
   return cells;
 }
 
-/// Puts what a row has and the columns lack where it stands in the row: behind its neighbour.
+/// Inserts columns of a row that are missing, each after its predecessor in the row.
 void AddColumns(std::vector<std::string>& columns, const CampaignRow& row) {
   auto at = columns.begin();
   for (const auto& [column, text] : row) {
@@ -96,26 +96,24 @@ std::string_view Cell(const CampaignRow& row, std::string_view column) {
 
 namespace {
 
-/// The lines of a table, one after the other or at their places.
+/// Reads the lines of a table in order or at given offsets.
 class Lines {
  public:
   explicit Lines(const std::filesystem::path& file) : file_(file), in_(file, std::ios::binary) {
     std::error_code ignored;
     if (!in_ || !std::filesystem::is_regular_file(file, ignored))
-      throw ParameterError(
-          fmt::format("cannot read '{}': is it the directory of a campaign?", file.string()));
-    if (!Next()) return;  // nothing yet, or a header that is torn
+      throw ParameterError(fmt::format(
+          "cannot read '{}'; check that this is the output directory of a campaign", file.string()));
+    if (!Next()) return;  // empty, or an incomplete header
     columns_ = Cells(line_);
     if (columns_.size() < 2 || columns_[0] != "run")
-      throw ParameterError(
-          fmt::format("{}:1: not the header of a table of runs, which begins with 'run'; is it "
-                      "another file?",
-                      file.string()));
+      throw ParameterError(fmt::format(
+          "{}:1: the header of a table of runs must begin with 'run'; check the file", file.string()));
   }
   const std::vector<std::string>& columns() const { return columns_; }
-  /// Where the next line begins.
+  /// Offset of the next line [bytes].
   std::streamoff at() const { return end_; }
-  /// Goes on to the next line that is whole; false at the end.
+  /// Reads the next complete line. Returns false at the end.
   bool Next() {
     ++number_;
     if (!std::getline(in_, line_) || in_.eof()) return false;
@@ -131,10 +129,10 @@ class Lines {
     std::vector<std::string> cells = Cells(line_);
     const auto run = internal::NumberIn<std::size_t>(cells[0]);
     if (cells.size() != columns_.size() || !run)
-      throw ParameterError(
-          fmt::format("{}:{}: this is no line of {} cells that begins with a run; take it out, or "
-                      "begin anew",
-                      file_.string(), number_, columns_.size()));
+      throw ParameterError(fmt::format(
+          "{}:{}: the line must have {} cells and begin with the number of a run; remove it, or restart "
+          "the campaign",
+          file_.string(), number_, columns_.size()));
     CampaignRow row;
     for (std::size_t i = 0; i < cells.size(); ++i)
       if (!cells[i].empty()) row.emplace_back(columns_[i], std::move(cells[i]));
@@ -158,9 +156,9 @@ void CampaignTable::Read(const std::filesystem::path& file, std::size_t runs,
   while (!lines.columns().empty() && lines.Next()) {
     const auto [run, row] = lines.Row();
     if (run >= runs)
-      throw ParameterError(
-          fmt::format("{}: run {} is none of this campaign, which has {}; is it the table of another one?",
-                      file.string(), run, runs));
+      throw ParameterError(fmt::format(
+          "{}: run {} is out of range: this campaign has runs 0 to {}; check that the table belongs to it",
+          file.string(), run, runs - 1));
     visit(run, row);
   }
 }
@@ -215,7 +213,7 @@ void CampaignTable::Rewrite(const std::vector<std::streamoff>& places, std::vect
       text.clear();
     }
     anew.Append(text);
-    anew.Sync();  // there is no other table when it has taken the name
+    anew.Sync();  // must be on disk before it replaces the table
   } catch (...) {
     std::filesystem::remove(part, error);
     throw;

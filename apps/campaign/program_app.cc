@@ -25,13 +25,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A directory that goes with the object.
+/// A temporary directory, removed with the object.
 class Scratch {
  public:
   Scratch() {
     std::string name = (fs::temp_directory_path() / "tenon-XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr)
-      throw OutputError(fmt::format("cannot make a directory in '{}': set TMPDIR to one that can be written",
+      throw OutputError(fmt::format("cannot create a directory in '{}': set TMPDIR to a writable directory",
                                     fs::temp_directory_path().string()));
     path_ = name;
   }
@@ -47,26 +47,26 @@ class Scratch {
   fs::path path_;
 };
 
-/// How a process ended.
+/// The end of a process.
 struct Ended {
-  int code = 0;           ///< as a shell tells it
-  bool too_long = false;  ///< because of the limit on the clock
+  int code = 0;           ///< exit code, 128 plus the signal as in a shell
+  bool too_long = false;  ///< it exceeded the limit of wall-clock time
 };
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds kLook{5};  // between two looks at a process
-constexpr std::chrono::seconds kGrace{5};      // for it to write what it has, when its time is over
+constexpr std::chrono::milliseconds kLook{5};  // polling interval
+constexpr std::chrono::seconds kGrace{5};      // time to write files after SIGTERM
 
-/// The code of a process that has ended, once.
+/// Returns the exit code of a process once it has ended.
 std::optional<int> CodeOf(::pid_t process) {
   int status = 0;
   const ::pid_t waited = ::waitpid(process, &status, WNOHANG);
-  if (waited < 0 && errno != EINTR) throw RunError("a run's process is lost");
+  if (waited < 0 && errno != EINTR) throw RunError("lost the process of a run");
   if (waited != process) return {};
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-/// Ends a process and what it runs itself, its group: in good order, and at once what does not hear.
+/// Ends the group of a process by SIGTERM and, if it does not react, by SIGKILL.
 int End(::pid_t process) {
   ::kill(-process, SIGTERM);
   std::optional<int> code;
@@ -83,8 +83,7 @@ int End(::pid_t process) {
   return *code;
 }
 
-/// Waits for a process, and tells it to end in good order when a signal says so; ends it when the limit on
-/// the clock [s] does.
+/// Waits for a process and forwards received signals to it. Ends it at the limit of wall-clock time [s].
 Ended Wait(::pid_t process, std::optional<double> wall_limit) {
   const Clock::time_point begin = Clock::now();
   for (int told = 0;; std::this_thread::sleep_for(kLook)) {
@@ -98,8 +97,9 @@ Ended Wait(::pid_t process, std::optional<double> wall_limit) {
   }
 }
 
-/// Runs a program, and says how it ended; what it prints goes into a file. It is told of Ctrl-C by Wait
-/// alone, once, and not by the terminal as well: a second signal would end it at once.
+/// Runs a program with its output redirected to the file `printed`. The program has its own process group, so
+/// that it receives Ctrl-C once from Wait and not also from the terminal: a second signal would end it at
+/// once.
 Ended Execute(const fs::path& program, const std::vector<std::string>& arguments, const fs::path& printed,
               std::optional<double> wall_limit = {}) {
   std::vector<std::string> texts{program.string()};
@@ -114,7 +114,7 @@ Ended Execute(const fs::path& program, const std::vector<std::string>& arguments
   ::posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
   ::posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
-  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);  // its own
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   ::pid_t process = 0;
   const int error = ::posix_spawn(&process, program.c_str(), &actions, &attributes, list.data(), environ);
   ::posix_spawnattr_destroy(&attributes);
@@ -125,16 +125,16 @@ Ended Execute(const fs::path& program, const std::vector<std::string>& arguments
   return Wait(process, wall_limit);
 }
 
-/// The end of what a program printed, which say why it ended.
+/// Returns the end of a program's output, which usually gives the reason of its end.
 std::string EndOf(std::string text) {
   constexpr std::size_t kMost = 1000;  // [bytes]
   if (text.size() <= kMost) return text;
   text.erase(0, text.size() - kMost);
-  const auto within = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; };  // a character
+  const auto within = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; };  // in UTF-8
   return "…" + std::string(std::ranges::find_if_not(text, within), text.end());
 }
 
-/// The scenario as a file; what it names is named from anywhere.
+/// Writes the scenario with absolute paths to a file and returns its path.
 std::string Written(const YamlDocument& scenario, const Scratch& scratch) {
   const fs::path file = scratch.path() / "scenario.yaml";
   WriteFile(file, scenario.WithAbsolutePaths().Flow() + "\n");
@@ -145,7 +145,8 @@ std::string Written(const YamlDocument& scenario, const Scratch& scratch) {
 
 ScenarioApp ProgramApp(const fs::path& program) {
   if (::access(program.c_str(), X_OK) != 0 || fs::is_directory(program))
-    throw ParameterError(fmt::format("cannot run '{}': is it there, and built?", program.string()));
+    throw ParameterError(
+        fmt::format("cannot run '{}': check the path and build the program", program.string()));
   const auto check = [program](const YamlDocument& scenario) {
     const Scratch scratch;
     const fs::path printed = scratch.path() / "printed";
@@ -160,7 +161,7 @@ ScenarioApp ProgramApp(const fs::path& program) {
     std::vector<std::string> arguments{Written(scenario, scratch), "--out", out.string()};
     if (duration) arguments.insert(arguments.end(), {"--duration", fmt::format("{}", *duration)});
     std::error_code ignored;
-    fs::remove(out / "summary.json", ignored);  // of an earlier run, else it would be this one's
+    fs::remove(out / "summary.json", ignored);  // of an earlier run
     const Ended ended = Execute(program, arguments, printed, options.wall_limit);
     const auto reason = [&] {
       return ended.too_long ? TookTooLong(*options.wall_limit)
@@ -172,7 +173,7 @@ ScenarioApp ProgramApp(const fs::path& program) {
     if (ended.too_long && ended.code != kOutputFailed) {
       result.summary.EndedBy(reason(), kNumericalFailure);
     } else if (ended.code != kRan && result.summary.finished()) {
-      result.summary.EndedBy(reason(), ended.code);  // it survives that ends well
+      result.summary.EndedBy(reason(), ended.code);  // a run survives only with exit code 0
     }
     return result;
   };

@@ -6,8 +6,9 @@
 
 namespace tenon::apps {
 
-/// An app that is a program of its own, made with RunApp: each run is a process, and its figures are those of
-/// the summary.json that it leaves. Its name is the file's. Throws ParameterError if it cannot be run.
+/// Makes an app of a separate program whose main function calls RunApp. Each run is a process, and its
+/// figures are read from its summary.json. The app has the name of the file. Throws ParameterError if it is
+/// not executable.
 ScenarioApp ProgramApp(const std::filesystem::path& program);
 
 }  // namespace tenon::apps

@@ -1,4 +1,4 @@
-// tenon-campaign: runs a scenario many times, varied, in threads, across machines, and in parts.
+// tenon-campaign: runs variations of a scenario in threads, across machines, or in parts.
 
 #include <tenon/apps/campaign/campaign_desk.h>
 #include <tenon/apps/campaign/campaign_mpi.h>
@@ -11,12 +11,12 @@
 #include <tenon/apps/cdpr/cdpr_run.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/read_text.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_keys.h>
-#include <tenon/apps/guide_dog/guide_dog_run.h>
-#include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/apps/guide_dog/guide_dog_app.h>
+#include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/fnv1a.h>
 #include <tenon/systems/text/parse_number.h>
@@ -39,7 +39,7 @@ namespace fs = std::filesystem;
 struct CampaignArguments {
   std::string campaign;
   std::string out;
-  int jobs = 0;  ///< 0: as many as there are cores
+  int jobs = 0;  ///< 0: number of cores
   bool resume = false;
   bool dry_run = false;
   bool list = false;
@@ -59,11 +59,11 @@ Shard ParseShard(const std::string& text) {
   if (slash == text.npos || !number(std::string_view(text).substr(0, slash), shard.index) ||
       !number(std::string_view(text).substr(slash + 1), shard.count) || shard.index < 1 ||
       shard.index > shard.count)
-    throw ParameterError(fmt::format("--shard {}: give it as i/N, i from 1 to N, say 2/8", text));
+    throw ParameterError(fmt::format("--shard {}: write i/N with i from 1 to N, as in 2/8", text));
   return shard;
 }
 
-/// A campaign's file; what it names starts from there, the program of an app of one's own as well.
+/// Loads a campaign's file. Paths in it, also that of an app's program, are relative to the file.
 YamlDocument LoadCampaign(const fs::path& path) {
   YamlDocument file = YamlDocument::Load(path.string()).WithAbsolutePaths();
   const std::string app = file.Text("app");
@@ -71,7 +71,7 @@ YamlDocument LoadCampaign(const fs::path& path) {
   return file;
 }
 
-/// The file as text that means the same elsewhere.
+/// Returns the file as text that is valid in any directory.
 std::string CampaignText(const YamlDocument& file) {
   const YamlDocument written = YamlDocument::Load(file.name());
   return written.Flow() == file.Flow() ? ReadText(file.name()) : file.Flow() + "\n";
@@ -84,13 +84,13 @@ ScenarioApp FindApp(const YamlDocument& file, const std::string& name) {
     if (app.name == name) return std::move(app);
     names += (names.empty() ? "" : ", ") + app.name;
   }
-  throw ParameterError(
-      fmt::format("{}: there is no app '{}' that runs campaigns; there are {}. Or give "
-                  "the path of a program, say ./{}",
-                  file.PlaceOf("app"), name, names, name));
+  throw ParameterError(fmt::format(
+      "{}: there is no app '{}' for campaigns; choose one of {}, or give the path of a program, such as "
+      "./{}",
+      file.PlaceOf("app"), name, names, name));
 }
 
-/// Files of a directory in one number.
+/// Returns a hash of the files of a directory.
 std::string HashOf(const fs::path& directory) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(directory)) files.push_back(entry.path());
@@ -100,7 +100,7 @@ std::string HashOf(const fs::path& directory) {
   return fmt::format("{:016x}", hash.value());
 }
 
-/// What a table was made from, as text: rows of other inputs must not be mixed into it.
+/// Describes the inputs of a table as text, because rows of different inputs must not be mixed.
 std::string Inputs(const YamlDocument& file, const CampaignRunner& runner) {
   std::string text = fmt::format("campaign: {}\n{}", file.Flow(), runner.ScenarioTexts());
   for (const char* kind : {"robots", "hardware/legged", "hardware/cdpr", "gaits", "profiles"})
@@ -115,11 +115,11 @@ void DemandSameInputs(const fs::path& directory, const std::string& inputs, cons
       "'{}' holds runs of {}: {}", directory.string(),
       before.empty()
           ? "no campaign"
-          : "another campaign, or of scenarios, robots, hardware, gaits or profiles that have changed since",
+          : "another campaign, or of scenarios, robots, hardware, gaits or profiles that have changed",
       remedy));
 }
 
-/// What an earlier campaign's repeated runs left.
+/// Removes the files of repeated runs of an earlier campaign.
 void RemoveReplays(const fs::path& directory) {
   for (const auto& entry : fs::directory_iterator(directory))
     if (entry.is_directory() && entry.path().filename().string().starts_with("run_") &&
@@ -145,7 +145,7 @@ int DryRun(const CampaignPlan& plan, const CampaignSchedule& schedule, const Cam
   return kRan;
 }
 
-/// As a shell takes it.
+/// Quotes a text for a shell.
 std::string ShellQuoted(const std::string& text) {
   const bool plain = std::ranges::all_of(text, [](unsigned char c) {
     return std::isalnum(c) || c == '/' || c == '.' || c == '_' || c == '-' || c == '=' || c == '+';
@@ -156,12 +156,12 @@ std::string ShellQuoted(const std::string& text) {
   return quoted + "'";
 }
 
-/// How to give the campaign again on a command line.
+/// Returns the command line that runs the campaign again.
 std::string CommandOf(const std::string& campaign, const fs::path& directory) {
   return fmt::format("tenon-campaign {} --out {}", ShellQuoted(campaign), ShellQuoted(directory.string()));
 }
 
-constexpr const char* kBeginAnew = "begin anew without --resume, or choose another --out";
+constexpr const char* kBeginAnew = "restart without --resume, or choose another --out";
 
 bool DependsOnMachine(const std::string& column) {
   return std::ranges::any_of(std::array{"wall", "qp_time", "mpc_time", "real_time"},
@@ -176,8 +176,7 @@ int Replay(const CampaignArguments& arguments, const YamlDocument& file, const C
   const fs::path table = directory / "runs.csv";
   const bool has_table = fs::exists(table);
   if (has_table)
-    DemandSameInputs(directory, Inputs(file, runner),
-                     "choose another --out, where the run alone is repeated");
+    DemandSameInputs(directory, Inputs(file, runner), "choose another --out to repeat only the run");
   const fs::path place = ReplayDirectory(directory, run);
   const OutputLock lock(directory);
   const CampaignResult again = runner.Replay(run, place);
@@ -191,24 +190,22 @@ int Replay(const CampaignArguments& arguments, const YamlDocument& file, const C
     if (other != run) return;
     for (const auto& [column, text] : again.row)
       if (!DependsOnMachine(column) && Cell(row, column) != text)
-        Say(fmt::format(
-            "warning: {} was {} in the campaign: the program has changed since, or the machine is "
-            "another one\n",
-            column, Cell(row, column)));
+        Say(fmt::format("warning: {} was {} in the campaign: the program or the machine has changed\n",
+                        column, Cell(row, column)));
   });
-  // The page links to what is there now; a campaign that goes on has none yet.
+  // The report links to the repeated run. An unfinished campaign has no report yet.
   if (fs::exists(directory / "report.html"))
     WriteResults(plan, schedule, CommandOf(arguments.campaign, directory), directory);
   return again.exit_code;
 }
 
 int Merge(const CampaignArguments& arguments) {
-  if (arguments.out.empty()) throw ParameterError("--merge: give the directory of the whole by --out");
+  if (arguments.out.empty()) throw ParameterError("--merge: give the output directory by --out");
   const fs::path first = arguments.merge.front();
   const YamlDocument file = LoadCampaign(first / "campaign.yaml");
   const CampaignPlan plan(file);
   const std::string inputs = ReadText(first / "inputs.txt");
-  // Nothing is touched before all parts are known to be good.
+  // All parts are checked before any file is written.
   CampaignSchedule schedule(plan, {}, 1);
   for (const std::string& part : arguments.merge) {
     std::error_code ignored;
@@ -223,7 +220,7 @@ int Merge(const CampaignArguments& arguments) {
   const auto total = schedule.total();
   if (!total && !schedule.finished())
     throw ParameterError(
-        fmt::format("--merge: what '{}' estimates is not known yet: finish it first, {} --resume",
+        fmt::format("--merge: the estimate of '{}' is not finished; finish it first: {} --resume",
                     first.string(), CommandOf((first / "campaign.yaml").string(), first)));
   const OutputDirectory out(arguments.out);
   RemoveReplays(out.path());
@@ -234,7 +231,8 @@ int Merge(const CampaignArguments& arguments) {
   for (const std::string& part : arguments.merge) {
     CampaignTable::Read(fs::path(part) / "runs.csv", plan.size(),
                         [&](std::size_t run, const CampaignRow& row) {
-                          if (!seen.insert(run).second) return;  // in two parts: they say the same
+                          if (!seen.insert(run).second)
+                            return;  // a run of two parts has the same result in both
                           table.Append(row);
                         });
   }
@@ -247,7 +245,7 @@ int Merge(const CampaignArguments& arguments) {
   return kRan;
 }
 
-/// The whole of it, by all ranks that there are.
+/// Runs a campaign, in all ranks of MPI if `mpi` is given.
 int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, const CampaignPlan& plan,
                 const CampaignRunner& runner, const Shard& shard, const fs::path& directory,
                 MpiSession* mpi) {
@@ -277,11 +275,10 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
     });
   }
   if (runner.num_refused() > 0)
-    Say(fmt::format("warning: at {} of {} points the scenario is refused, their runs will fail: {}\n",
+    Say(fmt::format("warning: the scenario is invalid at {} of {} points, whose runs will fail: {}\n",
                     runner.num_refused(), runner.num_checked(), runner.refusal()));
   if (!runner.cut_short().empty())
-    Say(fmt::format("warning: duration_s is what the scenario itself would refuse: {}\n",
-                    runner.cut_short()));
+    Say(fmt::format("warning: the scenario does not accept this duration_s: {}\n", runner.cut_short()));
 
   CampaignDesk desk(schedule, table, before);
   if (mpi != nullptr) {
@@ -291,7 +288,7 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
   }
   desk.Close();
   if (const int caught = SignalGuard::caught(); caught != 0 || !schedule.finished()) {
-    Say(fmt::format("interrupted: go on with {}{} --resume\n", CommandOf(arguments.campaign, directory),
+    Say(fmt::format("interrupted: continue with {}{} --resume\n", CommandOf(arguments.campaign, directory),
                     arguments.shard.empty() ? "" : " --shard " + arguments.shard));
     return 128 + (caught != 0 ? caught : 15);
   }
@@ -324,8 +321,9 @@ int Run(const CampaignArguments& arguments) {
   CampaignSchedule first(plan, shard, 1);
   if (shard.count > 1 && !first.total())
     throw ParameterError(
-        "--shard: a campaign with `estimate` or `limit` decides by its results what runs next and cannot be "
-        "divided; run it by mpirun");
+        "--shard: a campaign with `estimate` or `limit` selects runs by earlier results and cannot be "
+        "divided; "
+        "use mpirun");
   const CampaignRunner runner(plan, file, FindApp(file, plan.file().app));
   if (arguments.dry_run) return DryRun(plan, first, runner);
   const fs::path directory =
@@ -335,7 +333,7 @@ int Run(const CampaignArguments& arguments) {
   if (!StartedByMpi()) return RunCampaign(arguments, file, plan, runner, shard, directory, nullptr);
 
   MpiSession mpi;
-  try {  // an error of one rank ends all: the others would wait for it
+  try {  // an error of one rank ends all ranks; otherwise they would wait
     if (mpi.rank() > 0) {
       mpi.Follow(runner);
       return kRan;
@@ -354,22 +352,22 @@ int Run(const CampaignArguments& arguments) {
 }  // namespace tenon::apps
 
 int main(int argc, char** argv) {
-  CLI::App app("Runs a scenario many times, varied, and says how often it survives, and what matters.",
-               "tenon-campaign");
+  CLI::App app(
+      "Runs variations of a scenario and evaluates how often they survive and which parameters matter.",
+      "tenon-campaign");
   tenon::apps::CampaignArguments arguments;
   app.add_option("CAMPAIGN", arguments.campaign, "name of a shipped campaign (see --list), or a YAML file");
   app.add_option("--out", arguments.out, "directory for all output (default: out/CAMPAIGN)");
   app.add_option("--jobs", arguments.jobs,
-                 "runs at a time (default: one for each core; by mpirun one for each rank)")
+                 "number of parallel runs (default: one for each core; with mpirun one for each rank)")
       ->check(tenon::apps::PositiveInteger());
-  app.add_flag("--resume", arguments.resume, "keep the runs that are in --out, and do what is missing");
-  app.add_option("--shard", arguments.shard, "do only part i of N, i from 1, as an array job does")
+  app.add_flag("--resume", arguments.resume, "keep the runs in --out and execute missing ones");
+  app.add_option("--shard", arguments.shard, "execute only part i of N, counted from 1, in an array job")
       ->type_name("i/N");
   app.add_flag("--dry-run", arguments.dry_run, "check the campaign, show its first runs and stop");
-  app.add_option("--replay", arguments.replay,
-                 "run this one again, with all logs and a report, into --out/run_RUN")
+  app.add_option("--replay", arguments.replay, "repeat this run with all logs and a report in --out/run_RUN")
       ->type_name("RUN");
-  app.add_option("--merge", arguments.merge, "put parts together into --out")->type_name("DIR...");
+  app.add_option("--merge", arguments.merge, "merge parts into --out")->type_name("DIR...");
   app.add_flag("--list", arguments.list, "list the shipped campaigns and stop");
   app.add_flag("--keys", arguments.keys, "list all keys of a campaign's file and stop");
   app.footer(
@@ -378,9 +376,9 @@ int main(int argc, char** argv) {
       "As an array job: tenon-campaign CAMPAIGN --shard $SLURM_ARRAY_TASK_ID/100 --out "
       "DIR/$SLURM_ARRAY_TASK_ID,\n"
       "                 then tenon-campaign --merge DIR/* --out WHOLE\n"
-      "Ctrl-C ends it in good order; --resume goes on, also after a kill.\n"
-      "Exit codes: 0 all runs are done, whether they survived or not; 2 bad usage or campaign; 3 a replayed "
-      "run "
-      "did not survive; 5 a file could not be written; 130, 143 stopped by Ctrl-C, SIGTERM.");
+      "Ctrl-C ends it after writing complete files; --resume continues it, also after a kill.\n"
+      "Exit codes: 0 all runs are done, whether they survived or not; 2 invalid usage or campaign; 3 a "
+      "replayed "
+      "run did not survive; 5 a file could not be written; 130, 143 stopped by Ctrl-C, SIGTERM.");
   return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments); });
 }

@@ -18,8 +18,9 @@ double Distance(std::span<const double> row, const std::vector<std::size_t>& a,
 }  // namespace
 
 std::vector<const Source*> CdprFigures::Signals(const CdprLoop& loop) {
-  return {&loop.plant.platform, &loop.plant.euler,         &loop.plant.acceleration, &loop.plant.cables,
-          &loop.command,        &loop.reference.reference, &loop.payload.payload};
+  return {&loop.world.plant.platform, &loop.world.plant.euler, &loop.world.plant.acceleration,
+          &loop.world.plant.cables,   &loop.command,           &loop.reference.reference,
+          &loop.world.payload.payload};
 }
 
 void CdprFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {

@@ -12,29 +12,30 @@
 
 namespace tenon::apps {
 
-/// The figures of a cable robot's run, gathered row by row from a log of the Signals of its CdprLoop.
+/// Figures of a cable robot's run, computed row by row from a log of Signals().
 class CdprFigures final : public LogSink {
  public:
-  /// What has to be logged for it; the loop is called `loop` in its diagram.
+  /// Signals to log; the name of the loop in its diagram must be `loop`.
   static std::vector<const Source*> Signals(const CdprLoop& loop);
 
-  /// A load hangs from `loaded_from` to `settle_from` [s], from when the settling time counts.
+  /// A load is attached from `loaded_from` to `settle_from` [s]; the settling time begins at `settle_from`.
   CdprFigures(double loaded_from, double settle_from, const PathVerdict& path = {})
       : loaded_from_(loaded_from), settle_from_(settle_from), path_(path) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
-  const Tally& tension() const { return tension_; }            ///< of the plant, all cables [N]
+  const Tally& tension() const { return tension_; }            ///< true tension of all cables [N]
   const Tally& tension_rate() const { return tension_rate_; }  ///< [N/s]
   const Tally& command() const { return command_; }            ///< [N]
   const Tally& oscillation() const { return oscillation_; }  ///< attitude minus that of the equilibrium [rad]
   const Tally& acceleration() const { return acceleration_; }  ///< [m/s^2]
   const Tally& tracking_error() const { return error_; }       ///< [m]
-  /// From 3 s after the load is hung on until it is released [m].
+  /// Tracking error from 3 s after the load is attached until it is released [m].
   const Tally& loaded_error() const { return loaded_error_; }
-  /// Over the same time, of roll, pitch and yaw about their means [rad]; empty if there was no such time.
+  /// Standard deviation of roll, pitch and yaw from 3 s after the load is attached until it is released
+  /// [rad]; empty without such a time.
   std::optional<double> loaded_swing() const;
-  /// Since `settle_from`, until x and y stay within 0.02 m of the reference [s]; empty if they never do.
+  /// Time from `settle_from` until x and y stay within 0.02 m of the reference [s]; empty if they do not.
   std::optional<double> settling_time() const;
   const PathVerdict& path() const { return path_; }
 
@@ -51,13 +52,13 @@ class CdprFigures final : public LogSink {
   bool settled_ = false;
 };
 
-/// How the solves of an MPC went, from a log of its `diagnostics` at its own rate.
+/// Statistics of an MPC's solves, from a log of its `diagnostics` at its rate.
 class MpcFigures final : public LogSink {
  public:
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
-  const TimeQuantiles& times() const { return times_; }  ///< of the wall clock, of a solve
+  const TimeQuantiles& times() const { return times_; }  ///< wall-clock times of the solves [s]
   std::optional<double> fallbacks() const { return fallbacks_; }
 
  private:

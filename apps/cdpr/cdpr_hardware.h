@@ -11,10 +11,10 @@
 namespace tenon::apps {
 
 /// @file
-/// What scenarios say of a cable robot's hardware, in files such as plants/hardware/cdpr/standard.yaml. What
-/// is not given is that of ideal hardware. The noise of pose and inertial unit is the scenario's `noise`.
+/// Hardware of a cable robot in scenarios, from files such as plants/hardware/cdpr/standard.yaml. Keys
+/// without a value are ideal. The noise of pose sensor and inertial unit is the scenario's `noise`.
 
-/// Of all winches, see WinchErrors.
+/// Errors of the winches, see WinchErrors.
 struct WinchScenario {
   double gain_deviation = 0;
   double ripple_ratio = 0;
@@ -39,7 +39,7 @@ struct CableSensorScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What a calibration leaves, see PoseSensor.
+/// Residual errors of the pose sensor's calibration, see PoseSensor.
 struct PoseHardwareScenario {
   int latency_samples = 0;
   double offset_m = 0;    ///< standard deviation along each axis
@@ -49,7 +49,7 @@ struct PoseHardwareScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Standard deviations of what one unit has and the next has not, see ImuErrors.
+/// Standard deviations of errors between units of the same type, see ImuErrors.
 struct ImuHardwareScenario {
   int latency_samples = 0;
   double angular_velocity_bias_deviation_rad_per_s = 0;
@@ -79,10 +79,10 @@ struct CdprHardwareScenario {
   static FieldList Fields();
 };
 
-/// Reads the hardware that ships under a name, or a file, or one with what differs (LoadResource). Throws
+/// Reads shipped hardware by its name, a file, or one of these with overrides, see LoadResource(). Throws
 /// ParameterError.
 CdprHardwareScenario LoadCdprHardware(const YamlFile& what);
-/// Puts it into a loop whose robot, rates and sensors' noise are set.
+/// Sets the hardware of `loop`, whose robot, rates and sensor noise must be set before.
 void SetHardware(const CdprHardwareScenario& hardware, CdprLoopParams& loop);
 
 }  // namespace tenon::apps

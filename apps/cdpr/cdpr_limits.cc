@@ -22,15 +22,16 @@ bool Sags(const CdprDescription& robot) {
 }  // namespace
 
 std::vector<const Source*> CdprLimits::Signals(const CdprLoop& loop) {
-  std::vector<const Source*> signals{&loop.plant.platform, &loop.plant.euler, &loop.plant.cables,
-                                     &loop.reference.reference, &loop.payload.payload};
-  if (loop.hanging_load != nullptr) signals.push_back(&loop.hanging_load->load);
-  if (Sags(loop.plant.params.robot)) signals.push_back(&loop.plant.geometry);
+  std::vector<const Source*> signals{&loop.world.plant.platform, &loop.world.plant.euler,
+                                     &loop.world.plant.cables, &loop.reference.reference,
+                                     &loop.world.payload.payload};
+  if (loop.world.hanging_load != nullptr) signals.push_back(&loop.world.hanging_load->load);
+  if (Sags(loop.world.plant.params.robot)) signals.push_back(&loop.world.plant.geometry);
   return signals;
 }
 
 CdprLimits::CdprLimits(const CdprLoop& loop, double cable_diameter)
-    : robot_(loop.plant.params.robot),
+    : robot_(loop.world.plant.params.robot),
       cable_diameter_(cable_diameter),
       pull_(robot_.cables.size(), true),
       pulling_(robot_),

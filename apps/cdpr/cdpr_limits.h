@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/apps/common/breaches.h>
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/controllers/cdpr/cable_interference.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
@@ -14,28 +14,28 @@
 
 namespace tenon::apps {
 
-/// Whether cables, platform and floor could have done what they did in a run of a CdprLoop, gathered from a
-/// log of every tick of its controller:
-///  - two cables are no nearer than their diameter, as straight lines from anchors or pulleys. Those that
-///    touch at the start are taken to be led past each other, as the crossed cables of cdpr_8 have to be: of
-///    them nothing is known;
-///  - no cable runs through the platform, see CableInterference. Where one does at the start, it is an open
-///    frame, of which nothing is known either. Cables without tension, slack or broken, are not judged;
-///  - platform, payload, hanging load and cables, as they sag, stay above the floor, z = 0;
-///  - the platform is turned about the vertical by no more than a quarter turn from its reference: the moment
-///    with which the cables turn it back grows as the sine of that angle.
+/// Checks that a run of a CdprLoop was physically possible, from a log at each tick of its controller:
+///  - The distance of two cables, as straight lines from anchors or pulleys, is at least their diameter.
+///  Pairs
+///    that touch at the start are assumed to be led past each other, as the crossed cables of cdpr_8, and are
+///    not checked.
+///  - No cable runs through the platform, see CableInterference. If one does at the start, the platform is
+///    assumed to be an open frame and is not checked. Cables without tension are not checked.
+///  - Platform, payload, hanging load and cables, with their sag, stay above the floor, z = 0.
+///  - The heading differs from its reference by at most a quarter turn: the restoring moment of the cables is
+///    proportional to the sine of that angle.
 ///
-/// What the winches hold, and slack, is CdprMonitor's.
+/// CdprMonitor checks slack and the largest tension.
 class CdprLimits final : public LogSink {
  public:
-  /// What has to be logged for it.
+  /// Signals to log.
   static std::vector<const Source*> Signals(const CdprLoop& loop);
 
-  /// Cables nearer than `cable_diameter` [m] touch.
+  /// `cable_diameter` is the distance below which two cables touch [m].
   CdprLimits(const CdprLoop& loop, double cable_diameter);
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
-  /// Writes them down, with their limits, and what is beyond them.
+  /// Adds the figures with their limits, and the breaches, to the summary.
   void AddTo(Summary& summary) const;
 
  private:
@@ -46,7 +46,7 @@ class CdprLimits final : public LogSink {
 
   CdprDescription robot_;
   double cable_diameter_;
-  std::vector<bool> pull_;   // by cable
+  std::vector<bool> pull_;   // one per cable: whether it has tension
   CdprDescription pulling_;  // the robot with these cables alone
   CableInterference interference_;
   CableKinematics all_, cables_;  // of the row: of all, and of those

@@ -8,9 +8,10 @@
 namespace tenon::apps {
 namespace {
 
-constexpr double kNever = 1e9;  // [s], for recordings have no infinity
+constexpr double kNever = 1e9;  // [s], since recordings cannot store infinity
 
-/// A quarter of the platform's weight for 0.25 m, half of it at most, a fifth of the critical damping.
+/// A spring with a quarter of the platform's weight at 0.25 m, saturated at half of the weight, with a fifth
+/// of the critical damping.
 PlatformPullParams PullFor(const CdprDescription& robot) {
   const double weight = kGravity * robot.mass, stiffness = weight;
   return {stiffness, 0.2 * 2 * std::sqrt(stiffness * robot.mass), weight / 2};
@@ -20,17 +21,18 @@ PlatformPullParams PullFor(const CdprDescription& robot) {
 
 CdprLive::CdprLive(DiagramBuilder& builder, CdprLoop& loop)
     : loop_(loop),
-      pull_(builder.Add<PlatformPull>("live_pull", PullFor(loop.plant.params.robot))),
+      pull_(builder.Add<PlatformPull>("live_pull", PullFor(loop.world.plant.params.robot))),
       goal_(builder.Add<GoalPath>("live_goal", GoalPathParams{.path = loop.reference.params.path})) {
   builder.Connect(goal_.path, loop.reference.path);
-  if (loop.mpc != nullptr) builder.Connect(goal_.path, loop.mpc->path);
-  builder.Connect(loop.plant.platform, pull_.platform);
-  if (loop.hanging_load != nullptr || loop.gusts != nullptr) {
-    builder.Disconnect(loop.plant.wrench);
-    builder.Connect(loop.hanging_load != nullptr ? loop.hanging_load->wrench : loop.gusts->wrench,
-                    pull_.others);
+  if (loop.control.mpc != nullptr) builder.Connect(goal_.path, loop.control.mpc->path);
+  builder.Connect(loop.world.plant.platform, pull_.platform);
+  if (loop.world.hanging_load != nullptr || loop.world.gusts != nullptr) {
+    builder.Disconnect(loop.world.plant.wrench);
+    builder.Connect(
+        loop.world.hanging_load != nullptr ? loop.world.hanging_load->wrench : loop.world.gusts->wrench,
+        pull_.others);
   }
-  builder.Connect(pull_.wrench, loop.plant.wrench);
+  builder.Connect(pull_.wrench, loop.world.plant.wrench);
 }
 
 LiveControls CdprLive::Controls() const {
@@ -46,22 +48,22 @@ LiveControls CdprLive::Controls() const {
     grip.on = true;
     grip.target_W = target_W;
     if (first) {
-      const PlatformState& platform = context.Eval(loop_.plant.platform);
+      const PlatformState& platform = context.Eval(loop_.world.plant.platform);
       grip.p_B = platform.R_WB().transpose() * (point_W - platform.p_WB);
     }
     return LiveSets{SetTo(pull_.grip, grip)};
   };
   pull.release = [this] { return LiveSets{SetTo(pull_.grip, {})}; };
   pull.state = [this](Context& context) {
-    const PlatformState& platform = context.Eval(loop_.plant.platform);
+    const PlatformState& platform = context.Eval(loop_.world.plant.platform);
     const PlatformGrip& grip = context.Eval(pull_.grip);
     const Vec<3> point = platform.p_WB + platform.R_WB() * grip.p_B;
     return std::pair(point, pull_.Force(platform, grip));
   };
   controls.pull = std::move(pull);
 
-  const PayloadSchedule& payload = loop_.payload;
-  const double mass = loop_.plant.params.robot.mass;
+  const PayloadSchedule& payload = loop_.world.payload;
+  const double mass = loop_.world.plant.params.robot.mass;
   controls.load = {
       "payload", {0.01 * mass, 0.5 * mass}, 0.2 * mass, [&payload](Context& context, double load) {
         if (load == 0) return LiveSets{SetTo(payload.release, context.time())};
@@ -71,10 +73,10 @@ LiveControls CdprLive::Controls() const {
   return controls;
 }
 
-/// Between the anchors and the floor; where the robot cannot go, the path to the goal says so.
+/// The box between the anchors and the floor. GoalPath refuses goals that the robot cannot reach.
 LiveControls::Goal CdprLive::Goal() const {
   Eigen::AlignedBox3d box;
-  for (const CableDescription& cable : loop_.plant.params.robot.cables) box.extend(cable.anchor_W);
+  for (const CableDescription& cable : loop_.world.plant.params.robot.cables) box.extend(cable.anchor_W);
   const Vec<3> start = loop_.reference.params.path->At(0).position;
   box.extend(start).extend(Vec<3>(start[0], start[1], 0));
   return {"reference", {box.min(), box.max()}, [this](Context& context, const Vec<3>& place) {

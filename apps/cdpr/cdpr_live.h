@@ -10,15 +10,16 @@
 
 namespace tenon::apps {
 
-/// What a live run of a cable robot has besides: the blocks `live_pull`, a hand that pulls at the platform,
-/// and `live_goal`, which leads it elsewhere. Its payload is hung on and off by the schedule that is there.
+/// Additional blocks and commands of a live run of a cable robot: `live_pull`, a spring that pulls the
+/// platform, and `live_goal`, which moves it to a goal. The payload is attached and released by the loop's
+/// schedule.
 class CdprLive {
  public:
   /// Inserts the blocks before the diagram is built.
   CdprLive(DiagramBuilder& builder, CdprLoop& loop);
-  /// Adds what is to be logged.
+  /// Adds the signals to log.
   void AddTo(std::vector<const Source*>& signals) const { signals.push_back(&pull_.wrench); }
-  /// The plant's shapes come first.
+  /// The first shapes must be those of the plant.
   LiveControls Controls() const;
 
  private:

@@ -3,6 +3,7 @@
 #include <tenon/apps/cdpr/cdpr_live.h>
 #include <tenon/apps/cdpr/cdpr_run.h>
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/yaml/resources.h>
@@ -44,7 +45,8 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
   DiagramBuilder builder;
   auto& loop = BlameBlocks(
       kKeysOfBlocks, [&]() -> CdprLoop& { return builder.Add<CdprLoop>("loop", MakeLoopParams(scenario)); });
-  const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
+  const std::vector<const Source*> faults =
+      BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });
   std::optional<CdprLive> live;
   if (options.live) live.emplace(builder, loop);
   const auto diagram = builder.Build();
@@ -56,18 +58,19 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
   simulator.AddLog(Hz(scenario.pd.rate_hz), signals, {figures});
   const auto limits = std::make_shared<CdprLimits>(loop, scenario.cable_diameter_m);
   simulator.AddLog(Hz(scenario.pd.rate_hz), CdprLimits::Signals(loop), {limits});
-  if (loop.mpc != nullptr) simulator.AddLog(Hz(scenario.mpc->rate_hz), {&loop.mpc->diagnostics}, {solves});
+  if (loop.control.mpc != nullptr)
+    simulator.AddLog(Hz(scenario.mpc->rate_hz), {&loop.control.mpc->diagnostics}, {solves});
   signals.insert(signals.end(), faults.begin(), faults.end());
-  std::vector<const OutputPort<Geometry>*> shapes{&loop.plant.geometry, &loop.reference.geometry};
-  if (loop.gusts != nullptr) signals.push_back(&loop.gusts->wrench);
-  if (loop.hanging_load != nullptr) {
-    signals.push_back(&loop.hanging_load->load);
-    shapes.push_back(&loop.hanging_load->geometry);
+  std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry, &loop.reference.geometry};
+  if (loop.world.gusts != nullptr) signals.push_back(&loop.world.gusts->wrench);
+  if (loop.world.hanging_load != nullptr) {
+    signals.push_back(&loop.world.hanging_load->load);
+    shapes.push_back(&loop.world.hanging_load->geometry);
   }
 
   if (live) live->AddTo(signals);
 
-  const CableProperties& cable = loop.plant.params.robot.cable;
+  const CableProperties& cable = loop.world.plant.params.robot.cable;
   const Limits tension{.low = cable.tension_min, .high = cable.tension_max};
   const std::string controller(EnumName(scenario.controller));
   const auto judge = [&](Summary& summary) {
@@ -90,7 +93,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
     summary.Limit("tension_max_N", {.high = scenario.max_tension_ratio * cable.tension_max});
     limits->AddTo(summary);
     figures->path().AddTo(summary);
-    if (loop.mpc != nullptr) {
+    if (loop.control.mpc != nullptr) {
       summary.Set("mpc_time_median_us", Microseconds(solves->times().Quantile(0.5)));
       summary.Set("mpc_time_p99_us", Microseconds(solves->times().Quantile(0.99)));
       summary.Set("mpc_fallbacks", solves->fallbacks());
@@ -98,8 +101,8 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
   };
   return RunScenario(options, scenario, Describe(scenario, controller), scenario.duration_s, simulator,
                      signals, shapes,
-                     {{loop.plant.cables.path() + ".tension", tension}, {"loop.command", tension}}, judge,
-                     live ? live->Controls() : LiveControls());
+                     {{loop.world.plant.cables.path() + ".tension", tension}, {"loop.command", tension}},
+                     judge, live ? live->Controls() : LiveControls());
 }
 
 ScenarioApp CdprApp() {

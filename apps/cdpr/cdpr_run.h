@@ -1,18 +1,18 @@
 #pragma once
 
 #include <tenon/apps/cdpr/cdpr_scenario.h>
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_app.h>
 
 #include <string>
 
 namespace tenon::apps {
 
-/// One line: robot, its controllers, time, seed.
+/// One line with robot, controllers, duration and seed.
 std::string Describe(const CdprScenario& scenario, const std::string& controllers);
-/// Runs one scenario; throws KeyError and what the outputs throw.
+/// Runs one scenario. Throws KeyError, and the errors of the outputs.
 RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options);
-/// tenon-cdpr, for campaigns.
+/// The app tenon-cdpr, for campaigns.
 ScenarioApp CdprApp();
 
 }  // namespace tenon::apps

@@ -2,6 +2,7 @@
 #include <tenon/apps/cdpr/path_file.h>
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/notes.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
@@ -25,19 +26,19 @@ void WaypointScenario::Validate() const {
 namespace {
 
 void CheckWaypoints(const std::vector<WaypointScenario>& waypoints) {
-  Demand(waypoints.size() >= 2,
-         fmt::format("waypoints has {} entries: a way takes two or more", waypoints.size()));
+  Demand(waypoints.size() >= 2, fmt::format("waypoints has {} entries: give two or more", waypoints.size()));
   const WaypointScenario& start = waypoints.front();
   Demand(!start.travel_s && !start.speed_m_per_s,
-         "waypoints.0 is the start: leave its travel_s and speed_m_per_s away");
+         "waypoints.0 is the start: remove its travel_s and speed_m_per_s");
   for (std::size_t i = 1; i < waypoints.size(); ++i) {
     const WaypointScenario& waypoint = waypoints[i];
     Demand(waypoint.travel_s.has_value() != waypoint.speed_m_per_s.has_value(),
            fmt::format("waypoints.{}: give one of travel_s and speed_m_per_s, not {}", i,
                        waypoint.travel_s ? "both" : "none"));
     Demand(waypoint.travel_s || waypoint.position_m != waypoints[i - 1].position_m,
-           fmt::format(
-               "waypoints.{} is where the one before is: give travel_s, or lengthen the dwell_s of that", i));
+           fmt::format("waypoints.{} has the position of the one before: give travel_s, or lengthen the "
+                       "dwell_s of the one before",
+                       i));
     Demand(!waypoint.attitude_rad || start.attitude_rad,
            fmt::format("waypoints.{} says attitude_rad: give that of waypoints.0 as well", i));
   }
@@ -49,7 +50,7 @@ void PathScenario::Validate() const {
   DemandNotNegative("tension_aim_N", tension_aim_N);
   const std::size_t points = points_m.size();
   if (!attitudes_rad.empty()) {
-    Demand(!attitude_rad, "attitude_rad and attitudes_rad are both given: leave one of them away");
+    Demand(!attitude_rad, "attitude_rad and attitudes_rad are both given: remove one of them");
     Demand(kind == PathKind::kLine || kind == PathKind::kSpline,
            "attitudes_rad are for a line or a spline: give attitude_rad");
     Demand(attitudes_rad.size() == points,
@@ -65,7 +66,7 @@ void PathScenario::Validate() const {
     return;
   }
   if (kind == PathKind::kFile)
-    return Demand(file.has_value(), "a path of kind file needs a file: give file: scan.csv, say");
+    return Demand(file.has_value(), "a path of kind file needs a file: for example file: scan.csv");
   if (kind == PathKind::kWaypoints) return CheckWaypoints(waypoints);
   if (kind == PathKind::kHold) {
     Demand(points == 1, fmt::format("a path that holds needs one entry in points_m, found {}", points));
@@ -83,7 +84,7 @@ void PathScenario::Validate() const {
 
 namespace {
 
-/// Points and times of a way, a dwelling as two equal points.
+/// Points and times of waypoints, with two equal points for each dwell.
 PathTable TableOf(const std::vector<WaypointScenario>& waypoints) {
   PathTable table;
   double time = 0;
@@ -138,18 +139,17 @@ PlatformPath PathScenario::Make() const {
   PlatformPath path = MakePath(*this);
   constexpr double kLongest = 3600;  // s
   const double begin = path.position.start_time(), end = path.position.end_time();
-  Demand(
-      path.position.is_periodic() || end - begin <= kLongest,
-      fmt::format("{}: the way takes {:.10g} s and is planned as a whole before the run: {} s are the most",
-                  kind == PathKind::kFile        ? "file"
-                  : kind == PathKind::kWaypoints ? "waypoints"
-                                                 : "times_s",
-                  end - begin, kLongest));
+  Demand(path.position.is_periodic() || end - begin <= kLongest,
+         fmt::format("{}: the path takes {:.10g} s; it is planned before the run and may take at most {} s",
+                     kind == PathKind::kFile        ? "file"
+                     : kind == PathKind::kWaypoints ? "waypoints"
+                                                    : "times_s",
+                     end - begin, kLongest));
   Demand(!path.attitude || !attitude_rad,
-         "the path says the attitude by place and attitude_rad all along: leave one of them away");
+         "the path gives attitudes at its points and attitude_rad for all of it: remove one of them");
   Demand(
       tension_aim_N == 0 || path.attitude || attitude_rad,
-      fmt::format("tension_aim_N = {} takes attitude_rad: without it the tensions follow from the attitude",
+      fmt::format("tension_aim_N = {} needs attitude_rad: without it the tensions follow from the attitude",
                   tension_aim_N));
   return path;
 }
@@ -251,7 +251,7 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
       return equilibria(believed);
     } catch (const ParameterError& error) {
       if (believed.mass == params.robot.mass) throw;
-      equilibria(params.robot);  // or it is the path's fault
+      equilibria(params.robot);  // if this throws, the path is at fault
       throw KeyError("mpc.mass_error", error.what());
     }
   });
@@ -295,7 +295,7 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   params.imu.rate = Hz(scenario.noise.imu_rate_hz);
   params.imu.angular_velocity_noise.setConstant(scenario.noise.angular_velocity_rad_per_s);
   params.imu.specific_force_noise.setConstant(scenario.noise.acceleration_m_per_s2);
-  // The filter knows its sensors, but takes none for perfect.
+  // The filter's model has the noise of its sensors, with a lower bound for perfect ones.
   params.estimator.rate = Hz(scenario.noise.pose_rate_hz);
   params.estimator.noise.position = std::max(scenario.noise.position_m, 1e-4);
   params.estimator.noise.attitude = std::max(scenario.noise.attitude_rad, 1e-4);

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <tenon/apps/cdpr/cdpr_faults.h>
 #include <tenon/apps/cdpr/cdpr_hardware.h>
-#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/path_verdict.h>
+#include <tenon/apps/common/report_scenario.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/diagrams/faults/cdpr_faults.h>
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/systems/framework/types/fields.h>
 
@@ -45,7 +45,7 @@ struct WaypointScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What a path scenario makes.
+/// The path and its duration, made from a path scenario.
 struct PlatformPath {
   Path position;
   std::optional<Path> attitude;  ///< roll, pitch, yaw [rad], if they are given by place
@@ -53,7 +53,7 @@ struct PlatformPath {
 
 /// The path of the platform's CoM, in the world.
 struct PathScenario {
-  PathKind kind = PathKind::kCircle;      ///< what the path is made of
+  PathKind kind = PathKind::kCircle;      ///< shape of the path
   Eigen::Vector3d center_m{0, 0, 2};      ///< of the circle
   double radius_m = 0.5;                  ///< of the circle
   double period_s = 10;                   ///< of a turn
@@ -62,7 +62,7 @@ struct PathScenario {
   std::vector<double> times_s;            ///< of the points; a line and a spline need them
   /// Roll, pitch, yaw all along the path, for robots of six cables or more; else the equilibrium's.
   std::optional<Eigen::Vector3d> attitude_rad;
-  /// The same at each of the points, of a line and a spline that turns the platform on its way.
+  /// Attitude at each of the points, for a line or a spline that turns the platform on its way.
   std::vector<Eigen::Vector3d> attitudes_rad;
   std::vector<WaypointScenario> waypoints;  ///< of the kind waypoints
   std::optional<YamlFile>
@@ -175,11 +175,11 @@ struct HangingLoadScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What the sensors of pose and motion add to the truth.
+/// Noise of the sensors of pose and motion.
 struct NoiseScenario {
   double position_m =
       PoseSensorParams().position_noise[0];  ///< standard deviation of the pose sensor, by axis
-  double attitude_rad = PoseSensorParams().attitude_noise[0];  ///< the same of its attitude
+  double attitude_rad = PoseSensorParams().attitude_noise[0];  ///< standard deviation of the attitude
   double angular_velocity_rad_per_s =
       ImuParams().angular_velocity_noise[0];  ///< standard deviation of the gyroscope
   double acceleration_m_per_s2 = ImuParams().specific_force_noise[0];  ///< of the accelerometer
@@ -229,13 +229,13 @@ constexpr bool IsMpc(CdprController controller) {
 
 /// A run of tenon-cdpr, as its YAML file says it.
 struct CdprScenario {
-  std::string app;                                  ///< the app whose scenario this is
-  std::string description;                          ///< one line
-  std::string case_name;                            ///< the run's name
-  YamlFile robot{"cdpr_4"};                         ///< a shipped robot, a file, or one with what differs
-  double duration_s = 60;                           ///< simulated time
-  std::uint64_t seed = kRecommendedSeed;            ///< of all random streams
-  CdprController controller = CdprController::kPd;  ///< what commands the tensions
+  std::string app;                        ///< the app whose scenario this is
+  std::string description;                ///< one line
+  std::string case_name;                  ///< the run's name
+  YamlFile robot{"cdpr_4"};               ///< a shipped robot, a file, or a shipped one with changes
+  double duration_s = 60;                 ///< simulated time
+  std::uint64_t seed = kRecommendedSeed;  ///< of all random streams
+  CdprController controller = CdprController::kPd;  ///< controller that commands the tensions
   PathScenario path;                                ///< of the platform
   PdScenario pd;                                    ///< of the controllers pd...
   std::optional<MpcScenario> mpc;                   ///< needed for the controllers mpc_...
@@ -250,7 +250,7 @@ struct CdprScenario {
   /// Winches, sensors and the link between: a shipped one, a YAML file, or {file: standard, …} with what
   /// differs.
   YamlFile hardware{"ideal"};
-  std::vector<CdprFault> faults;  ///< what breaks, and when
+  std::vector<CdprFault> faults;  ///< faults, in the order of their insertion
   CdprIntegration integrator;
   double log_rate_hz = 200;                           ///< of signals.csv
   bool forbid_slack = CdprLoopParams().forbid_slack;  ///< a slack cable ends the run, exit code 3
@@ -260,7 +260,7 @@ struct CdprScenario {
   /// How far the platform may leave its path: in position by this part of the path's length (a circle's is
   /// one turn), in heading by this part of half a turn; beyond, the run is not finished.
   double path_tolerance = 0.1;
-  ReportScenario report;                                  ///< what the report shows
+  ReportScenario report;                                  ///< contents of the report
   std::map<std::string, std::vector<double>> parameters;  ///< of the diagram, by path: set at the start
 
   static FieldList Fields() {
@@ -296,7 +296,7 @@ struct CdprScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What the diagram needs to know of a scenario. Reads the robot, and finds the equilibria along the path, so
+/// Parameters of the diagram for a scenario. Reads the robot, and finds the equilibria along the path, so
 /// that a path outside the workspace is refused here, before any run.
 CdprLoopParams MakeLoopParams(const CdprScenario& scenario);
 SimulatorOptions MakeSimulatorOptions(const CdprScenario& scenario);

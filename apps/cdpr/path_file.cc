@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kPositions = "t,x,y,z";
 constexpr const char* kPoses = "t,x,y,z,roll,pitch,yaw";
 
-/// Without the blanks at its ends, and without what other systems put at the end of a line.
+/// Removes blanks and carriage returns at both ends.
 std::string_view Trimmed(std::string_view text) {
   constexpr const char* kBlanks = " \t\r";
   const std::size_t begin = text.find_first_not_of(kBlanks);
@@ -60,7 +60,7 @@ PathTable ReadPathFile(const std::string& file) {
     for (const std::string_view cell : Cells(line)) {
       const auto value = internal::NumberIn<double>(cell);
       if (!value || !std::isfinite(*value))
-        refuse(fmt::format("'{}' is no finite number", internal::Excerpt(std::string(cell))));
+        refuse(fmt::format("'{}' is not a finite number", internal::Excerpt(std::string(cell))));
       row.push_back(*value);
     }
     if (row.size() != columns)
@@ -72,7 +72,7 @@ PathTable ReadPathFile(const std::string& file) {
     table.points.emplace_back(row[1], row[2], row[3]);
     if (columns == 7) table.attitudes.emplace_back(row[4], row[5], row[6]);
   }
-  if (table.times.size() < 2) refuse(fmt::format("{} points: a path takes two or more", table.times.size()));
+  if (table.times.size() < 2) refuse(fmt::format("{} points: a path needs two or more", table.times.size()));
   return table;
 }
 

@@ -7,7 +7,7 @@
 
 namespace tenon::apps {
 
-/// Points of a path and their times.
+/// The points of a path with their times.
 struct PathTable {
   std::vector<double> times;               ///< [s]
   std::vector<Eigen::Vector3d> points;     ///< of the CoM in W [m]
@@ -15,8 +15,9 @@ struct PathTable {
 };
 
 /// Reads a path from a CSV file: a header, `t,x,y,z` or `t,x,y,z,roll,pitch,yaw`, then a row per point, in s,
-/// m and rad. Throws ParameterError with file and line for a header of other columns, a row of another
-/// length, what is no finite number, times that do not increase, and fewer than two rows.
+/// m and rad. Throws ParameterError with file and line for a header with other columns, a row with another
+/// number of values, a value that is not a finite number, times that do not increase, and fewer than two
+/// rows.
 PathTable ReadPathFile(const std::string& file);
 
 }  // namespace tenon::apps

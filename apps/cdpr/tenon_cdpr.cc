@@ -4,7 +4,7 @@
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/run_scenario.h>
 
 namespace tenon::apps {
 namespace {
@@ -36,7 +36,7 @@ int RunOnce(const CommonArguments& arguments, const std::string& controller, boo
 int Run(const CommonArguments& arguments, const std::string& controller, bool compare) {
   if (PrintsInstead(arguments, CdprApp())) return kRan;
   if (compare && (!arguments.live.empty() || !arguments.replay.empty()))
-    throw ParameterError("--live and --replay run one controller: leave --compare away");
+    throw ParameterError("--live and --replay run one controller: remove --compare");
   return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {
     return RunOnce(now, controller, compare, options);
   });

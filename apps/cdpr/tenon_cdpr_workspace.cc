@@ -1,10 +1,10 @@
-// tenon-cdpr-workspace: where a cable robot can be, with proof, see docs/cdpr_workspace.md.
+// tenon-cdpr-workspace: proven workspaces of a cable robot, see docs/cdpr_workspace.md.
 
 #include <tenon/apps/cdpr/workspace_study.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/resources.h>
 
@@ -15,7 +15,7 @@
 namespace tenon::apps {
 namespace {
 
-/// What Ctrl-C throws out of the study.
+/// Thrown to leave the study after Ctrl-C.
 struct Interrupted {};
 
 struct Arguments {

@@ -26,7 +26,7 @@ struct Trial {
   double settle_from;  ///< [s]
 };
 
-/// How large a robot is, against the one for which the motions below are written.
+/// Size of a robot relative to the one for which the motions below are written.
 struct Scale {
   Eigen::Vector3d middle;  ///< of the anchors, at the height of the highest ones [m]
   double length;           ///< mean distance of the anchors from the middle, over that of cdpr_4
@@ -51,8 +51,8 @@ struct Scale {
   }
 };
 
-/// A fast straight move, a bent one, the release of a weight, and a gust, in a workspace as large as the
-/// robot's. None is a motion that results are shown on.
+/// A fast straight move, a curved one, the release of a payload, and a gust, scaled to the robot. None of
+/// these motions is a case for which results are published.
 std::vector<Trial> MakeTrials(const std::string& robot) {
   CdprScenario base;
   base.app = "tenon-cdpr";
@@ -96,9 +96,9 @@ struct Judgement {
   double tracking_error_rms = 0;  ///< mean over the trials [m]
   double settling_time = 0;       ///< mean over the trials [s]
   double tension_rate_rms = 0;    ///< mean over the trials [N/s]
-  std::string failure;            ///< why the last of the trials that failed did; empty: all were held
-  /// One centimetre of error weighs as much as one second of settling, and as 100 N/s of rattling cables:
-  /// without that term the gains end where the loop is about to become unstable.
+  std::string failure;            ///< reason of the last trial that failed; empty if none failed
+  /// One centimetre of error costs as much as one second of settling, and as 100 N/s of tension rate. Without
+  /// the last term the optimum is at the stability limit.
   double cost() const { return tracking_error_rms / 0.01 + settling_time + tension_rate_rms / 100; }
 };
 
@@ -128,10 +128,10 @@ Judgement Judge(const std::vector<Trial>& trials, double stiffness, double dampi
   return judgement;
 }
 
-/// What the search has found so far. NLopt passes no exception on, so it waits here.
+/// State of the search. It stores exceptions, because NLopt does not pass them on.
 struct Search {
   std::vector<Trial> trials;
-  // The gains of the least cost so far, wherever the optimizer goes on from.
+  // The gains of the least cost so far.
   double best_cost = std::numeric_limits<double>::infinity();
   double best_stiffness = 0, best_damping = 0;
   std::string best_failure;
@@ -187,7 +187,7 @@ int Tune(const std::string& robot, int evaluations) {
     }
     optimizer.set_maxeval(evaluations);
     if (evaluations > 0) optimizer.optimize(start, cost);
-  } catch (const nlopt::roundoff_limited&) {  // as near as numbers allow: the best so far holds
+  } catch (const nlopt::roundoff_limited&) {  // converged to rounding: keep the best so far
   } catch (const nlopt::forced_stop&) {
     if (!search.error) throw;
     std::rethrow_exception(search.error);

@@ -1,10 +1,10 @@
 #include <tenon/apps/cdpr/workspace_study.h>
-#include <tenon/apps/common/number_or_null.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/plants/cdpr/cdpr_geometry.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/volume_report.h>
 
 #include <fmt/core.h>
@@ -22,7 +22,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kCells = 48;      // along the longest edge
 constexpr int kTurnCells = 32;  // along each axis of the attitudes
 
-/// Positions of the anchors' box, down to the floor.
+/// Grid of positions in the box of the anchors, down to the floor.
 WorkspaceGrid PositionGrid(const CdprDescription& robot, const WorkspaceStudyParams& params) {
   Eigen::Vector3d low = robot.cables[0].anchor_W, high = low;
   for (const CableDescription& cable : robot.cables) {
@@ -55,7 +55,7 @@ std::vector<double> Stiffness(const CdprDescription& robot, double load, const W
   return stiffness;
 }
 
-/// The feasible centre that is nearest to the middle of all; none if none is feasible.
+/// The feasible centre nearest to the centroid of the feasible cells; empty if none is feasible.
 std::optional<Eigen::Vector3d> Middle(const WorkspaceMap& map) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double volume = 0;
@@ -184,7 +184,7 @@ VolumeReport::State StateOf(PoseVerdict verdict) {
                                           : VolumeReport::State::kUndecided;
 }
 
-/// Where wrenches are produced, or where moreover nothing touches.
+/// The report's map of wrench feasibility or, if `clear`, of interference as well.
 VolumeReport::Map ReportMap(const WorkspaceStudy& study, const WorkspaceMap& map, bool clear) {
   const bool turned = map.of_attitudes();
   VolumeReport::Map shown{
@@ -231,12 +231,12 @@ WorkspaceStudy StudyWorkspace(const CdprDescription& given, const WorkspaceStudy
   given.Validate();
   params.demand.Validate();
   if (!(params.cable_diameter >= 0) || !std::isfinite(params.cable_diameter))
-    throw ParameterError(fmt::format("a cable diameter of {} m: give 0 or more", params.cable_diameter));
+    throw ParameterError(fmt::format("the cable diameter is {} m: give 0 or more", params.cable_diameter));
   if (!params.euler.allFinite() || !params.position.value_or(Eigen::Vector3d::Zero()).allFinite())
-    throw ParameterError("an attitude or a position that is not finite: give three numbers each");
+    throw ParameterError("the attitude or the position is not finite: give three numbers each");
   if (!(params.turn > 0 && params.turn <= M_PI))
     throw ParameterError(
-        fmt::format("turns of {} rad either way: give more than 0 and at most pi", params.turn));
+        fmt::format("the largest turn is {} rad: give more than 0 and at most pi", params.turn));
   const auto begin = std::chrono::steady_clock::now();
   WorkspaceStudy study{given, params};
   // Cables count as straight lines between points.
@@ -290,7 +290,7 @@ void WriteWorkspaceStudy(const WorkspaceStudy& study, const std::filesystem::pat
                                  {"torque_N_m", demand.torque},
                                  {"cable_diameter_m", study.params.cable_diameter},
                                  {"wall_s", study.wall}};
-  for (const auto& [name, value] : study.figures) summary[name] = NumberOrNull(value);
+  for (const auto& [name, value] : study.figures) summary[name] = internal::JsonOrNull(value);
   VolumeReport report{
       .title = robot.name + ": workspace", .description = Describe(study), .figures = study.figures};
   const auto list = [](const Eigen::Vector3d& v) { return nlohmann::ordered_json{v.x(), v.y(), v.z()}; };

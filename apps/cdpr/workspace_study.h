@@ -13,7 +13,7 @@
 
 namespace tenon::apps {
 
-/// Where a cable robot can be, and how well; positions at one attitude, and attitudes at one position.
+/// A study of a cable robot's workspaces: positions at one attitude, and attitudes at one position.
 struct WorkspaceStudyParams {
   PlatformDemand demand;                               ///< of the loaded workspace
   Eigen::Vector3d euler = Eigen::Vector3d::Zero();     ///< ZYX angles of all positions [rad]
@@ -25,7 +25,7 @@ struct WorkspaceStudyParams {
   double cable_diameter = 0.006;  ///< [m]
 };
 
-/// One workspace: its cells, and at the centre of each what the platform's stiffness is.
+/// One workspace: its cells, and the platform's stiffness at the centre of each.
 struct WorkspaceMap {
   std::string title;
   WorkspaceOptions options;
@@ -44,13 +44,13 @@ struct WorkspaceStudy {
   double wall = 0;                                                          ///< [s]
 };
 
-/// Pulleys count as points, and cables have no weight. `progress` is told what is done, and which share of
-/// it; it may throw. Throws ParameterError.
+/// Studies the workspaces with pulleys as points and cables without weight. `progress` is called with the
+/// name of the current workspace and the share that is done; it may throw to cancel. Throws ParameterError.
 WorkspaceStudy StudyWorkspace(const CdprDescription& robot, const WorkspaceStudyParams& params,
                               const std::function<void(const std::string&, double)>& progress);
 
-/// summary.json, cells.csv, attitudes.csv and report.html. Throws OutputError, and RunError if parts of the
-/// page are not installed.
+/// Writes summary.json, cells.csv, attitudes.csv and report.html. Throws OutputError, and RunError if parts
+/// of the page are not installed.
 void WriteWorkspaceStudy(const WorkspaceStudy& study, const std::filesystem::path& directory);
 
 }  // namespace tenon::apps

@@ -5,7 +5,7 @@
 
 namespace tenon::apps {
 
-/// A value and its limit as texts, with as many digits, `digits` or more, as it takes to tell them apart.
+/// Formats a value and its limit with enough digits, at least `digits`, to distinguish them.
 std::pair<std::string, std::string> Beside(double value, double limit, int digits = 3);
 
 }  // namespace tenon::apps

@@ -11,9 +11,9 @@ std::string KeyOfBlockIn(std::string_view message, std::span<const KeyOfBlock> k
   return {};
 }
 
-/// A message without the place in a map of what differs from a file: the map is one of the scenario.
+/// Removes the place in a ResourceMap from a message, because that map is part of the scenario.
 static std::string_view WithoutPlaceInMap(std::string_view message) {
-  if (!message.starts_with(kWhatDiffers)) return message;
+  if (!message.starts_with(kChanges)) return message;
   const std::size_t end = message.find(": ");
   return end == message.npos ? message : message.substr(end + 2);
 }

@@ -10,8 +10,8 @@
 
 namespace tenon::apps {
 
-/// What a scenario says under a key cannot be had; found after the scenario was read. An empty key is the
-/// scenario as a whole.
+/// An error in the value of a scenario's key that was found after the scenario was read. An empty key stands
+/// for the whole scenario.
 class KeyError : public ParameterError {
  public:
   KeyError(std::string key, const std::string& what) : ParameterError(what), key_(std::move(key)) {}
@@ -21,44 +21,45 @@ class KeyError : public ParameterError {
   std::string key_;
 };
 
-/// What `make` gives; what it refuses is the fault of the key that `key_of(message)` says.
+/// Returns make(). Rethrows a ParameterError as a KeyError of the key `key_of(message)`.
 template <class F>
 decltype(auto) BlameBy(const auto& key_of, F make) {
   try {
     return make();
   } catch (const KeyError&) {
-    throw;  // knows better
+    throw;  // names a more precise key
   } catch (const ParameterError& error) {
     throw KeyError(key_of(error.what()), error.what());
   }
 }
 
-/// What `make` gives; what it refuses is the fault of what stands under `key`.
+/// Returns make(). Rethrows a ParameterError as a KeyError of `key`.
 template <class F>
 decltype(auto) Blame(const std::string& key, F make) {
   return BlameBy([&](const char*) { return key; }, std::move(make));
 }
 
-/// The key of a scenario from which a block has its parameters.
+/// A block and the key of the scenario that sets its parameters.
 struct KeyOfBlock {
   const char* block;
   const char* key;
 };
 
-/// The key of the first in the list that a message names; empty if it names none.
+/// Returns the key of the first block in the list that the message names, or an empty string.
 std::string KeyOfBlockIn(std::string_view message, std::span<const KeyOfBlock> keys);
 
-/// What `make` gives, which adds a diagram to a builder; what a block refuses is the fault of its key.
+/// Returns make(), which adds a diagram to a builder. Rethrows the ParameterError of a block as a KeyError of
+/// the block's key.
 template <class F>
 decltype(auto) BlameBlocks(std::span<const KeyOfBlock> keys, F make) {
   return BlameBy([&](std::string_view message) { return KeyOfBlockIn(message, keys); }, std::move(make));
 }
 
-/// The error of a key with file, line and column.
+/// Throws the error with file, line and column of its key.
 [[noreturn]] void ThrowWithPlace(const YamlDocument& scenario, const KeyError& error);
 
-/// What `run` gives, which does what a scenario asks for. A KeyError is thrown with file, line and column of
-/// the key; what has none, and may be the command line's, as it is.
+/// Returns run(), which runs a scenario. Rethrows a KeyError as a ParameterError with file, line and column
+/// of the key.
 template <class F>
 auto RunBlaming(const YamlDocument& scenario, F run) {
   try {

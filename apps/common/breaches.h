@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/summary.h>
 
 #include <map>
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace tenon::apps {
 
-/// What a robot did and could not have, each kind once, when it first happened.
+/// Physically impossible events of a run; of each kind only the first is kept.
 class Breaches {
  public:
-  /// `what` says the kind first, up to a colon, then the place and by how much.
+  /// Adds an event at `time` [s]. `what` describes where it happened and by how much.
   void Add(double time, const std::string& kind, const std::string& what) {
     first_.try_emplace(kind, time, kind + ": " + what);
   }

@@ -29,7 +29,7 @@ namespace {
 
 constexpr double kFastest = 1e5;  // Hz
 
-/// What `check` refuses, with the key in front.
+/// Calls `check` and prefixes its ParameterError with the key.
 void NameRefusal(const char* key, const auto& check) {
   try {
     check();
@@ -41,16 +41,13 @@ void NameRefusal(const char* key, const auto& check) {
 }  // namespace
 
 void DemandRate(const char* key, double hz) {
-  if (hz > kFastest)
-    throw ParameterError(fmt::format("{} = {:.10g} must be at most {}: nothing on a robot is sampled faster",
-                                     key, hz, kFastest));
+  if (hz > kFastest) throw ParameterError(fmt::format("{} = {:.10g} must be at most {}", key, hz, kFastest));
   NameRefusal(key, [&] { Hz(hz); });
 }
 
 void DemandSamplePeriod(const char* key, double s) {
   if (!(s >= 1 / kFastest))
-    throw ParameterError(fmt::format("{} = {:.4g} must be at least {}: nothing on a robot is sampled faster",
-                                     key, s, 1 / kFastest));
+    throw ParameterError(fmt::format("{} = {:.4g} must be at least {}", key, s, 1 / kFastest));
   NameRefusal(key, [&] { Seconds(s); });
 }
 

@@ -9,12 +9,12 @@
 
 namespace tenon::apps {
 
-/// Which column of a log holds a signal; throws Error if none does.
+/// Returns the index of the column that holds a signal. Throws Error if there is none.
 std::size_t Column(const std::vector<std::string>& names, const std::string& signal);
-/// Which columns hold the elements of a signal; throws Error if none do.
+/// Returns the indices of the columns that hold the elements of a signal. Throws Error if there are none.
 std::vector<std::size_t> Columns(const std::vector<std::string>& names, const std::string& signal);
 
-/// The vector in these columns of a row.
+/// Returns the vector in the given columns of a row.
 template <int N>
 Vec<N> VectorIn(std::span<const double> row, const std::vector<std::size_t>& columns) {
   Vec<N> value;

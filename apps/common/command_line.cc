@@ -30,7 +30,7 @@ void AddScenarioArguments(CLI::App& app, CommonArguments& arguments) {
       ->allow_extra_args(false);
   app.add_flag("--list", arguments.list, "list the shipped scenarios and stop");
   app.add_flag("--keys", arguments.keys,
-               "list all keys of scenarios with their defaults and stop; a SCENARIO is checked before");
+               "list all keys of scenarios with their defaults and stop; checks SCENARIO first, if given");
 }
 
 void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
@@ -42,15 +42,17 @@ void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
   app.footer(
       "Writes report.html, summary.json, signals.csv and scenario.yaml (every default filled in) to the "
       "output directory.\n"
-      "Ctrl-C ends a run in good order, all files whole; a second one ends it at once.\n"
-      "Exit codes: 0 ran; 2 bad usage or scenario; 3 fell, broke a forbidden limit, or did what drives, "
-      "ground, cables or bodies cannot; 4 numerical failure; 5 a file could not be written; 130, 143 stopped "
+      "Ctrl-C ends a run after writing complete files; a second Ctrl-C ends it at once.\n"
+      "Exit codes: 0 finished; 2 invalid usage or scenario; 3 fell, broke a forbidden limit, or exceeded "
+      "what "
+      "drives, ground, cables or bodies can do; 4 numerical failure; 5 a file could not be written; 130, 143 "
+      "stopped "
       "by Ctrl-C, SIGTERM.");
 }
 
 namespace {
 
-/// Refuses what `fits` does not take. The option's name and the text stand before what is wrong.
+/// Refuses texts for which `fits` is false.
 CLI::Validator Range(const char* name, const char* range, bool (*fits)(const std::string& text)) {
   return {[range, fits](std::string& text) {
             return fits(text) ? "" : fmt::format("{} must be {}", internal::Excerpt(text), range);
@@ -66,13 +68,11 @@ void AddLiveArguments(CLI::App& app, CommonArguments& arguments) {
     return number && *number > 0 && *number < 65536;
   });
   auto* const live =
-      app.add_flag(
-             "--live{8080}", arguments.live,
-             "show the run in a browser while it goes on, and steer it there; --live PORT, default 8080 "
-             "or the next that is free")
+      app.add_flag("--live{8080}", arguments.live,
+                   "show and steer the run in a browser; --live PORT, default 8080 or the next free port")
           ->check(port);
   app.add_option("--live-address", arguments.live_address,
-                 "address to listen at, for browsers of other machines; they need the token that is printed")
+                 "address to listen at, for browsers on other machines, which need the printed token")
       ->needs(live);
   app.add_option("--replay", arguments.replay, "repeat a live run from its live.jsonl, without a browser")
       ->excludes(live);
@@ -104,15 +104,15 @@ RunOptions OptionsOf(const CommonArguments& arguments) {
 }
 
 static constexpr const char* kNoMemory =
-    "out of memory before the run began: is a robot, a list or a horizon of the scenario huge?";
+    "out of memory before the run began: reduce large robots, lists or horizons in the scenario";
 
 int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
   const MemoryReserve reserve;
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is one that cannot be written, and said so
+  std::signal(SIGXFSZ, SIG_IGN);  // at a limit of the file size, writing then fails with an error
   app.set_version_flag("--version", app.get_name() + " " TENON_VERSION, "print the version and stop");
-  // `--live 8081` as `--live=8081`; any other word behind --live is the scenario.
+  // `--live 8081` means `--live=8081`; any other word after --live is the scenario.
   std::vector<std::string> words;
-  for (int i = argc - 1; i > 0; --i) words.emplace_back(argv[i]);  // CLI11 takes them from the back
+  for (int i = argc - 1; i > 0; --i) words.emplace_back(argv[i]);  // CLI11 expects them in reverse order
   for (std::size_t i = words.size(); i-- > 1;) {
     if (words[i] != "--live" || !internal::NumberIn<int>(words[i - 1])) continue;
     words[i] += "=" + words[i - 1];
@@ -137,7 +137,7 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
     for (int i = 1; i < argc; ++i) CheckUtf8(argv[i], fmt::format("argument {} of the command line", i));
     const int code = body();
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-      return fail("the figures cannot be printed: is the disk full?", kOutputFailed);
+      return fail("cannot print the figures to stdout: check whether the disk is full", kOutputFailed);
     return code;
   } catch (const OutputError& error) {
     return fail(error.what(), kOutputFailed);
@@ -174,7 +174,7 @@ int RunLive(CommonArguments arguments,
   if (const auto seed = options.live->replay_seed()) {
     if (arguments.seed && arguments.seed != seed)
       throw ParameterError(
-          fmt::format("--seed {}: the recording is of seed {}: leave --seed away", *arguments.seed, *seed));
+          fmt::format("--seed {}: the recording has the seed {}; omit --seed", *arguments.seed, *seed));
     arguments.seed = seed;
   }
   for (;;) {

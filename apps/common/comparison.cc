@@ -18,17 +18,16 @@ void CheckVariantNames(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     if (!IsVariantName(name)) {
       throw ParameterError(fmt::format(
-          "the variant '{}' is to be a directory below --out: name it without '/', not with a '.' "
-          "first, in 200 bytes",
+          "the variant '{}' cannot name a directory below --out: use at most 200 bytes, no '/', and no "
+          "'.' at the beginning",
           internal::Excerpt(name)));
     }
     if (name == "summary.json" || name == "report.html")
       throw ParameterError(
-          fmt::format("the variant '{}' is called as a file of the whole: give it another name", name));
+          fmt::format("the variant '{}' has the name of an output file: choose another name", name));
     if (!seen.insert(name).second) {
-      throw ParameterError(
-          fmt::format("two variants are called '{}': give each a name of its own, or take one out",
-                      internal::Excerpt(name)));
+      throw ParameterError(fmt::format("two variants have the name '{}': rename or remove one of them",
+                                       internal::Excerpt(name)));
     }
   }
 }
@@ -38,14 +37,15 @@ int Compare(const RunOptions& options, Report report, const std::vector<Variant>
   for (const Variant& variant : variants) names.push_back(variant.name);
   CheckVariantNames(names);
   const OutputDirectory out(options.out);
-  for (const std::string& name : names) OutputDirectory(out.path() / name);  // also of those that are not run
+  for (const std::string& name : names)
+    OutputDirectory(out.path() / name);  // also if a signal prevents its run
   Summary::Named runs;
   std::vector<Report> reports;
   int worst = kRan;
   const SignalGuard guard;
   ProgressLine line;
   using Clock = std::chrono::steady_clock;
-  Clock::time_point due = Clock::now();  // when the figures are written again
+  Clock::time_point due = Clock::now();  // when the figures are written next
   for (const Variant& variant : variants) {
     RunOptions each = options;
     each.out = out.path() / variant.name;
@@ -55,8 +55,8 @@ int Compare(const RunOptions& options, Report report, const std::vector<Variant>
     runs.emplace_back(variant.name, std::move(result.summary));
     if (result.report && reports.size() < kReported) reports.push_back(std::move(*result.report));
     if (SignalGuard::caught() != 0) worst = std::max(worst, 128 + SignalGuard::caught());
-    // After each, so that nothing is lost if the next is killed, but of many short ones no more than a tenth
-    // of the time.
+    // The figures are written after each run in case the next one is killed, but writing takes at most a
+    // tenth of the time.
     const Clock::time_point now = Clock::now();
     if (now >= due || worst >= kOutputFailed || runs.size() == variants.size()) {
       worst =

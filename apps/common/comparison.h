@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/run_scenario.h>
 
 #include <functional>
 #include <string>
@@ -8,19 +8,18 @@
 
 namespace tenon::apps {
 
-/// One of several runs, into the directory that its options name.
+/// One of several runs, which writes into the directory that its options name.
 struct Variant {
   std::string name;
   std::function<RunResult(const RunOptions&)> run;
 };
 
-/// Throws ParameterError unless every name is one of a directory, below that of the whole, and of its own.
+/// Throws ParameterError unless all names are different and valid as subdirectories of the output directory.
 void CheckVariantNames(const std::vector<std::string>& names);
 
-/// Runs all variants, each into a directory of its name below that of the options; writes one summary.json
-/// with the figures of each by name, and one report.html of all, or of the first kReported. `report` has
-/// their title and plots. What stops one run, a signal or a full disk, stops all. Returns the worst exit
-/// code.
+/// Runs all variants, each into a subdirectory of its name, and writes one summary.json with the figures of
+/// each variant and one report.html of the first kReported variants. `report` has their title and plots. A
+/// signal or a full disk stops all runs. Returns the largest exit code.
 int Compare(const RunOptions& options, Report report, const std::vector<Variant>& variants);
 inline constexpr std::size_t kReported = 8;
 

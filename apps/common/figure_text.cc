@@ -10,11 +10,11 @@
 namespace tenon::apps {
 namespace {
 
-constexpr std::size_t kNarrowest = 10;  // a column of numbers
-constexpr std::size_t kWidest = 24;     // a column of a run
-constexpr std::size_t kLongLine = 120;  // a table that is wider is written as lines
+constexpr std::size_t kNarrowest = 10;  // minimal width of a column of numbers [characters]
+constexpr std::size_t kWidest = 24;     // maximal width of a column of a run [characters]
+constexpr std::size_t kLongLine = 120;  // wider tables are written as lines [characters]
 
-/// Characters, not bytes: all but those that continue one in UTF-8.
+/// Counts characters: all bytes except continuation bytes of UTF-8.
 std::size_t Width(const std::string& text) {
   return static_cast<std::size_t>(
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
@@ -37,7 +37,7 @@ std::string Right(const std::string& text, std::size_t width) {
   return std::string(width - std::min(width, Width(text)), ' ') + text;
 }
 
-/// Without the blanks that columns leave at the end of a line.
+/// Removes trailing blanks and ends the line.
 std::string Line(std::string text) {
   text.erase(text.find_last_not_of(' ') + 1);
   return text + '\n';
@@ -58,14 +58,14 @@ bool IsNumber(const std::string& text) {
   return number && std::isfinite(*number);
 }
 
-/// Integers as they are: a seed has more digits than a double.
+/// Formats a value; integers keep all digits, because a seed can have more digits than a double.
 std::string ValueText(const std::string& text) {
   if (text.empty()) return "-";
   const auto number = internal::NumberIn<double>(text);
   return number && text.find_first_not_of("+-0123456789") != text.npos ? NumberText(*number) : text;
 }
 
-/// The unit of the last part of a key that has one: "m" of foot_error_max_m.front_left.
+/// Returns the unit of the last part of a dotted key that has one: "m" for foot_error_max_m.front_left.
 std::string UnitOf(const std::string& key) {
   const std::size_t dot = key.rfind('.');
   const std::string unit = internal::UnitOfKey(dot == key.npos ? key : key.substr(dot + 1));
@@ -76,7 +76,7 @@ std::size_t ColumnWidth(const std::string& head) {
   return std::max(Width(head), kNarrowest) + 2;
 }
 
-/// A table of figures that have values for the same names.
+/// Formats a table of figures that have values for the same names.
 std::string Table(const std::vector<std::string>& names, const std::vector<FigureText>& figures,
                   std::size_t key_width) {
   std::string heads = Left("", key_width), lines;
@@ -105,7 +105,7 @@ std::vector<FigureText> FigureTexts(const NamedTexts& flat) {
   std::vector<FigureText> figures;
   for (std::size_t i = 0; i < flat.size();) {
     const std::string& key = flat[i].first;
-    std::size_t end = i + 1;  // of those that are beside each other below one key
+    std::size_t end = i + 1;  // end of the neighbours with the same parent key
     while (key.find('.') != key.npos && end < flat.size() && parent(flat[end].first) == parent(key)) ++end;
     const bool several = end > i + 1;
     FigureText& figure = figures.emplace_back(FigureText{.key = several ? parent(key) : key, .values = {}});
@@ -122,7 +122,8 @@ std::string FigureLines(const std::vector<FigureText>& figures) {
   std::size_t width = 0;
   for (const FigureText& figure : figures) width = std::max(width, figure.key.size() + 2);
   std::string lines;
-  std::vector<std::pair<std::vector<std::string>, std::vector<FigureText>>> tables;  // by the names of values
+  std::vector<std::pair<std::vector<std::string>, std::vector<FigureText>>>
+      tables;  // by the names of their values
   for (const FigureText& figure : figures) {
     const std::vector<std::string> names = NamesOf(figure);
     std::size_t total = width;
@@ -146,8 +147,7 @@ std::string FigureLines(const std::vector<FigureText>& figures) {
 }
 
 std::string FigureColumns(const std::vector<std::pair<std::string, NamedTexts>>& runs) {
-  std::vector<FigureText>
-      figures;  // of all runs, in the order of their first appearance; a value for each run
+  std::vector<FigureText> figures;  // in the order of their first appearance, with a value for each run
   std::vector<std::size_t> widths;
   std::size_t key_width = 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {

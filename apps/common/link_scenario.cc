@@ -9,8 +9,8 @@ namespace tenon::apps {
 void LinkScenario::Validate() const {
   DemandBetween("delay_s", delay_s, 0, 1);
   Demand(jitter_s >= 0 && jitter_s <= delay_s,
-         fmt::format("jitter_s = {} must be from 0 to delay_s = {}: no command arrives before it is sent",
-                     jitter_s, delay_s));
+         fmt::format("jitter_s = {} must be from 0 to delay_s = {}: delays cannot be negative", jitter_s,
+                     delay_s));
 }
 
 }  // namespace tenon::apps

@@ -4,10 +4,10 @@
 
 namespace tenon::apps {
 
-/// From the controller to the drives: computing and field bus, see JitteredDelay.
+/// Delay from the controller to the drives by computation and field bus, see JitteredDelay.
 struct LinkScenario {
-  double delay_s = 0;
-  double jitter_s = 0;  ///< delays lie evenly within delay ± jitter
+  double delay_s = 0;   ///< mean delay
+  double jitter_s = 0;  ///< delays are uniformly distributed within delay ± jitter
 
   static FieldList Fields() {
     return {{"delay_s", &LinkScenario::delay_s}, {"jitter_s", &LinkScenario::jitter_s}};

@@ -12,29 +12,29 @@
 
 namespace tenon::apps {
 
-/// How an app is run with --live or --replay.
+/// Options of an app's run with --live or --replay.
 struct LiveSessionOptions {
   int port = 8080;
   std::string address = "127.0.0.1";
-  std::optional<std::filesystem::path> replay = {};  ///< a recording; then there is no server
-  std::optional<double> duration = {};               ///< [s]; without, a live run goes on until it is stopped
+  std::optional<std::filesystem::path> replay = {};  ///< recording to repeat; then no server is started
+  std::optional<double> duration = {};  ///< [s]; default: a live run continues until it is stopped
 };
 
-/// The server of a live run, with the keys of a terminal, or the recording of such a run. It outlives the
-/// run: a reset makes another one, of another seed, behind the same address.
+/// The server and terminal of a live run, or the recording of one. It outlives the run: a reset starts
+/// another run with another seed at the same address.
 class LiveSession {
  public:
-  /// Prints the address on stderr. Throws what LiveServer and LiveRecording::Read throw.
+  /// Prints the address on stderr. Throws as LiveServer and LiveRecording::Read do.
   explicit LiveSession(const LiveSessionOptions& options);
   ~LiveSession();
 
-  /// Runs it, and writes live.jsonl into `out` if it is live. `duration` [s] is the scenario's, of a
-  /// recording without an end. As apps::Advance.
+  /// Runs the simulation as apps::Advance does. A live run writes live.jsonl into `out`. A recording without
+  /// an end is repeated for `duration` [s].
   RunOutcome Advance(Simulator& simulator, const LiveView& view, double duration,
                      const std::filesystem::path& out);
-  /// Whether the run ended to be begun anew, with this seed.
+  /// The seed of the next run, if this one ended by a reset.
   std::optional<std::uint64_t> reset_seed() const;
-  /// Of the recording.
+  /// The seed of the recording, if there is one.
   std::optional<std::uint64_t> replay_seed() const;
 
  private:

@@ -13,14 +13,14 @@
 namespace tenon::apps {
 namespace {
 
-constexpr const char* kName = "terminal";  // as a driver
-constexpr double kNotch = 0.1;             // [m/s], [rad/s]
+constexpr const char* kName = "terminal";  // name as a driver
+constexpr double kNotch = 0.1;             // step of a velocity [m/s], [rad/s]
 
 }  // namespace
 
 LiveTerminal::LiveTerminal() {
   termios now{};
-  // In the background, a terminal is somebody else's.
+  // A background process does not own the terminal.
   if (isatty(STDIN_FILENO) == 0 || tcgetpgrp(STDIN_FILENO) != getpgrp() || tcgetattr(STDIN_FILENO, &now) != 0)
     return;
   before_ = now;

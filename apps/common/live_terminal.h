@@ -11,24 +11,24 @@
 
 namespace tenon::apps {
 
-/// Steers a live run by the keys of a terminal, and shows how it goes in one line of it. Where stdin is no
-/// terminal it does nothing.
+/// Steers a live run by the keys of a terminal and shows its status in one line. Does nothing if stdin is not
+/// a terminal.
 ///
-///     w s a d q e   forward, backward, left, right, turn left, turn right: one notch more
+///     w s a d q e   change the velocity forward, backward, left, right, to turn left, right by a step
 ///     space         stop
-///     p             pause, or go on       . one tick      b back by a second
-///     + -           twice, half as fast
+///     p             pause or resume       . one tick      b back by a second
+///     + -           double or halve the speed
 class LiveTerminal {
  public:
-  LiveTerminal();   ///< keys come at once from now on
-  ~LiveTerminal();  ///< the terminal is as it was
+  LiveTerminal();   ///< sets the terminal to report keys at once
+  ~LiveTerminal();  ///< restores the terminal
   LiveTerminal(const LiveTerminal&) = delete;
   LiveTerminal& operator=(const LiveTerminal&) = delete;
-  /// Reads the keys that wait; to be called often, in the thread of the run.
+  /// Handles pressed keys. Call it often from the thread of the run.
   void Poll(LiveServer& server);
-  /// What a key means; public for tests.
+  /// Executes the command of a key; public for tests.
   void Press(char key, LiveServer& server);
-  /// The line.
+  /// Formats the status line.
   std::string Line(const LiveStatus& status) const;
 
  private:

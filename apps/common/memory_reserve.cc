@@ -10,7 +10,7 @@ std::atomic<void*> MemoryReserve::most_ = nullptr, MemoryReserve::rest_ = nullpt
 
 namespace {
 
-constexpr std::size_t kMost = 16 << 20, kRest = 2 << 20;  // bytes; a report takes some MB
+constexpr std::size_t kMost = 16 << 20, kRest = 2 << 20;  // [bytes]; writing a report needs a few MB
 constexpr std::size_t kLeastMost = 4 << 20, kLeastRest = 1 << 18, kStack = 1 << 19;
 
 void PutAside(std::atomic<void*>& part, std::size_t size, std::size_t least) {
@@ -21,8 +21,7 @@ void PutAside(std::atomic<void*>& part, std::size_t size, std::size_t least) {
   }
 }
 
-/// The stack cannot grow either once memory is out, and that is no std::bad_alloc but a crash: what is used
-/// of it once stays.
+/// Touches stack pages, which then stay mapped: growing the stack without memory would crash the process.
 [[gnu::noinline]] void GrowStack() {
   [[maybe_unused]] volatile char some[kStack];
   for (std::size_t i = 0; i < kStack; i += 1024) some[i] = 0;
@@ -54,7 +53,7 @@ bool MemoryReserve::given() noexcept {
   return lives() && most_ == nullptr;
 }
 
-/// As a std::new_handler: to return is to try once more.
+/// The std::new_handler; returning makes operator new retry.
 void MemoryReserve::OnNoMemory() {
   if (void* const most = most_.exchange(nullptr)) return std::free(most);
   std::free(rest_.exchange(nullptr));

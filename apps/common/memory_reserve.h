@@ -4,19 +4,19 @@
 
 namespace tenon::apps {
 
-/// Memory put aside for when there is no more. Who finds none is given most of it, so that what goes on can
-/// be ended in good order; who finds none again gets a std::bad_alloc, and what cleans up after that the
-/// rest: destructors, as those of nlohmann::json, may take memory, too. While one lives, in all threads, as
-/// the process has but one std::new_handler.
+/// A reserve for when the process runs out of memory. The first failed allocation releases most of the
+/// reserve, so that the run can end regularly. The next one releases the rest, which destructors such as
+/// those of nlohmann::json may need, and throws std::bad_alloc. The reserve serves all threads during the
+/// lifetime of the object, because a process has only one std::new_handler.
 class MemoryReserve {
  public:
   MemoryReserve();
   ~MemoryReserve();
   MemoryReserve(const MemoryReserve&) = delete;
   MemoryReserve& operator=(const MemoryReserve&) = delete;
-  /// Puts aside again what was given, or less of it if there is no more. Nothing where none lives.
+  /// Restores the reserve as far as memory allows; does nothing if there is no MemoryReserve.
   static void Refill() noexcept;
-  /// Whether one lives and was given: it is time to end.
+  /// Returns whether a failed allocation has used the reserve, so that the run should end.
   static bool given() noexcept;
 
  private:

@@ -1,32 +1,21 @@
 #pragma once
 
-#include <tenon/apps/common/faults.h>
-
 #include <string>
 #include <vector>
 
 namespace tenon::apps {
 
-// Remarks on what a scenario gives that does nothing in a run: "forces.0 never acts: duration_s is 0".
+// Remarks on parts of a scenario that have no effect: "forces.0 never acts: duration_s is 0".
 
-/// When a disturbance acts.
+/// The interval in which a disturbance acts.
 struct Acts {
   double start = 0;    ///< key start_s [s]
-  double length = -1;  ///< key duration_s [s]; negative: to the end
+  double length = -1;  ///< key duration_s [s]; negative: until the end
 };
 
-/// A remark on the disturbance at `key` if it never acts in a run of `duration` [s]; `reason` is another one
-/// why it does not, empty: none.
+/// Adds a remark if the disturbance at `key` never acts in a run of `duration` [s]. A nonempty `reason` is an
+/// additional reason why it does not act.
 void AddIdle(const std::string& key, const Acts& acts, double duration, const std::string& reason,
              std::vector<std::string>& notes);
-
-/// Remarks on the faults of a scenario.
-template <class Place>
-void AddNotes(const std::vector<FaultScenario<Place>>& faults, double duration,
-              std::vector<std::string>& notes) {
-  for (std::size_t i = 0; i < faults.size(); ++i)
-    AddIdle("faults." + std::to_string(i), {faults[i].start_s, faults[i].duration_s.value_or(-1)}, duration,
-            "", notes);
-}
 
 }  // namespace tenon::apps

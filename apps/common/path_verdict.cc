@@ -28,14 +28,15 @@ void PathVerdict::AddTo(Summary& summary) const {
   summary.Set("heading_deviation_max_rad", turns_.max(), {.high = heading_limit_});
   if (left_) {
     const auto [worst, limit] = Beside(*deviations_.max(), *position_limit_);
-    summary.Break(*left_, fmt::format("the path was not followed: the robot went {} m off it, more than {} m",
+    summary.Break(*left_, fmt::format("the path was not followed: the robot left it by {} m, more than {} m",
                                       worst, limit));
   }
   if (turned_) {
     const auto [worst, limit] = Beside(*turns_.max(), *heading_limit_);
-    summary.Break(*turned_, fmt::format("the path was not followed: the robot turned {} rad away from it, "
-                                        "more than {} rad",
-                                        worst, limit));
+    summary.Break(*turned_,
+                  fmt::format("the path was not followed: the heading deviated by {} rad, more than "
+                              "{} rad",
+                              worst, limit));
   }
 }
 

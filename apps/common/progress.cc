@@ -88,12 +88,12 @@ std::string ProgressSink::Text() const {
 namespace {
 
 std::atomic<int> caught_signal = 0;
-static_assert(std::atomic<int>::is_always_lock_free, "a handler of signals may set nothing else");
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may only set lock-free atomics");
 
 constexpr const char* kInterrupted = "interrupted";
 constexpr std::array kSignals{SIGINT, SIGTERM};
 std::mutex guard_mutex;
-int guards = 0;  ///< that live
+int guards = 0;  ///< number of SignalGuards
 std::array<struct sigaction, kSignals.size()> actions_before{};
 
 std::string OutOfMemoryAt(const Context& context) {
@@ -109,7 +109,7 @@ SignalGuard::SignalGuard() {
   struct sigaction note = {};
   note.sa_handler = [](int signal) {
     caught_signal = signal;
-    // The other of the two as well: whoever insists is obeyed.
+    // Any second signal ends the process.
     std::signal(SIGINT, SIG_DFL);
     std::signal(SIGTERM, SIG_DFL);
   };
@@ -128,7 +128,7 @@ int SignalGuard::caught() {
 
 void StopOnSignal(Simulator& simulator) {
   simulator.AddMonitor([](Context& context) {
-    if (MemoryReserve::given()) MemoryReserve::Refill();  // it may have been but one huge request
+    if (MemoryReserve::given()) MemoryReserve::Refill();  // a single large allocation may have failed
     if (MemoryReserve::given()) throw RunError(OutOfMemoryAt(context));
     return SignalGuard::caught() == 0 ? Verdict() : Verdict(kInterrupted);
   });
@@ -146,7 +146,7 @@ RunOutcome Observe(Simulator& simulator, const std::function<RunStatus()>& advan
   try {
     outcome.status = advance();
     if (outcome.status.ended) outcome.exit_code = kLimitBroken;
-    if (outcome.status.reason == kInterrupted) outcome.exit_code = 128 + SIGINT;  // by a browser
+    if (outcome.status.reason == kInterrupted) outcome.exit_code = 128 + SIGINT;  // from a browser
   } catch (const OutputError& error) {
     fail(error.what(), kOutputFailed);
   } catch (const RunError& error) {
@@ -154,7 +154,7 @@ RunOutcome Observe(Simulator& simulator, const std::function<RunStatus()>& advan
   } catch (const std::bad_alloc&) {
     fail(OutOfMemoryAt(simulator.context()), kNumericalFailure);
   }
-  // Also if it came with the last tick: who stops one run of several means all.
+  // A signal in the last tick counts, too, because it is meant to stop all of several runs.
   if (const int caught = SignalGuard::caught(); caught != 0 && outcome.exit_code != kOutputFailed) {
     outcome.exit_code = 128 + caught;
     outcome.status = {outcome.status.time, true, kInterrupted};
@@ -164,12 +164,12 @@ RunOutcome Observe(Simulator& simulator, const std::function<RunStatus()>& advan
 }
 
 std::string TookTooLong(double wall_limit) {
-  return fmt::format("took longer than {} s on the clock", wall_limit);
+  return fmt::format("took longer than {} s of wall-clock time", wall_limit);
 }
 
 RunOutcome Advance(Simulator& simulator, double duration, std::optional<double> wall_limit) {
   StopOnSignal(simulator);
-  const auto too_long = std::make_shared<bool>(false);  // the monitor outlives this function
+  const auto too_long = std::make_shared<bool>(false);  // shared, because the monitor outlives this function
   if (wall_limit) {
     const auto begin = std::chrono::steady_clock::now();
     simulator.AddMonitor([=, limit = *wall_limit](Context&) {

@@ -9,23 +9,23 @@
 
 namespace tenon::apps {
 
-/// On stderr, control characters escaped; what cannot be told there is lost, and nothing else with it.
+/// Prints on stderr with control characters escaped. Errors are ignored.
 void Say(const std::string& text) noexcept;
-/// On a terminal, control characters and all: for lines that are written over.
+/// Prints on stderr without escaping, for lines that are overwritten.
 void Draw(const std::string& text) noexcept;
 
-/// How far something is, on stderr: a line that is written over with a bar if stderr is a terminal, else a
-/// line every 5 s.
+/// Shows progress on stderr: a line with a bar that is overwritten if stderr is a terminal, else a line every
+/// 5 s.
 class ProgressLine {
  public:
   ProgressLine();
-  /// Whether it is time to show something again.
+  /// Returns whether the line should be updated.
   bool due() const;
-  /// `share` of the whole, for the bar; none if that is not known.
+  /// Shows a text, and a bar if the completed `share` is known.
   void Show(std::optional<double> share, const std::string& text);
-  /// The same for the last time; nothing where no line came before, as of what is short.
+  /// Shows the final line. Without a terminal, prints it only after other lines.
   void End(std::optional<double> share, const std::string& text);
-  double elapsed() const;  ///< since it was made [s]
+  double elapsed() const;  ///< since construction [s]
   bool terminal() const { return terminal_; }
 
  private:
@@ -36,11 +36,10 @@ class ProgressLine {
   Clock::time_point shown_ = begin_;
 };
 
-/// Shows how far a run is: its name, simulated time, real-time factor, time left. It is a sink: add it to one
-/// of the run's logs.
+/// A log sink that shows the progress of a run: its name, simulated time, real-time factor and time left.
 class ProgressSink final : public LogSink {
  public:
-  /// `duration` [s]; `name` of one of several runs: "run 3 of 64".
+  /// `duration` of the run [s]; `name` of one of several runs, such as "run 3 of 64".
   explicit ProgressSink(double duration, const std::string& name = {})
       : prefix_(name.empty() ? "" : name + ": "), duration_(duration) {}
   void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
@@ -57,37 +56,37 @@ class ProgressSink final : public LogSink {
   ProgressLine line_;
 };
 
-/// How a run went, for summary.json.
+/// The outcome of a run, for summary.json.
 struct RunOutcome {
   RunStatus status;
-  std::string failure;  ///< what() of a RunError; empty if there was none
-  int exit_code = 0;    ///< an ExitCode, or 128 and the number of the signal that stopped it
-  double wall_s = 0;    ///< of the advance alone
+  std::string failure;  ///< message of a RunError; empty without error
+  int exit_code = 0;    ///< an ExitCode, or 128 plus the number of the signal that stopped the run
+  double wall_s = 0;    ///< wall-clock time of the simulation alone
 };
 
-/// While one lives, the first SIGINT or SIGTERM is noted, and ends what Advance runs, in all threads; the
-/// next one ends the process. Of several at a time the first counts.
+/// During its lifetime, the first SIGINT or SIGTERM ends the runs of Advance in all threads, and the second
+/// one ends the process. Guards may be nested.
 class SignalGuard {
  public:
   SignalGuard();
   ~SignalGuard();
   SignalGuard(const SignalGuard&) = delete;
   SignalGuard& operator=(const SignalGuard&) = delete;
-  /// The number of the signal that came; 0 for none.
+  /// Returns the number of the received signal, 0 for none.
   static int caught();
 };
 
-/// Advances a run by `advance`. A RunError, or that memory is out, is caught and told in the outcome, so that
-/// the caller can still write what there is. A monitor that ends it has broken a limit; the reason
-/// "interrupted" counts as SIGINT.
+/// Advances a run by `advance`. A RunError or a lack of memory is caught and returned in the outcome, so that
+/// the caller can still write its files. If a monitor ends the run, the exit code is kLimitBroken, or that of
+/// SIGINT for the reason "interrupted".
 RunOutcome Observe(Simulator& simulator, const std::function<RunStatus()>& advance);
-/// Lets SIGINT and SIGTERM end what the simulator advances, see SignalGuard, and memory that is all but out.
+/// Adds a monitor that ends the run at SIGINT, SIGTERM (see SignalGuard) or when memory runs out.
 void StopOnSignal(Simulator& simulator);
 
-/// Advances to `duration` [s], or until SIGINT or SIGTERM comes, see SignalGuard, or `wall_limit` [s] on the
-/// clock are over, which ends the run as a monitor does. Errors as with Observe.
+/// Advances to `duration` [s], or until SIGINT, SIGTERM (see SignalGuard) or `wall_limit` [s] of wall-clock
+/// time ends the run. Handles errors as Observe does.
 RunOutcome Advance(Simulator& simulator, double duration, std::optional<double> wall_limit = {});
-/// Why a run ended that took longer than its limit.
+/// Returns the end reason of a run that exceeded its limit of wall-clock time [s].
 std::string TookTooLong(double wall_limit);
 
 }  // namespace tenon::apps

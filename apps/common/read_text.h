@@ -7,7 +7,7 @@
 
 namespace tenon::apps {
 
-/// What a file holds; nothing if it cannot be read.
+/// Returns the contents of a file, empty if it cannot be read.
 inline std::string ReadText(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};

@@ -24,12 +24,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kFiles = "files";       // beside scenario.yaml: copies of what it names
-constexpr const char* kWritten = ".written";  // in there: their names, so that nothing else is removed
+constexpr const char* kFiles = "files";       // directory of copies beside scenario.yaml
+constexpr const char* kWritten = ".written";  // lists the copies, so that nothing else is removed
 
 fs::path FindScenario(const std::string& name, const std::string& app);
 
-/// A scenario with everything that it takes over from the ones that it extends.
+/// Loads a scenario with the keys that it inherits by `extends`.
 YamlDocument LoadExtended(const std::string& file, const std::string& app) {
   YamlDocument document = YamlDocument::Load(file);
   std::vector<std::string> chain{fs::absolute(file).lexically_normal().string()};
@@ -41,9 +41,8 @@ YamlDocument LoadExtended(const std::string& file, const std::string& app) {
       const std::string base =
           IsResourcePath(name) ? document.Path("extends") : FindScenario(name, app).string();
       if (std::ranges::count(chain, base) > 0)
-        throw ParameterError(
-            fmt::format("scenario '{}' extends itself by way of '{}': take one 'extends' out",
-                        internal::Excerpt(base), internal::Excerpt(chain.back())));
+        throw ParameterError(fmt::format("scenario '{}' extends itself through '{}': remove one `extends`",
+                                         internal::Excerpt(base), internal::Excerpt(chain.back())));
       chain.push_back(base);
       const YamlDocument whole = YamlDocument::Load(base);
       document.Remove("extends");
@@ -67,15 +66,15 @@ std::vector<std::pair<std::string, std::string>> ListScenarios(const std::string
 
 namespace {
 
-/// Where a scenario of an app stands. One of another app is found, too, and refused by what it is.
+/// Returns the path of a scenario. Finds scenarios of other apps, too, which the caller refuses.
 fs::path FindScenario(const std::string& name, const std::string& app) {
   if (IsResourcePath(name)) return name;
   if (std::ranges::count(ListResources("scenarios"), name) > 0) return FindResource("scenarios", name);
   std::vector<std::string> names;
   for (const auto& [own, description] : ListScenarios(app)) names.push_back(own);
   if (names.empty())
-    throw ParameterError(
-        fmt::format("there is no '{}': no scenario of {} ships, give a .yaml file", name, app));
+    throw ParameterError(fmt::format(
+        "there is no '{}': {} has no shipped scenarios; give the path of a .yaml file", name, app));
   return FindResource("scenarios", name, names);
 }
 
@@ -86,7 +85,7 @@ void ApplySettings(const std::vector<std::string>& settings, YamlDocument* docum
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos || equals == 0) {
       throw ParameterError(
-          fmt::format("--set {}: give it as key=value, say --set duration_s=5", internal::Excerpt(setting)));
+          fmt::format("--set {}: write key=value, as in --set duration_s=5", internal::Excerpt(setting)));
     }
     document->Set(setting.substr(0, equals), setting.substr(equals + 1));
   }
@@ -97,7 +96,7 @@ YamlDocument LoadScenario(const std::string& name, const std::vector<std::string
   YamlDocument document = LoadExtended(FindScenario(name, app), app);
   ApplySettings(settings, &document);
   if (const std::string other = document.Text("app"); !other.empty() && other != app) {
-    throw ParameterError(fmt::format("{0}: '{1}' is a scenario of another app, not of {2}; run {3} {1}",
+    throw ParameterError(fmt::format("{0}: '{1}' is not a scenario of {2}; run {3} {1}",
                                      document.PlaceOf("app"), internal::Excerpt(name), app,
                                      internal::Excerpt(other)));
   }
@@ -109,7 +108,7 @@ std::vector<std::pair<std::string, double>> DrawScenario(YamlDocument& scenario,
   if (seed) {
     scenario.Set("seed", fmt::format("{}", *seed));
   } else {
-    // That of a scenario which says none is 1; what is no number is refused when it is read.
+    // The default seed is 1. An invalid seed is refused when the scenario is read.
     const std::string text = scenario.Text("seed");
     seed = internal::NumberIn<std::uint64_t>(internal::WithoutPlus(text)).value_or(1);
   }
@@ -118,7 +117,7 @@ std::vector<std::pair<std::string, double>> DrawScenario(YamlDocument& scenario,
 
 namespace {
 
-/// All files that a value names, by dotted keys.
+/// Visits all files that a value names, with their dotted keys.
 void ForEachFile(const internal::TypeInfo& type, void* value, const std::string& key,
                  const std::function<void(const std::string& key, YamlFile& file)>& visit) {
   using Kind = internal::TypeInfo::Kind;
@@ -163,7 +162,7 @@ void ScenarioFiles::Take(const std::string& key, YamlFile& file) {
   const std::size_t before = files_.size();
   const auto copy = [&](const std::string& inner, const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
-    if (!in) return;  // no file, only looks like one
+    if (!in) return;  // not the path of a file
     const std::string ending = path.extension().string();
     const std::string name = inner == "file" ? key : key + "." + inner;
     std::string text(std::istreambuf_iterator<char>(in), {});
@@ -184,20 +183,20 @@ void ScenarioFiles::Take(const std::string& key, YamlFile& file) {
   file.text = map.Keys("").size() > 1 ? map.Flow() : map.Text("file");
 }
 
-/// Removes what an earlier run wrote into its directory of copies.
+/// Removes the copies that an earlier run wrote.
 static void RemoveWritten(const fs::path& place) {
   std::istringstream written(ReadText(place / kWritten));
-  std::error_code ignored;  // what stays is in nobody's way
+  std::error_code ignored;  // remaining files do no harm
   for (std::string name; std::getline(written, name);) fs::remove(place / fs::path(name).filename(), ignored);
   fs::remove(place / kWritten, ignored);
-  fs::remove(place, ignored);  // unless there is more in it
+  fs::remove(place, ignored);  // fails if it holds other files
 }
 
 void ScenarioFiles::Write(const fs::path& directory) const {
   const fs::path place = directory / kFiles;
   RemoveWritten(place);
   if (!files_.empty()) {
-    std::error_code ignored;  // if there is none, it cannot be written into, and that is said
+    std::error_code ignored;  // on failure, WriteFile throws
     fs::create_directory(place, ignored);
     std::string names;
     for (const auto& [name, text] : files_) names += name + "\n";

@@ -11,24 +11,25 @@
 
 namespace tenon::apps {
 
-/// Sets values of a document by key=value, as --set gives them. Throws ParameterError.
+/// Sets values of a document by the key=value texts of --set. Throws ParameterError.
 void ApplySettings(const std::vector<std::string>& settings, YamlDocument* document);
 
-/// A scenario, shipped or a file, with all `settings`, key=value, applied. `extends: NAME` in a scenario
-/// takes over everything of another that it does not say itself; lists are taken over as a whole. Throws
-/// ParameterError, among others for a scenario of another app than `app`.
+/// Loads a shipped scenario or a file and applies the key=value texts of `settings`. A scenario with
+/// `extends: NAME` inherits all keys of another scenario that it does not set itself; lists are inherited as
+/// a whole. Throws ParameterError, also for a scenario of another app than `app`.
 YamlDocument LoadScenario(const std::string& name, const std::vector<std::string>& settings,
                           const std::string& app);
 
-/// Gives a scenario its seed, if there is one, and draws what it leaves to chance. Returns what was drawn.
+/// Sets the seed of a scenario, if one is given, and draws its random values. Returns the drawn values by
+/// key.
 std::vector<std::pair<std::string, double>> DrawScenario(YamlDocument& scenario,
                                                          std::optional<std::uint64_t> seed);
 
-/// Names and descriptions of the shipped scenarios whose `app` key is this app's name.
+/// Returns names and descriptions of the shipped scenarios of an app.
 std::vector<std::pair<std::string, std::string>> ListScenarios(const std::string& app);
 
-/// scenario.yaml of a run, with the files that it names and that do not ship: wherever they are copied to,
-/// the run can be repeated from there.
+/// The scenario.yaml of a run and copies of the files that it names, except shipped ones. The run can be
+/// repeated from these files alone, also after they are moved.
 class ScenarioFiles {
  public:
   /// Reads the files that the YamlFiles in the scenario name. Throws ParameterError.
@@ -36,8 +37,8 @@ class ScenarioFiles {
   explicit ScenarioFiles(T scenario) {
     Take(internal::TypeInfoOf<T>(), &scenario);
   }
-  /// Writes scenario.yaml, and the files that it names into `files` beside it; what an earlier run wrote in
-  /// there goes, and nothing else. Throws OutputError.
+  /// Writes scenario.yaml, and the files that it names into the subdirectory `files`, from which it removes
+  /// only files of an earlier run. Throws OutputError.
   void Write(const std::filesystem::path& directory) const;
 
  private:
@@ -45,7 +46,7 @@ class ScenarioFiles {
   void Take(const std::string& key, YamlFile& file);
 
   std::string text_;
-  std::vector<std::pair<std::string, std::string>> files_;  ///< names, contents
+  std::vector<std::pair<std::string, std::string>> files_;  ///< names and contents
 };
 
 }  // namespace tenon::apps

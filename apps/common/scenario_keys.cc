@@ -20,7 +20,7 @@ namespace {
 using internal::TypeInfo;
 using Kind = TypeInfo::Kind;
 
-/// One value as a scenario would say it.
+/// Formats a value as in a scenario.
 std::string Shown(const TypeInfo& type, const void* value);
 
 std::string ShownItems(const TypeInfo& item, const void* first, std::size_t count) {
@@ -113,14 +113,14 @@ struct MeaningsFile {
   static FieldList Fields() { return {{"structs", &MeaningsFile::structs}}; }
 };
 
-/// By struct and key; nothing where Tenon's data is not installed.
+/// Reads the meanings by struct and key; empty if Tenon's data is not installed.
 Meanings ReadMeanings() {
   const std::filesystem::path file = DataDirectory() / "keys" / "meanings.yaml";
   if (!std::filesystem::exists(file)) return {};
   return YamlDocument::Load(file).Read<MeaningsFile>().structs;
 }
 
-/// `value` may be null: of the items of a list that is empty.
+/// Lists the keys of a struct. `value` is null for items of an empty list, which have their defaults.
 void List(const TypeInfo& type, const void* value, const std::string& prefix, const Meanings& meanings,
           std::vector<ScenarioKey>& keys) {
   std::vector<std::byte> memory;
@@ -134,7 +134,7 @@ void List(const TypeInfo& type, const void* value, const std::string& prefix, co
     value = made;
   }
   auto own = meanings.find(StructName(type));
-  if (own == meanings.end()) own = meanings.find("AppScenario");  // an app of one's own
+  if (own == meanings.end()) own = meanings.find("AppScenario");  // of a scenario outside Tenon
   for (const Field& field : type.fields) {
     const TypeInfo& member = field.type();
     const void* at = static_cast<const std::byte*>(value) + field.offset;

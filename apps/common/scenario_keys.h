@@ -8,17 +8,17 @@
 
 namespace tenon::apps {
 
-/// A key of a scenario.
+/// A key of a scenario, for --keys.
 struct ScenarioKey {
-  std::string key;      ///< dotted; [] stands for the items of a list: forces[].duration_s
+  std::string key;      ///< dotted, with [] for items of a list: forces[].duration_s
   std::string type;     ///< number, integer, text, list of 3 numbers, one of on, off, …
-  std::string unit;     ///< as its name says it: m/s
-  std::string initial;  ///< what it is if a scenario does not say; "required" if it has to
-  std::string meaning;  ///< empty where nobody told
+  std::string unit;     ///< from the key's suffix: m/s
+  std::string initial;  ///< the default; "required" without one
+  std::string meaning;  ///< may be empty
 };
 
-/// All keys of a struct, those of its structs after them, with the values that `value` has. The meanings are
-/// those that its members have in the headers of Tenon, kept in share/tenon/keys.
+/// Lists all keys of a struct and of the structs in it, with the values in `value` as defaults. The meanings
+/// are the comments of the members in Tenon's headers, collected in share/tenon/keys.
 std::vector<ScenarioKey> KeysOf(const internal::TypeInfo& type, const void* value);
 template <HasFields T>
 std::vector<ScenarioKey> KeysOf() {
@@ -26,14 +26,14 @@ std::vector<ScenarioKey> KeysOf() {
   return KeysOf(internal::TypeInfoOf<T>(), &value);
 }
 
-/// The keys of a shipped file, or of one of a path, that a scenario names under `key`, with their values
-/// there; none of the word `none`. Throws ParameterError.
+/// Lists the keys and values of a resource that a scenario names under `key`; empty for the word `none`.
+/// Throws ParameterError.
 std::vector<ScenarioKey> KeysOfFile(const std::string& kind, const YamlFile& what, const std::string& key);
 
-/// The name of a struct, without namespaces and arguments of templates.
+/// Returns the name of a struct without namespaces and template arguments.
 std::string StructName(const internal::TypeInfo& type);
 
-/// On stdout, a line for each key.
+/// Prints a line for each key on stdout.
 void PrintKeys(const std::vector<ScenarioKey>& keys);
 
 }  // namespace tenon::apps

@@ -8,7 +8,7 @@
 
 namespace tenon::apps {
 
-/// What can be said of numbers that come one by one; nothing of none.
+/// Statistics of a sequence of numbers; empty without numbers.
 class Tally {
  public:
   void Add(double value) {
@@ -31,22 +31,22 @@ class Tally {
   double low_ = 0, high_ = 0, sum_ = 0, squares_ = 0;
 };
 
-/// [s] to [us].
+/// Converts a time from s to us.
 inline std::optional<double> Microseconds(std::optional<double> seconds) {
   if (seconds) *seconds *= 1e6;
   return seconds;
 }
 
-/// Quantiles of times, to 1 %, in memory that does not grow with their number.
+/// Quantiles of times, accurate to 1 %, in constant memory.
 class TimeQuantiles {
  public:
   void Add(double seconds) {
     const double bin = std::log(seconds / kShortest) / kWidth;
     const auto last = static_cast<double>(counts_.size() - 1);
-    ++counts_[bin > 0 ? static_cast<std::size_t>(std::min(bin, last)) : 0];  // what is no number counts as 0
+    ++counts_[bin > 0 ? static_cast<std::size_t>(std::min(bin, last)) : 0];  // NaN counts as 0
     ++count_;
   }
-  /// What the part `share` of all does not exceed [s]; nothing of none.
+  /// Returns the quantile for `share` in [0, 1], in s; empty without times.
   std::optional<double> Quantile(double share) const {
     if (count_ == 0) return std::nullopt;
     const auto rank = static_cast<long>(share * static_cast<double>(count_ - 1));
@@ -57,7 +57,7 @@ class TimeQuantiles {
   }
 
  private:
-  static constexpr double kShortest = 1e-9, kWidth = 0.01;  // s, and of the logarithm
+  static constexpr double kShortest = 1e-9, kWidth = 0.01;  // [s], and bin width of the logarithm
   std::array<long, 3000> counts_{};                         // up to 3 hours
   long count_ = 0;
 };

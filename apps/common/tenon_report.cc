@@ -1,4 +1,4 @@
-// tenon-report: one page of several runs that are there already.
+// tenon-report: writes one report of several existing runs.
 
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
@@ -17,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the directories are called in the page: by their own names, or, if two have the same, as they were
-/// given.
+/// Returns the names of the runs in the report: the names of their directories or, if two are equal, the
+/// given paths.
 std::vector<std::string> NamesOf(const std::vector<std::string>& directories) {
   std::vector<std::string> names;
   for (const fs::path directory : directories)
@@ -31,18 +31,19 @@ std::vector<std::string> NamesOf(const std::vector<std::string>& directories) {
 int Run(const std::vector<std::string>& directories, const fs::path& out) {
   if (directories.size() > kReported) {
     throw ParameterError(
-        fmt::format("{} runs: a page shows at most {}, name fewer", directories.size(), kReported));
+        fmt::format("{} runs are too many: a report shows at most {}", directories.size(), kReported));
   }
   for (const std::string& directory : directories) {
     std::error_code ignored;
     if (fs::equivalent(directory, out, ignored)) {
       throw ParameterError(fmt::format(
-          "--out '{}' is one of the runs, whose report it would overwrite: choose another", out.string()));
+          "--out '{}' is one of the runs and its report would be overwritten: choose another directory",
+          out.string()));
     }
   }
   const std::vector<std::string> names = NamesOf(directories);
   std::vector<Report> runs;
-  std::vector<Plot> plots;  // of all runs, those of one title once
+  std::vector<Plot> plots;  // of all runs, without duplicates
   std::vector<std::string> titles;
   for (const std::string& directory : directories) {
     const ReportParams& params = runs.emplace_back(Report::Read(directory)).params();
@@ -68,16 +69,16 @@ int Run(const std::vector<std::string>& directories, const fs::path& out) {
 }  // namespace tenon::apps
 
 int main(int argc, char** argv) {
-  CLI::App app("Puts runs of any app side by side into one report.", "tenon-report");
+  CLI::App app("Compares runs of any app in one report.", "tenon-report");
   std::vector<std::string> directories;
   std::string out = "out/report";
-  app.add_option("DIR", directories, "directories that runs were written into by --out")->required();
+  app.add_option("DIR", directories, "output directories of runs")->required();
   app.add_option("--out", out, "directory for report.html (default: out/report)");
   app.footer(
       "Reads report.html and signals.csv of each run.\n"
       "    tenon-cdpr D2 --out out/soft --set pd.stiffness_N_per_m=3000 --controller pd\n"
       "    tenon-cdpr D2 --out out/stiff --set pd.stiffness_N_per_m=9000 --controller pd\n"
       "    tenon-report out/soft out/stiff\n"
-      "Exit codes: 0 written; 2 bad usage, or a directory that holds no run; 5 a file could not be written.");
+      "Exit codes: 0 written; 2 invalid usage, or a directory without a run; 5 a file could not be written.");
   return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(directories, out); });
 }

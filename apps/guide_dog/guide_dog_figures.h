@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/systems/simulation/signal_log.h>
@@ -11,26 +11,25 @@
 
 namespace tenon::apps {
 
-/// The figures of a person on a leash, gathered while the robot runs from a log of every control tick. The
-/// leash's are the true ones.
+/// Figures of a person on a leash, computed during the run from a log of every control tick. Tension and
+/// length of the leash are the true ones.
 ///
-/// Mean tension and distance count while the robot goes as commanded and the person follows, from when the
-/// tension first reaches the desired one after each start. The stop's delay is the time from the first cause,
-/// tension above the threshold or an obstacle, until the trunk is slower than `kStanding` for half a second.
-/// The heading's error is that of the mean heading in the last second of the run, against the direction in
-/// which the leash pulled the robot when it last started.
+/// Mean tension and distance are taken while the robot walks as commanded and the person follows, starting
+/// when the tension first reaches the desired one after each start. The delay of the stop is the time from
+/// the first cause, a tension above the threshold or an obstacle, until the trunk has been slower than
+/// `kStanding` for half a second. The heading error is that of the mean heading in the last second of the
+/// run, relative to the direction in which the leash pulled the robot at its last start.
 class GuideDogFigures final : public LogSink {
  public:
-  static constexpr double kStanding = 0.02;  // m/s
+  static constexpr double kStanding = 0.02;  ///< [m/s]
 
-  /// What has to be logged for it, in a diagram that calls the GuideDog "loop".
+  /// The signals that must be logged, in a diagram with a GuideDog named "loop".
   static std::vector<const Source*> Signals(const GuideDog& loop);
 
   GuideDogFigures(double desired_tension, double threshold)
       : desired_tension_(desired_tension), threshold_(threshold) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
-  /// Writes them down.
   void AddTo(Summary& summary) const;
 
  private:
@@ -48,7 +47,7 @@ class GuideDogFigures final : public LogSink {
   std::optional<double> cause_, standing_, stop_delay_;    // [s]
   std::optional<double> pull_yaw_;                         // [rad]
   double last_mode_ = 0, last_time_ = 0;
-  std::deque<Vec<2>> headings_;  // of the last second
+  std::deque<Vec<2>> headings_;  // headings of the last second as unit vectors
 };
 
 }  // namespace tenon::apps

@@ -1,35 +1,36 @@
 #include <tenon/apps/common/checks.h>
-#include <tenon/apps/common/notes.h>
+#include <tenon/apps/common/faults.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
-
-#include <fmt/core.h>
 
 namespace tenon::apps {
 namespace {
 
-/// The robot alone.
 QuadrupedScenario WithoutPerson(const GuideDogScenario& scenario) {
   QuadrupedScenario alone;
-  alone.robot = scenario.robot;
-  alone.duration_s = scenario.duration_s;
-  alone.seed = scenario.seed;
-  alone.terrain = scenario.terrain;
-  alone.forces = scenario.forces;
+  static_cast<LeggedScenario&>(alone) = scenario;
   alone.walk = scenario.walk;
-  alone.profile = scenario.profile;
-  alone.hardware = scenario.hardware;
-  alone.sensors = scenario.sensors;
-  alone.fall = scenario.fall;
-  alone.limit_speed = scenario.limit_speed;
-  alone.integrator = scenario.integrator;
-  alone.scale_forces = scenario.scale_forces;
+  alone.observer = scenario.observer;
   return alone;
 }
 
 }  // namespace
 
+FieldList GuideDogScenario::Fields() {
+  using S = GuideDogScenario;
+  FieldList fields = LeggedScenario::Fields();
+  fields.insert(fields.end(), {Required("walk", &S::walk),
+                               {"observer", &S::observer},
+                               {"supervisor", &S::supervisor},
+                               {"admittance", &S::admittance},
+                               Required("person", &S::person),
+                               {"leash", &S::leash},
+                               {"surroundings", &S::surroundings},
+                               {"log_rate_hz", &S::log_rate_hz}});
+  return fields;
+}
+
 void GuideDogScenario::Validate() const {
-  if (duration_s) DemandPositive("duration_s", *duration_s);
+  LeggedScenario::Validate();
   DemandRate("log_rate_hz", log_rate_hz);
 }
 
@@ -46,13 +47,12 @@ std::vector<std::string> Notes(const GuideDogScenario& scenario, double duration
 
 GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
   GuideDogParams params = MakeGuideDog(MakeWalkParams(WithoutPerson(scenario)));
-  params.observer.kind = scenario.observer;
   params.supervisor.gains = scenario.supervisor;
   params.admittance.gains = scenario.admittance;
   params.obstacles = scenario.surroundings;
   params.person = scenario.person;
   params.leash = scenario.leash;
-  const auto [weight, length] = RatioOf(WithoutPerson(scenario));
+  const auto [weight, length] = RatioOf(scenario);
   SupervisorGains& supervisor = params.supervisor.gains;
   AdmittanceGains& admittance = params.admittance.gains;
   PersonParams& person = params.person;
@@ -64,10 +64,6 @@ GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
   for (PersonPhase& phase : person.phases) phase.force *= weight;
   params.leash.attachment_B *= length;
   return params;
-}
-
-SimulatorOptions MakeSimulatorOptions(const GuideDogScenario& scenario) {
-  return MakeSimulatorOptions(WithoutPerson(scenario));
 }
 
 }  // namespace tenon::apps

@@ -1,6 +1,6 @@
 // tenon-guide-dog: a quadruped that leads a person on a leash.
 
-#include <tenon/apps/guide_dog/guide_dog_run.h>
+#include <tenon/apps/guide_dog/guide_dog_app.h>
 
 int main(int argc, char** argv) {
   return tenon::apps::RunApp(tenon::apps::GuideDogApp(), argc, argv);

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <tenon/apps/common/outputs.h>
 #include <tenon/plants/legged/quadruped_plant.h>
+#include <tenon/systems/report/report.h>
 
 #include <vector>
 
 namespace tenon::apps {
 
-/// What the drives of a robot can do: the torque and the speed of each joint [N m, rad/s], both ways.
+/// Limits of torque and speed of each joint [N m, rad/s], in both directions.
 std::vector<SignalLimits> DriveLimits(const QuadrupedPlant& plant);
 
 }  // namespace tenon::apps

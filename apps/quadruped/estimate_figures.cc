@@ -8,6 +8,7 @@
 #include <cmath>
 
 namespace tenon::apps {
+
 void EstimateFigures::Begin(const std::vector<std::string>& names) {
   const std::string estimate = "loop.estimator.estimate.state";
   const bool estimated = std::any_of(names.begin(), names.end(),
@@ -25,7 +26,7 @@ void EstimateFigures::Begin(const std::vector<std::string>& names) {
 void EstimateFigures::Row(std::span<const double> row) {
   if (estimated_.velocity.empty()) return;
   const double velocity = (VectorIn<3>(row, estimated_.velocity) - VectorIn<3>(row, true_.velocity)).norm();
-  // The vertical in the trunk's axes.
+  // The vertical in the axes of the trunk, true and estimated.
   const Vec<3> up = RotationFromQuaternion(VectorIn<4>(row, true_.attitude)).row(2);
   const Vec<3> estimated_up = RotationFromQuaternion(VectorIn<4>(row, estimated_.attitude)).row(2);
   const double tilt = std::atan2(up.cross(estimated_up).norm(), up.dot(estimated_up));
@@ -36,7 +37,7 @@ void EstimateFigures::Row(std::span<const double> row) {
   drift_.Add(drift.norm());
   height_drift_.Add(std::abs(drift[2]));
   path_errors_.Add(VectorIn<3>(row, path_com_).norm());
-  for (std::size_t leg = 0; leg < kNumLegs; ++leg)  // 0 of feet that stand
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg)  // 0 marks a foot in stance
     if (row[path_foot_[leg]] > 0) path_foot_errors_[leg].Add(row[path_foot_[leg]]);
 }
 

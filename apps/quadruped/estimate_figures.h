@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/plants/model/quadruped_description.h>
 
@@ -13,20 +13,20 @@
 
 namespace tenon::apps {
 
-/// How well the trunk's state is estimated, and how well the robot walks where it believes to be
-/// (PathErrors), from a log of "loop.world.plant.state", "loop.estimator.estimate" and "loop.errors.path";
-/// nothing, if there is no estimator. The tilt is the angle between the true and the estimated vertical;
-/// position and yaw, which no sensor sees, drift.
+/// Figures of the state estimate and of the walk relative to it (PathErrors), from a log of
+/// "loop.world.plant.state", "loop.estimator.estimate" and "loop.errors.path". Without an estimator there are
+/// no figures. The tilt error is the angle between the true and the estimated vertical. Position and yaw
+/// drift, because no sensor measures them.
 class EstimateFigures {
  public:
   void Begin(const std::vector<std::string>& names);
   void Row(std::span<const double> row);
   void AddTo(Summary& summary) const;
-  /// The errors over ground without drift, and the drift; returns whether there is an estimator.
+  /// Adds the errors without drift, and the drift. Returns false if there is no estimator.
   bool AddPathTo(Summary& summary) const;
 
  private:
-  /// Columns of the two states.
+  /// Columns of a state in the log.
   struct State {
     std::vector<std::size_t> position, attitude, velocity;
   };

@@ -10,7 +10,7 @@
 namespace tenon::apps {
 namespace {
 
-constexpr double kRounding = 1e-9;  // of a drive's torque limit
+constexpr double kRounding = 1e-9;  // tolerance, relative to the torque limit of a drive
 
 const char* NameOf(int leg) {
   return leg < 0 ? "trunk" : kLegNames[static_cast<std::size_t>(leg)];
@@ -49,7 +49,7 @@ void LimitFigures::DriveRow(std::span<const double> row) {
     const auto i = static_cast<std::size_t>(j);
     const double torque = row[torque_[i]], speed = row[qd_[i]];
     const double possible = DriveTorque(torque, speed, joint, robot_.drive);
-    // An excess within rounding does not count: the figure is beyond its limit where the verdict is.
+    // An excess within rounding is set to zero, so that figure and verdict agree.
     double excess = std::abs(torque - possible);
     if (excess <= kRounding * joint.torque_limit) excess = 0;
     torques_.Add(std::abs(torque));
@@ -57,9 +57,9 @@ void LimitFigures::DriveRow(std::span<const double> row) {
     excesses_.Add(excess);
     if (excess == 0) continue;
     const auto [given, limit] = Beside(torque, possible);
-    breaches_.Add(
-        row[0], "a drive gave what it cannot",
-        fmt::format("{} {} N m at {:.3g} rad/s, where {} N m is its limit", joint.name, given, speed, limit));
+    breaches_.Add(row[0], "a drive exceeded its torque-speed line",
+                  fmt::format("{} gave {} N m at {:.3g} rad/s, where its limit is {} N m", joint.name, given,
+                              speed, limit));
   }
 }
 
@@ -99,7 +99,7 @@ void LimitFigures::AddTo(Summary& summary) const {
   double strongest = 0;
   for (int i = 0; i < kNumJoints; ++i) strongest = std::max(strongest, robot_.joint(i).torque_limit);
   summary.Set("torque_max_N_m", torques_.max(), {.high = strongest});
-  summary.Set("joint_speed_max_rad_per_s", speeds_.max());  // others may drive a joint faster than its limit
+  summary.Set("joint_speed_max_rad_per_s", speeds_.max());  // no limit: external forces may exceed it
   summary.Set("torque_beyond_drive_max_N_m", excesses_.max(), {.high = 0});
   summary.Set("foot_depth_max_m", depths_.max(), {.high = foot_limit_});
   summary.Set("leg_clearance_min_m", legs_.min(), {.low = -kPressedIn});

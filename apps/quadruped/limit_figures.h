@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/apps/common/breaches.h>
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/plants/legged/quadruped_plant.h>
@@ -14,25 +14,25 @@
 
 namespace tenon::apps {
 
-/// Whether drives, feet, legs, trunk and ground could have done what they did in a run, gathered from a log
-/// of every control tick.
+/// Checks the physical limits of drives, feet, legs, trunk and ground, from a log of every control tick.
 ///
-/// A drive gives no more than its torque-speed line has at the joint's speed, whether or not the plant held
-/// it to that. That something else drives the joint faster than the limit is no breach, as long as the drive
-/// stays within its line. Links and trunk are no deeper in one another or in the ground than `kPressedIn`,
-/// and no foot is pressed in farther than by `kPressedRatio` of its radius, or kPressedIn if that is more.
+/// The torque of a drive must stay within its torque-speed line at the joint's speed, whether or not the
+/// plant enforced this. A joint that is driven beyond its speed limit from outside is no breach while its
+/// drive stays within the line. Links and trunk must not penetrate each other or the ground by more than
+/// `kPressedIn`, and a foot must not penetrate the ground by more than `kPressedRatio` of its radius, or
+/// kPressedIn if that is more.
 class LimitFigures final : public LogSink {
  public:
-  static constexpr double kPressedIn = 0.005;  // m
-  static constexpr double kPressedRatio = 0.5;
+  static constexpr double kPressedIn = 0.005;   ///< penetration of links and trunk [m]
+  static constexpr double kPressedRatio = 0.5;  ///< penetration of a foot, relative to its radius
 
-  /// What has to be logged for it.
+  /// The signals that must be logged.
   static std::vector<const Source*> Signals(const QuadrupedPlant& plant);
 
   explicit LimitFigures(const QuadrupedPlant& plant);
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
-  /// Writes them down, with their limits, and what is beyond them.
+  /// Adds the figures with their limits, and the breaches.
   void AddTo(Summary& summary) const;
 
  private:
@@ -40,7 +40,7 @@ class LimitFigures final : public LogSink {
   void FootRow(std::span<const double> row);
   void ClearanceRow(std::span<const double> row);
 
-  std::string path_;  // of the plant
+  std::string path_;  // path of the plant
   QuadrupedDescription robot_;
   QuadrupedClearance clearance_;
   double foot_limit_;  // [m]

@@ -93,7 +93,7 @@ void CheckTiming(const std::optional<double>& rate_hz, const std::optional<int>&
   if (latency_samples) DemandBetween("latency_samples", *latency_samples, 0, 10'000);
 }
 
-/// The members of `first`, and where it has none, those of `then`.
+/// `first` with the empty ones of `members` taken from `then`.
 template <class S, class... Members>
 S Over(const S& first, const S& then, Members... members) {
   S both = first;
@@ -131,12 +131,12 @@ ImuScenario Over(const ImuScenario& first, const ImuScenario& then) {
               &S::acceleration_walk_m_per_s2_per_sqrt_s, &S::misalignment_rad);
 }
 
-/// Between two angles that the encoders tell apart; 0 if they tell apart all [rad].
+/// Smallest difference of two angles that the encoders resolve; 0 for ideal encoders [rad].
 double ResolutionOf(const EncoderScenario& encoders) {
   return encoders.bits ? std::ldexp(2 * std::numbers::pi, -*encoders.bits) : 0;
 }
 
-/// Takes the values that a scenario gives; the others keep the defaults of the library.
+/// Sets a value that a scenario gives, and else keeps the default of the library.
 template <class Value>
 void Take(const std::optional<Value>& given, auto& value) {
   if (given) value = *given;
@@ -200,7 +200,7 @@ void SetSensors(const SensorScenario& sensors, QuadrupedWorldParams& world) {
   Take(imu.latency_samples, hardware.imu_delay);
 }
 
-/// One drive is like the others: ratios are to the mean of the joints' limits.
+/// All drives are equal. Ratios are relative to the mean of the joints' limits.
 void SetDrives(const DriveScenario& drives, Rate rate, QuadrupedWorldParams& world) {
   double torque = 0, speed = 0;
   for (int j = 0; j < kNumJoints; ++j) {
@@ -266,8 +266,8 @@ void DriveScenario::Validate() const {
   if (bandwidth_hz) DemandBetween("bandwidth_hz", *bandwidth_hz, 0.1, 1e6);
 }
 
-HardwareScenario LoadHardware(const YamlFile& what) {
-  return LoadResource("hardware/legged", what).Read<HardwareScenario>();
+HardwareScenario LoadHardware(const YamlFile& file) {
+  return LoadResource("hardware/legged", file).Read<HardwareScenario>();
 }
 
 HardwareScenario WithSensors(HardwareScenario hardware, const SensorScenario& sensors) {

@@ -14,71 +14,73 @@
 namespace tenon::apps {
 
 /// @file
-/// What scenarios say of a quadruped's hardware, in files such as plants/hardware/legged/standard.yaml and,
-/// of the sensors, in themselves. What is not given is that of ideal hardware. Noise is white, its standard
-/// deviation given; every sensor draws from a stream of its own, which follows from the run's seed and the
-/// sensor's name.
+/// The keys of a quadruped's hardware, in files such as plants/hardware/legged/standard.yaml, and of its
+/// sensors, in scenarios too. Values that are not given are those of ideal hardware. Noise is white and given
+/// by its standard deviation. Each sensor has a random stream of its own, which depends on the run's seed and
+/// the sensor's name.
 
-/// How the angles of the joints are measured, see JointEncoders.
+/// Encoders of the joints, see JointEncoders.
 struct EncoderScenario {
-  std::optional<double> rate_hz;                ///< 1000
-  std::optional<int> latency_samples;           ///< so many samples late
+  std::optional<double> rate_hz;                ///< sample rate; empty: 1000 Hz
+  std::optional<int> latency_samples;           ///< delay of the output
   std::optional<double> angle_noise_rad;        ///< standard deviation
-  std::optional<double> angle_bias_rad;         ///< the same at all joints
+  std::optional<double> angle_bias_rad;         ///< bias, equal at all joints
   std::optional<double> speed_noise_rad_per_s;  ///< standard deviation
-  std::optional<double> speed_bias_rad_per_s;   ///< the same at all joints
-  std::optional<int> bits;                      ///< of a turn of the joint; without: any angle
-  std::optional<double> offset_rad;             ///< standard deviation of the calibration, by joint
-  std::optional<double> speed_bandwidth_hz;     ///< speeds are differences of angles, through a low-pass
+  std::optional<double> speed_bias_rad_per_s;   ///< bias, equal at all joints
+  std::optional<int> bits;                      ///< resolution of one turn of the joint; empty: ideal
+  std::optional<double> offset_rad;             ///< standard deviation of the calibration error of a joint
+  std::optional<double> speed_bandwidth_hz;     ///< cut-off of the low-pass filter of the speeds, which are
+                                                ///< differences of angles; empty: ideal speeds
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError
 };
 
-/// The noise grows with the signal: 0.1 is 10 % of it.
+/// Torque sensors of the joints. Their noise is proportional to the signal.
 struct TorqueSensorScenario {
-  std::optional<double> rate_hz;       ///< 1000
-  std::optional<int> latency_samples;  ///< so many samples late
-  std::optional<double> noise_ratio;   ///< 0.1 is 10 % of the torque
-  std::optional<double> bias_N_m;      ///< the same at all joints
+  std::optional<double> rate_hz;       ///< sample rate; empty: 1000 Hz
+  std::optional<int> latency_samples;  ///< delay of the output
+  std::optional<double> noise_ratio;   ///< standard deviation, relative to the torque
+  std::optional<double> bias_N_m;      ///< bias, equal at all joints
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError
 };
 
-/// The forces of the ground on the feet, as sensors there measure them.
+/// Sensors of the ground forces on the feet.
 struct FootForceSensorScenario {
-  std::optional<double> rate_hz;             ///< 1000
-  std::optional<int> latency_samples;        ///< so many samples late
-  std::optional<double> noise_ratio;         ///< of each component: 0.1 is 10 % of it
-  std::optional<double> noise_weight_ratio;  ///< of each component, over the robot's weight
-  std::optional<double> bias_N;              ///< the same in all components of all feet
+  std::optional<double> rate_hz;       ///< sample rate; empty: 1000 Hz
+  std::optional<int> latency_samples;  ///< delay of the output
+  std::optional<double> noise_ratio;   ///< standard deviation of each component, relative to the component
   std::optional<double>
-      threshold_weight_ratio;  ///< smaller forces are measured as 0; over the robot's weight
-  /// In the shank's axes they are turned by what the robot knows; without sensors the leg observer tells
-  /// them.
+      noise_weight_ratio;        ///< standard deviation of each component, relative to the robot's weight
+  std::optional<double> bias_N;  ///< bias, equal in all components of all feet
+  /// Threshold below which a force is measured as 0, relative to the robot's weight.
+  std::optional<double> threshold_weight_ratio;
+  /// Axes of the sensors. Forces in the axes of the shanks are rotated by the estimated state. Without
+  /// sensors the forces are estimated from the joint torques.
   std::optional<FootSensing> mounted;
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError
 };
 
-/// The inertial unit on the trunk: angular velocity and specific force.
+/// Inertial unit on the trunk, which measures angular velocity and specific force.
 struct ImuScenario {
-  std::optional<double> rate_hz;                                   ///< 1000
-  std::optional<int> latency_samples;                              ///< so many samples late
+  std::optional<double> rate_hz;                                   ///< sample rate; empty: 1000 Hz
+  std::optional<int> latency_samples;                              ///< delay of the output
   std::optional<double> angular_velocity_noise_rad_per_s;          ///< standard deviation
-  std::optional<Eigen::Vector3d> angular_velocity_bias_rad_per_s;  ///< in the trunk's frame
+  std::optional<Eigen::Vector3d> angular_velocity_bias_rad_per_s;  ///< bias in the trunk's frame
   std::optional<double> acceleration_noise_m_per_s2;               ///< standard deviation
-  std::optional<Eigen::Vector3d> acceleration_bias_m_per_s2;       ///< in the trunk's frame
-  // Standard deviations of what one unit has and the next has not, see ImuErrors.
-  std::optional<double>
-      angular_velocity_bias_deviation_rad_per_s;  ///< standard deviation of the bias that a run draws
-  std::optional<double>
-      acceleration_bias_deviation_m_per_s2;  ///< standard deviation of the bias that a run draws
-  std::optional<double> angular_velocity_walk_rad_per_s_per_sqrt_s;  ///< of the bias, a random walk
-  std::optional<double> acceleration_walk_m_per_s2_per_sqrt_s;       ///< of the bias, a random walk
-  std::optional<double> misalignment_rad;  ///< standard deviation of the axes, about each of them
+  std::optional<Eigen::Vector3d> acceleration_bias_m_per_s2;       ///< bias in the trunk's frame
+  // Standard deviations of errors that differ from unit to unit, see ImuErrors.
+  /// Standard deviation of a constant bias, drawn for each run.
+  std::optional<double> angular_velocity_bias_deviation_rad_per_s;
+  /// Standard deviation of a constant bias, drawn for each run.
+  std::optional<double> acceleration_bias_deviation_m_per_s2;
+  std::optional<double> angular_velocity_walk_rad_per_s_per_sqrt_s;  ///< random walk of the bias
+  std::optional<double> acceleration_walk_m_per_s2_per_sqrt_s;       ///< random walk of the bias
+  std::optional<double> misalignment_rad;  ///< standard deviation of the rotation about each axis
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError
@@ -93,17 +95,17 @@ struct SensorScenario {
   static FieldList Fields();
 };
 
-/// Of all drives; torques over each robot's own.
+/// Data of all drives. Torques are relative to those of the robot.
 struct DriveScenario {
-  /// Peak torque over the rotor's inertia, both seen at the joint; without: what the robot's file says.
+  /// Peak torque over rotor inertia, both at the joint; empty: from the robot's file.
   std::optional<double> rotor_acceleration_rad_per_s2;
-  std::optional<double>
-      friction_ratio;  ///< dry friction over peak torque; without: what the robot's file says
-  std::optional<double> damping_ratio;  ///< viscous friction at the speed limit, over peak torque; likewise
-  double gain_deviation = 0;            ///< of the torque constants, see DriveErrors
-  double ripple_ratio = 0;
-  std::optional<double> bandwidth_hz;  ///< of the torque; without: at once
-  bool limit_speed = false;            ///< the torque falls with speed
+  std::optional<double> friction_ratio;  ///< dry friction over peak torque; empty: from the robot's file
+  /// Viscous friction at the speed limit over peak torque; empty: from the robot's file.
+  std::optional<double> damping_ratio;
+  double gain_deviation = 0;           ///< standard deviation of the torque constants, see DriveErrors
+  double ripple_ratio = 0;             ///< amplitude of the torque ripple, see DriveErrors
+  std::optional<double> bandwidth_hz;  ///< bandwidth of the torque; empty: ideal
+  bool limit_speed = false;            ///< limits the torque by the torque-speed line
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError
@@ -118,15 +120,14 @@ struct HardwareScenario {
   static FieldList Fields();
 };
 
-/// Reads the hardware that ships under a name, or a file, or one with what differs (LoadResource). Throws
-/// ParameterError.
-HardwareScenario LoadHardware(const YamlFile& what);
-/// With the sensors that a scenario says instead, key by key.
+/// Reads shipped hardware, a file, or one with changes (see LoadResource). Throws ParameterError.
+HardwareScenario LoadHardware(const YamlFile& file);
+/// The hardware with its sensors overridden, key by key.
 HardwareScenario WithSensors(HardwareScenario hardware, const SensorScenario& sensors);
 
-/// Puts it into a world whose robot is set. `rate` is that of the controller.
+/// Sets the hardware in a world whose robot is set. `rate` is the sample rate of the controller.
 void SetHardware(const HardwareScenario& hardware, Rate rate, QuadrupedWorldParams& world);
-/// The noise that an estimator may believe in who knows the data sheets; none is perfect.
+/// The noise in the model of a state estimator: that of the data sheets, with lower bounds above zero.
 ContactAidedNoise BelievedNoise(const HardwareScenario& hardware);
 
 }  // namespace tenon::apps

@@ -10,8 +10,8 @@
 namespace tenon::apps {
 namespace {
 
-constexpr double kDropHeight = 0.1;  // of the load [m]
-constexpr double kLoadEdge = 0.12;   // as SlidingLoad draws it [m]
+constexpr double kDropHeight = 0.1;  // height above the trunk from which the load drops [m]
+constexpr double kLoadEdge = 0.12;   // edge of the load as SlidingLoad draws it [m]
 constexpr std::array kGaits{Gait::kTrot, Gait::kCrawl, Gait::kPace, Gait::kGallop};
 
 Geometry ShapesOf(const QuadrupedPlant& plant) {
@@ -28,7 +28,7 @@ SlidingLoadParams LoadOn(const QuadrupedPlant& plant) {
   return params;
 }
 
-/// Which body each shape of the robot belongs to; nothing of the others.
+/// The body of each shape of the robot, by the index of the shape. Other shapes are left out.
 std::map<std::size_t, int> BodiesOf(const QuadrupedPlant& plant) {
   std::map<std::string, int> by_name{{"trunk", 0}};
   for (int j = 0; j < kNumJoints; ++j) by_name["link of " + plant.params.robot.joint(j).name] = 1 + j;
@@ -62,8 +62,8 @@ QuadrupedLive::QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, Wal
   builder.Connect(world.plant.state, load_.robot);
   const std::size_t used = world.disturbances.params.count;
   Demand(used + 2 <= kMaxExternalForces,
-         fmt::format("the scenario has {} forces, which leaves no room for those of a live run: {} at most",
-                     used - 1, kMaxExternalForces - 3));
+         fmt::format("the scenario has {} forces, but a live run allows at most {}: remove some", used - 1,
+                     kMaxExternalForces - 3));
   auto& forces = builder.AddFunction(
       {"live_forces"}, Uses(world.disturbances.forces, pull_.force, load_.force),
       [used](const ExternalForces& others, const ExternalForce& pull, const ExternalForce& load) {

@@ -13,16 +13,16 @@
 
 namespace tenon::apps {
 
-/// What a live run of a quadruped has besides: the blocks `live_drive`, which takes the wheel of its walk,
-/// `live_pull`, a hand that pulls at it, and `live_load`, which is dropped on its trunk.
+/// The blocks that a live run of a quadruped adds: `live_drive`, which overrides the command of its walk,
+/// `live_pull`, a spring that pulls at a body, and `live_load`, a load that is dropped on the trunk.
 class QuadrupedLive {
  public:
-  /// Inserts the blocks before the diagram is built; `walk` may be null. Throws ParameterError if forces of
-  /// the scenario leave no room for those of pull and load.
+  /// Inserts the blocks before the diagram is built; `walk` is null for a robot that stands. Throws
+  /// ParameterError if the scenario has too many forces to add those of pull and load.
   QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, WalkSchedule* walk,
                 const LiveScenario& limits);
 
-  /// Adds what is to be logged and shown. The plant's shapes come first among `shapes`.
+  /// Adds the signals to log and the shapes to show. The first entry of `shapes` must be those of the plant.
   void AddTo(std::vector<const Source*>& signals, std::vector<const OutputPort<Geometry>*>& shapes) const;
   LiveControls Controls() const;
 

@@ -23,21 +23,22 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr double kAlong = 0.8;    // cosine, to count as along an axis
-constexpr double kFarFoot = 0.4;  // of the thigh: a nearer frame below the knee is no foot
-constexpr double kAlike = 0.05;   // a knee that bends by so much more backward than forward [rad]
-constexpr double kMargin = 0.02;  // from the end of a joint's range [rad]
-constexpr double kBending[] = {0.7, 0.65, 0.75, 0.6, 0.8, 0.55, 0.85, 0.5, 0.9};  // of the leg's length
+constexpr double kAlong = 0.8;    // least cosine of the angle between a joint's axis and a coordinate axis
+constexpr double kFarFoot = 0.4;  // least distance of a foot from the knee, relative to the thigh
+constexpr double kAlike = 0.05;   // difference of bending up to which the knee points backward [rad]
+constexpr double kMargin = 0.02;  // distance from the ends of a joint's range [rad]
+// Distances from hip to foot in the stance that are tried in turn, relative to the length of the leg.
+constexpr double kBending[] = {0.7, 0.65, 0.75, 0.6, 0.8, 0.55, 0.85, 0.5, 0.9};
 constexpr std::array<const char*, kJointsPerLeg> kKinds{"abduction", "hip_pitch", "knee"};
 
 struct Foot {
   std::string link;
-  Vector3d centre = Vector3d::Zero();  ///< in the link [m]
-  double radius = 0;                   ///< 0 if nothing tells it [m]
-  Vector3d p_B = Vector3d::Zero();     ///< with all joints at 0 [m]
+  Vector3d centre = Vector3d::Zero();  ///< centre in the link [m]
+  double radius = 0;                   ///< 0 if unknown [m]
+  Vector3d p_B = Vector3d::Zero();     ///< centre in B with all joints at 0 [m]
 };
 
-/// From the root: the joints that turn.
+/// The revolute joints of a chain, starting at the root.
 using Chain = std::vector<urdf::JointConstSharedPtr>;
 
 class Proposal {
@@ -64,7 +65,7 @@ class Proposal {
     notes_.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
 
-  /// Collects the poses of all links and the chains that end in bodies on which nothing turns.
+  /// Collects the poses of all links, and the chains that end in a body without further revolute joints.
   bool Walk(const urdf::Link& link, const Isometry3d& T_BL, Chain chain) {
     poses_[link.name] = T_BL;
     bool turns = false;
@@ -111,8 +112,7 @@ class Proposal {
       for (const Chain& chain : chains_) found += fmt::format("; {} ({})", Names(chain), chain.size());
       Fail(
           "found {} chains of three joints that turn, but a quadruped has four legs of abduction, hip pitch "
-          "and "
-          "knee; lock what is too much, --lock JOINT=ANGLE. Chains{}",
+          "and knee; fix other joints by --lock JOINT=ANGLE. Chains{}",
           legs.size(), found.empty() ? ": none" : found);
     }
     legs.resize(kNumLegs);
@@ -127,7 +127,7 @@ class Proposal {
                 ? std::clamp(0.0, joint->limits->lower, joint->limits->upper)
                 : 0;
         locked_[joint->name] = angle;
-        Note("joint '{}' is no leg's: locked at {:.3g} rad", joint->name, angle);
+        Note("joint '{}' belongs to no leg: locked at {:.3g} rad", joint->name, angle);
       }
     }
     const auto hip = [this](const Chain& leg) -> Vector3d {
@@ -143,7 +143,7 @@ class Proposal {
     }
   }
 
-  /// All that hangs on a link: shapes and frames.
+  /// Searches the collision shapes and frames of a link and of all links below it.
   void Search(const urdf::Link& link, const Vector3d& knee, Foot* sphere, Foot* frame) const {
     const Isometry3d& T_BL = poses_.at(link.name);
     const auto consider = [&](Foot* best, const Vector3d& centre, double radius) {
@@ -182,7 +182,8 @@ class Proposal {
         shank.name, leg.back()->name);
   }
 
-  /// The robot with limits that are made up where the URDF has none; its weight and size tell what to take.
+  /// Reads the robot with placeholders for limits that the URDF does not have. Its weight and size determine
+  /// the guesses in the file.
   void Read() {
     internal::UrdfReading reading;
     reading.locked = {locked_.begin(), locked_.end()};
@@ -210,16 +211,15 @@ class Proposal {
       if (std::abs(robot_.joint(j).axis[axis]) > kAlong) continue;
       const Vector3d& a = robot_.joint(j).axis;
       Fail(
-          "joint '{}' turns about ({:.2g}, {:.2g}, {:.2g}) of the root link, but a leg's joints turn about "
-          "x, y and "
-          "y, where x points forward and z up; if the robot looks along another axis, hang it on a new root "
-          "link "
-          "by a fixed joint that turns it",
+          "joint '{}' turns about ({:.2g}, {:.2g}, {:.2g}) of the root link, but the joints of a leg must "
+          "turn "
+          "about x, y and y, where x points forward and z up; if the robot faces along another axis, add a "
+          "new root link with a fixed joint that turns it",
           robot_.joint(j).name, a[0], a[1], a[2]);
     }
   }
 
-  /// An angle that is the same but for whole turns, inside a joint's range.
+  /// The angle plus a whole number of turns that lies within a joint's range.
   static std::optional<double> Inside(const JointDescription& joint, double angle) {
     for (const double turn : {0.0, -2 * pi, 2 * pi}) {
       if (angle + turn > joint.lower + kMargin && angle + turn < joint.upper - kMargin) return angle + turn;
@@ -227,7 +227,7 @@ class Proposal {
     return {};
   }
 
-  /// Joint angles with the foot below the hip: the leg's plane upright, the knee bent, the leg turned down.
+  /// Finds joint angles with the foot below the hip: the leg's plane upright, and the knee bent.
   void Bend(int leg) {
     const auto& joints = robot_.legs[static_cast<std::size_t>(leg)].joints;
     const Vector3d &a0 = joints[0].axis, &a1 = joints[1].axis,
@@ -243,7 +243,7 @@ class Proposal {
       return in_plane(joints[2].p_PJ + Eigen::AngleAxisd(knee, joints[2].axis) * foot);
     };
     const double length = in_plane(joints[2].p_PJ).norm() + in_plane(foot).norm();
-    double least = std::numeric_limits<double>::infinity();  // bend so far
+    double least = std::numeric_limits<double>::infinity();  // least bending so far
     const auto consider = [&](double knee) {
       const Vector3d e = from_hip(knee);
       const std::optional<double> hip = Inside(joints[1], std::atan2(a1.dot(e.cross(down)), e.dot(down)));
@@ -259,7 +259,7 @@ class Proposal {
     };
     for (const double part : kBending) {
       constexpr int kSteps = 720;
-      for (int i = 0; i < kSteps; ++i) {  // where the foot is at this distance
+      for (int i = 0; i < kSteps; ++i) {  // find a knee angle with this distance by bisection
         double low = -pi + 2 * pi * i / kSteps, high = low + 2 * pi / kSteps;
         const auto beyond = [&](double knee) { return from_hip(knee).norm() - part * length; };
         if ((beyond(low) > 0) == (beyond(high) > 0)) continue;
@@ -272,12 +272,12 @@ class Proposal {
     }
     Fail(
         "joint '{}': no angles of hip and knee within their ranges bring the foot '{}' below the hip; "
-        "correct the "
-        "ranges, or write the robot's YAML by hand",
+        "correct "
+        "the ranges, or write the robot's YAML by hand",
         joints[1].name, feet_[static_cast<std::size_t>(leg)].link);
   }
 
-  /// With two digits.
+  /// A number rounded to two digits.
   static std::string Round(double value) {
     const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
     return fmt::format("{:.10g}", std::round(value / unit) * unit);
@@ -299,20 +299,21 @@ class Proposal {
       if (limits.speed) own.push_back("speed_rad_per_s: " + Round(3 / std::sqrt(length_ / kGravity)));
       if (limits.range) own.push_back("range_rad: [-3.1416, 3.1416]");
       if (own.empty()) continue;
-      Note("the URDF has no {} of the {} joints: guessed, see joint_limits", "limits", kKinds[k]);
+      Note("the URDF has no limits of the {} joints: guessed, see joint_limits", kKinds[k]);
       text += fmt::format("  {}: {{{}}}\n", kKinds[k], fmt::join(own, ", "));
     }
     if (text.empty()) return "";
-    return "\n# What the URDF does not say of the joints, the same in all legs. Guesses: half the weight "
-           "times the leg's\n"
-           "# length, and 3 rad in the time sqrt(leg / g). Give the drives' data.\njoint_limits:\n" +
+    return "\n# Limits that the URDF does not give, equal in all legs. They are guesses: half the weight "
+           "times the\n"
+           "# length of the leg, and 3 rad in the time sqrt(leg / g). Replace them by the drives' data.\n"
+           "joint_limits:\n" +
            text;
   }
 
   std::string WriteFeet() {
     std::string text = fmt::format(
-        "\n# The links that hold the feet's spheres: below the knee, what is farthest from it. A leg is the "
-        "chain of\n"
+        "\n# Links of the feet, which are spheres: the farthest from the knee below it. A leg is the chain "
+        "of\n"
         "# three joints above its foot: abduction, hip pitch, knee. The hips tell front from rear.\n"
         "feet: {{{}}}\n",
         PerLeg([&](std::size_t i) { return internal::YamlScalar(feet_[i].link); }));
@@ -320,7 +321,7 @@ class Proposal {
         std::all_of(feet_.begin(), feet_.end(), [](const Foot& f) { return f.centre.isZero(1e-9); });
     if (!centred)
       text += fmt::format(
-          "# The spheres' centres in these links, of the collision shapes.\nfoot_centres_m: {{{}}}\n",
+          "# Centres of the spheres in these links, from the collision shapes.\nfoot_centres_m: {{{}}}\n",
           PerLeg([&](std::size_t i) {
             const Vector3d& c = feet_[i].centre;
             return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", c[0], c[1], c[2]);
@@ -329,11 +330,11 @@ class Proposal {
     const bool known = radius > 0;
     if (!known) {
       radius = 0.05 * length_;
-      Note("nothing tells how thick the feet are: foot_radius_m is guessed as {} m", Round(radius));
+      Note("the URDF has no radius of the feet: foot_radius_m is guessed as {} m", Round(radius));
     }
     text += known
-                ? fmt::format("foot_radius_m: {:.6g}         # of the collision shape\n", radius)
-                : fmt::format("foot_radius_m: {}         # a guess: 5 % of the leg; the URDF does not say\n",
+                ? fmt::format("foot_radius_m: {:.6g}         # from the collision shape\n", radius)
+                : fmt::format("foot_radius_m: {}         # a guess: 5 % of the leg; the URDF has no radius\n",
                               Round(radius));
     return text;
   }
@@ -351,19 +352,18 @@ class Proposal {
     for (int j = 0; j < kNumJoints; ++j) torque = std::max(torque, robot_.joint(j).torque_limit);
     if (torque > 10 * weight_ * length_)
       Note(
-          "the URDF's torque limit of {:.4g} N m is {:.0f} times weight times leg length, a placeholder "
-          "perhaps: "
-          "give the drives' under joint_limits",
+          "the URDF's torque limit of {:.4g} N m is {:.0f} times weight times leg length and may be a "
+          "placeholder: give that of the drives under joint_limits",
           torque, torque / (weight_ * length_));
     return fmt::format(
-        "\n# One drive for all joints. Damping and friction are the URDF's means; it does not tell the "
-        "rotors' inertia.\n"
+        "\n# One drive for all joints. Damping and friction are means of the URDF, which has no rotor "
+        "inertia.\n"
         "drive:\n"
-        "  rotor_inertia_kg_m2: 0               # seen at the joint: times the gear ratio squared\n"
+        "  rotor_inertia_kg_m2: 0               # at the joint: times the gear ratio squared\n"
         "  damping_N_m_s_per_rad: {:.4g}\n"
         "  friction_N_m: {:.4g}\n"
-        "  full_torque_speed_ratio: 0.5         # full torque up to this part of the speed limit, a "
-        "plausible choice\n"
+        "  full_torque_speed_ratio: 0.5         # full torque up to this part of the speed limit, "
+        "a choice\n"
         "  stop_stiffness_N_m_per_rad: {}      # end stops: 4 times weight times leg length, a choice\n"
         "  stop_dissipation_s_per_rad: 0.5\n",
         damping, friction, Round(4 * weight_ * length_));
@@ -372,9 +372,9 @@ class Proposal {
   std::string WriteContact() const {
     const double depth = length_ / 600, time = std::sqrt(length_ / kGravity);
     return fmt::format(
-        "\n# Feet on the ground: a foot that carries a quarter of the weight, {:.0f} N, sinks in by 1/600 of "
-        "the leg,\n"
-        "# {:.2g} mm. The rest are DogBot's numbers for this weight and size.\n"
+        "\n# Contact of the feet: a foot that carries a quarter of the weight, {:.0f} N, sinks in by 1/600 "
+        "of the\n"
+        "# leg, {:.2g} mm. The other values are those of DogBot, scaled to this weight and size.\n"
         "contact:\n"
         "  stiffness_N_per_m: {}\n"
         "  dissipation_s_per_m: {}\n"
@@ -391,18 +391,18 @@ class Proposal {
   std::string Write() {
     std::string name = path_.stem().string();
     std::string text = fmt::format(
-        "# {}: what its URDF cannot say; made by tenon-robot. {:.4g} kg, legs of {:.3g} m.\n\n"
+        "# {}: data that its URDF does not hold; made by tenon-robot. {:.4g} kg, legs of {:.3g} m.\n\n"
         "name: {}\nurdf: {}\n",
         file_.model->getName(), robot_.mass(), length_, internal::YamlScalar(name),
         internal::YamlScalar(path_.filename().string()));
     text += WriteFeet();
     text +=
-        "imu_position_m: [0, 0, 0]     # of the inertial unit on the trunk, whose axes are the root link's; "
-        "a guess\n";
+        "imu_position_m: [0, 0, 0]     # inertial unit on the trunk, in the axes of the root link; a "
+        "guess\n";
     text += fmt::format(
-        "\n# Joint angles at which it stands: feet below the hips at {} of the leg's length; knees point "
-        "where they are\n"
-        "# less bent, within the joints' ranges: {}.\n"
+        "\n# Joint angles of the nominal stance: feet below the hips at {} of the leg's length. The knees "
+        "point\n"
+        "# to the side with less bending, within the joints' ranges: {}.\n"
         "nominal_stance:\n",
         std::ranges::count(bending_, bending_[0]) == kNumLegs
             ? fmt::format("{:.2g}", bending_[0])
@@ -415,7 +415,7 @@ class Proposal {
                           std::abs(q[0]) < 1e-9 ? 0.0 : q[0], q[1], q[2]);
     }
     if (!locked_.empty()) {
-      text += "\n# Joints that are no leg's, and the angles at which they stay.\nlocked_joints:\n";
+      text += "\n# Joints outside the legs, and the angles at which they are fixed.\nlocked_joints:\n";
       for (const auto& [joint, angle] : locked_)
         text += fmt::format("  - {{joint: {}, angle_rad: {:.6g}}}\n", internal::YamlScalar(joint), angle);
     }
@@ -428,11 +428,11 @@ class Proposal {
   const std::filesystem::path path_;
   const internal::UrdfFile file_;
   std::map<std::string, double> locked_;
-  std::map<std::string, Isometry3d> poses_;  ///< of the links in B, with all joints at 0
+  std::map<std::string, Isometry3d> poses_;  ///< poses of the links in B, with all joints at 0
   std::vector<Chain> chains_;
   std::array<Chain, kNumLegs> legs_;
   std::array<Foot, kNumLegs> feet_;
-  std::array<internal::JointLimits, kJointsPerLeg> limits_;  ///< made up
+  std::array<internal::JointLimits, kJointsPerLeg> limits_;  ///< limits that the URDF does not have
   QuadrupedDescription robot_;
   std::array<bool, kNumLegs> backward_{};
   std::array<double, kNumLegs> bending_{};

@@ -7,27 +7,29 @@
 
 namespace tenon {
 
-/// The YAML file of a robot as it follows from its URDF.
+/// A proposed YAML file of a robot, made from its URDF.
 struct QuadrupedProposal {
-  std::string yaml;                ///< names the URDF by its file name: it belongs beside it
-  std::vector<std::string> notes;  ///< what was guessed, left out or not found
+  std::string yaml;  ///< text; it names the URDF by its file name, so that both must be in one directory
+  std::vector<std::string> notes;  ///< remarks on values that were guessed, ignored or not found
 };
 
-/// Proposes what a robot's YAML file has to say beside its URDF; every choice is explained there.
+/// Proposes the YAML file that a robot needs beside its URDF. Comments in the file explain each choice.
 ///
-///  - Legs are the four chains of three joints that turn, those that reach lowest if there are more; their
-///    hips tell front from rear and left from right. Other joints are locked, at 0 or where `locked` says
-///    [rad].
-///  - A foot is the sphere among the collision shapes below the knee that is farthest from it, else the
-///    farthest frame.
-///  - In the nominal stance feet are below the hips, at 0.7 of the leg's length; the knees point where they
-///    are less bent, backward if that is all the same, within the joints' ranges.
-///  - Torque and speed limits are the URDF's where it has any. With the weight W and the leg's length l, end
-///    stops have 4 W l per rad; the ground yields l/600 to a foot that carries W/4, and has the other
-///    numbers of DogBot's in units of W, l and sqrt(l/g).
+///  - Legs are the four chains of three revolute joints, or of more chains the four that reach lowest. The
+///    positions of the hips tell front from rear and left from right. Other joints are fixed at 0, or at
+///    their angle in `locked` [rad].
+///  - A foot is the sphere among the collision shapes below the knee that is farthest from the knee, or the
+///    farthest frame if there is no sphere.
+///  - In the nominal stance the feet are below the hips, at 0.7 of the leg's length. From the two directions
+///  of the
+///    knee, within the joints' ranges, the one with less bending is chosen, or backward if both are alike.
+///  - Torque and speed limits are those of the URDF, if it has any. With the weight W and the leg's length l,
+///  end
+///    stops have a stiffness of 4 W l per rad. The ground yields by l/600 under a foot that carries W/4; its
+///    other parameters are those of DogBot in units of W, l and sqrt(l/g).
 ///
-/// Throws ParameterError with the file, the joints or links meant and the remedy if there are no such legs,
-/// if they do not turn about x, y and y, if there is no foot or no stance, and what ReadUrdf throws.
+/// Throws ParameterError with file, joints or links, and the remedy, if the URDF has no such legs, if their
+/// joints do not turn about x, y and y, or if there is no foot or no stance; and the errors of ReadUrdf.
 QuadrupedProposal ProposeQuadruped(const std::filesystem::path& urdf,
                                    const std::map<std::string, double, std::less<>>& locked = {});
 

@@ -1,6 +1,8 @@
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/faults.h>
 #include <tenon/apps/quadruped/drive_limits.h>
 #include <tenon/apps/quadruped/limit_figures.h>
+#include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/stand_figures.h>
@@ -16,20 +18,17 @@
 
 namespace tenon::apps {
 
-std::string Describe(const QuadrupedScenario& scenario) {
-  return fmt::format("{}, {:.4g} s, seed {}", ResourceName(scenario.robot), Duration(scenario),
-                     scenario.seed);
-}
-
 namespace {
 
-/// One run of a diagram. A walk has an observer.
+/// Runs a scenario by a diagram of class Loop; `observer` is given for a walk.
 template <class Loop, class Figures>
 RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, const auto& params,
                   std::optional<ObserverKind> observer, const std::shared_ptr<Figures>& figures) {
+  const double duration = Duration(scenario);
   DiagramBuilder builder;
   auto& loop = BlameBlocks(kKeysOfLegged, [&]() -> Loop& { return builder.Add<Loop>("loop", params); });
-  const std::vector<const Source*> faults = InsertFaults(builder, loop, scenario.faults);
+  const std::vector<const Source*> faults =
+      BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });
   std::optional<QuadrupedLive> live;
   if (options.live) {
     WalkSchedule* walk = nullptr;
@@ -53,7 +52,7 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
   signals.insert(signals.end(), faults.begin(), faults.end());
   std::vector<const OutputPort<Geometry>*> shapes = Figures::Shapes(loop);
   if (live) live->AddTo(signals, shapes);
-  return RunScenario(options, scenario, Describe(scenario), Duration(scenario), simulator, signals, shapes,
+  return RunScenario(options, scenario, Describe(scenario, duration), duration, simulator, signals, shapes,
                      DriveLimits(loop.world.plant), judge, live ? live->Controls() : LiveControls());
 }
 
@@ -70,13 +69,18 @@ RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& opti
                                     MakePathVerdict(*scenario.walk, options.live != nullptr)));
 }
 
+std::vector<std::pair<std::string, std::string>> LeggedFiles() {
+  return {
+      {"robot", "robots"}, {"walk.gaits", "gaits"}, {"profile", "profiles"}, {"hardware", "hardware/legged"}};
+}
+
 ScenarioApp QuadrupedApp() {
   const auto read = [](const YamlDocument& document) {
     auto scenario = document.Read<QuadrupedScenario>();
     if (scenario.sweep)
-      throw KeyError("sweep",
-                     "a sweep is a campaign of its own: set it to null, and vary forces.0.start_s and "
-                     "forces.0.turn_rad");
+      throw KeyError(
+          "sweep",
+          "a campaign cannot run a sweep: set it to null, and vary forces.0.start_s and forces.0.turn_rad");
     if (scenario.walk) CheckJudged(scenario.walk->judged_from_s, Duration(scenario));
     return scenario;
   };
@@ -90,8 +94,7 @@ ScenarioApp QuadrupedApp() {
   ScenarioApp app =
       MakeScenarioApp("tenon-quadruped", "Lets a quadruped stand or walk and reports how well it did.", read,
                       prepare, RunQuadruped);
-  app.files = {
-      {"robot", "robots"}, {"walk.gaits", "gaits"}, {"profile", "profiles"}, {"hardware", "hardware/legged"}};
+  app.files = LeggedFiles();
   return app;
 }
 

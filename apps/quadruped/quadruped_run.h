@@ -1,15 +1,17 @@
 #pragma once
 
 #include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace tenon::apps {
 
-/// From which keys of a scenario the blocks of legged robots are made.
+/// The keys of a scenario that hold the parameters of the blocks of legged robots.
 inline constexpr KeyOfBlock kKeysOfLegged[] = {
     {"plant", "robot"},
     {"monitor", "fall"},
@@ -38,11 +40,10 @@ inline constexpr KeyOfBlock kKeysOfLegged[] = {
     {"admittance", "admittance"},
 };
 
-/// One line: robot, time, seed.
-std::string Describe(const QuadrupedScenario& scenario);
-/// Runs one scenario; throws KeyError and what the outputs throw.
+/// The keys of a scenario that name shipped files, and the kinds of these files.
+std::vector<std::pair<std::string, std::string>> LeggedFiles();
+
+/// Runs one scenario. Throws KeyError and the errors of the outputs.
 RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options);
-/// tenon-quadruped, for campaigns. A scenario with a sweep is refused: it is a campaign itself.
-ScenarioApp QuadrupedApp();
 
 }  // namespace tenon::apps

@@ -10,16 +10,16 @@
 namespace tenon::apps {
 namespace {
 
-constexpr double kHeight = 260;  // of the picture, without margins [pixels]
-constexpr double kMargin = 20;
+constexpr double kHeight = 260;  // height of the picture without margins [pixels]
+constexpr double kMargin = 20;   // [pixels]
 
-/// One view: what points right and up in the picture.
+/// A view by its axes in B: right and up in the picture, and towards the viewer.
 struct View {
   const char* name;
-  Eigen::Vector3d right, up, towards;  ///< the viewer
+  Eigen::Vector3d right, up, towards;
 };
 
-/// Base, hip, knee and foot of a leg in B.
+/// Positions of abduction joint, hip, knee and foot of a leg in B [m].
 std::array<Eigen::Vector3d, 4> Points(const QuadrupedDescription& robot, int leg) {
   const LegDescription& at = robot.legs[static_cast<std::size_t>(leg)];
   std::array<Eigen::Vector3d, 4> points;
@@ -65,7 +65,7 @@ std::string DrawQuadruped(const QuadrupedDescription& robot) {
       const Eigen::Vector3d d = p - box.center();
       return origin + scale * Eigen::Vector2d(d.dot(view.right), -d.dot(view.up));
     };
-    // What is far from the viewer first.
+    // Layers are drawn from the back to the front.
     std::vector<std::pair<double, std::string>> layers;
     for (const auto& leg : legs) {
       std::string line;

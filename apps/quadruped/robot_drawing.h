@@ -6,8 +6,8 @@
 
 namespace tenon::apps {
 
-/// The robot in its nominal stance as an SVG picture: from the left, from the front and from above, all to
-/// one scale, with a bar of 0.1 m. Trunk, links and feet are plain shapes, as in a report.
+/// Draws the robot in its nominal stance as SVG: from the left, from the front and from above, at one scale,
+/// with a scale bar of 0.1 m. Trunk, links and feet are plain shapes.
 std::string DrawQuadruped(const QuadrupedDescription& robot);
 
 }  // namespace tenon::apps

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/systems/simulation/signal_log.h>
@@ -10,13 +10,13 @@
 
 namespace tenon::apps {
 
-/// The figures of a standing robot, gathered while it runs.
+/// Figures of a standing robot, computed during the run.
 class StandFigures final : public LogSink {
  public:
-  /// What it wants to see, in a diagram that calls the QuadrupedStand "loop".
+  /// The signals that must be logged, in a diagram with a QuadrupedStand named "loop".
   static std::vector<const Source*> Signals(const QuadrupedStand& loop);
   static std::vector<const Source*> Judged(const QuadrupedStand& loop) { return Signals(loop); }
-  /// What shows it in a replay.
+  /// The shapes of a replay.
   static std::vector<const OutputPort<Geometry>*> Shapes(const QuadrupedStand& loop) {
     std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry};
     if (const SlidingLoad* load = loop.world.sliding_load) shapes.push_back(&load->geometry);
@@ -26,13 +26,13 @@ class StandFigures final : public LogSink {
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
 
-  /// Writes them down.
   void AddTo(Summary& summary) const;
 
  private:
   std::vector<std::size_t> position_, attitude_, force_;
-  std::vector<double> start_;                 // horizontal [m]
-  Tally height_, tilt_, load_;                // of the trunk [m], [rad]; in magnitude [N]
+  std::vector<double> start_;                 // horizontal position of the trunk [m]
+  Tally height_, tilt_;                       // height and tilt of the trunk [m], [rad]
+  Tally load_;                                // magnitude of the force on a foot [N]
   std::optional<double> height_end_, drift_;  // [m]
 };
 

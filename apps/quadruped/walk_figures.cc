@@ -16,8 +16,8 @@ void CheckJudged(double from, double end, bool cut) {
   if (from <= end) return;
   const std::string what =
       fmt::format("the run ends at {:.4g} s, before walk.judged_from_s = {:.4g} s", end, from);
-  if (!cut) throw KeyError("walk.judged_from_s", what + ": lower that, or lengthen the walk");
-  Say(fmt::format("warning: {}: there is nothing to judge, its figures are null\n", what));
+  if (!cut) throw KeyError("walk.judged_from_s", what + ": lower walk.judged_from_s, or lengthen the walk");
+  Say(fmt::format("warning: {}: its figures are null\n", what));
 }
 
 namespace {
@@ -133,7 +133,7 @@ void WalkFigures::AddTo(Summary& summary) const {
   summary.Set("com_error_max_m", com_errors_.max());
   summary.Set("com_error_rms_m", com_errors_.rms());
   summary.Set("foot_error_max_m", largest_by_leg(&LegFigures::errors));
-  if (!estimate_.AddPathTo(summary)) {  // where the robot is told where it is, it goes where it is told
+  if (!estimate_.AddPathTo(summary)) {  // the controller reads the true state: there is no drift
     summary.Set("path_error_max_m", com_errors_.max());
     summary.Set("path_foot_error_max_m", largest_by_leg(&LegFigures::errors));
   }

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/path_verdict.h>
+#include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
@@ -14,42 +15,42 @@
 
 namespace tenon::apps {
 
-/// Throws KeyError if a run that ends at `end` [s] has nothing to judge from `from` [s] on: its figures would
-/// be null. If it is `cut` short of that by --duration this is a warning instead.
+/// Throws KeyError if the run ends at `end` [s], before `from` [s], the time from which it is judged. Its
+/// figures would be null. If --duration has `cut` the run, this prints a warning instead.
 void CheckJudged(double from, double end, bool cut = false);
 
-/// The figures of a walking robot, gathered while it runs from a log of every control tick.
+/// Figures of a walking robot, computed during the run from a log of every control tick.
 ///
-/// Errors are those of QuadrupedWalk::errors. The ground force's error is the mean over all stance phases but
-/// for `kEdge` seconds at both ends of each. A foot's slip is how far its point in contact moves along the
-/// ground in one stance.
+/// Errors are those of QuadrupedWalk::errors. The error of the ground forces is the mean over all stance
+/// phases without `kEdge` seconds at both ends of each phase. The slip of a foot is the distance that its
+/// contact point moves along the ground in one stance phase.
 class WalkFigures final : public LogSink {
  public:
-  static constexpr double kEdge = 0.012;  // s
+  static constexpr double kEdge = 0.012;  ///< [s]
 
-  /// What shows it in a replay.
+  /// The shapes of a replay.
   static std::vector<const OutputPort<Geometry>*> Shapes(const QuadrupedWalk& loop) {
     std::vector<const OutputPort<Geometry>*> shapes{&Current(loop.world.plant.geometry),
                                                     &Current(loop.view.geometry)};
     if (const SlidingLoad* load = loop.world.sliding_load) shapes.push_back(&Current(load->geometry));
     return shapes;
   }
-  /// What has to be logged for it, in a diagram that calls the QuadrupedWalk "loop".
+  /// The signals to log, in a diagram with a QuadrupedWalk named "loop".
   static std::vector<const Source*> Signals(const QuadrupedWalk& loop);
-  /// And beside it, since it holds times of the wall clock, which no two runs share.
+  /// Diagnostics of the optimization. They hold wall-clock times, so they are not in Signals, whose log must
+  /// be the same in each run.
   static const Source* Solves(const LeggedLocomotion& locomotion) {
     return &locomotion.whole_body.diagnostics;
   }
-  /// Both.
+  /// The signals that must be logged for the figures: Signals and Solves.
   static std::vector<const Source*> Judged(const QuadrupedWalk& loop);
 
-  /// What comes before `from` [s] does not count, except for `path`. Where nothing is estimated, `observes`
-  /// is false, there are no figures of an estimate.
+  /// Figures are computed from `from` [s] on; `path` is judged from the start. Without an observer
+  /// (`observes` is false) there are no figures of its estimate.
   WalkFigures(double from, bool observes, const PathVerdict& path)
       : from_(from), observes_(observes), path_(path) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
-  /// Writes them down.
   void AddTo(Summary& summary) const;
 
  private:
@@ -59,7 +60,7 @@ class WalkFigures final : public LogSink {
   struct LegFigures {
     bool stance = false;
     double touchdown = 0;        // [s]
-    std::deque<Sample> waiting;  // errors that a lift-off may still make invalid
+    std::deque<Sample> waiting;  // errors of the last kEdge seconds, dropped at lift-off
     std::array<double, 3> slip{};
     Tally slips, errors;  // [m]
   };
@@ -79,7 +80,7 @@ class WalkFigures final : public LogSink {
   Tally com_errors_, force_errors_;               // [m], [N]
   std::array<Tally, 3> estimates_;                // [N]
   Tally estimate_errors_;                         // [N]
-  std::optional<std::array<double, 2>> begin_{};  // of the trunk [m]
+  std::optional<std::array<double, 2>> begin_{};  // horizontal position of the trunk [m]
   std::array<double, 2> end_{};
   TimeQuantiles solve_times_;
   std::optional<double> failure_count_;

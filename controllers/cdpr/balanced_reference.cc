@@ -12,14 +12,13 @@
 namespace tenon {
 namespace {
 
-// A turn of so many rad counts as much as 1 N; of a platform that lost a cable the others can often hold the
+// Turn [rad] that costs as much as 1 N. It is smaller with a broken cable: the others can often hold the
 // attitude, with very different tensions.
 constexpr double kTurnScale = 1e-3, kTurnScaleBroken = 1e-5;
-constexpr double kLargestStep = 0.1;  // of one call [rad]
-constexpr double kLargestTurn = 1.2;  // altogether: beyond, cables cross [rad]
-constexpr double kLargestTurnBroken =
-    0.5;                       // beyond, the others do not hold the platform as it should be [rad]
-constexpr double kExcess = 1;  // [N]
+constexpr double kLargestStep = 0.1;        // largest change of the turn in a call [rad]
+constexpr double kLargestTurn = 1.2;        // saturation of the turn; beyond, cables cross [rad]
+constexpr double kLargestTurnBroken = 0.5;  // saturation of the turn with a broken cable [rad]
+constexpr double kExcess = 1;               // tolerated excess over a bound [N]
 
 Eigen::Matrix3d RotationBy(const Eigen::Vector3d& turn) {
   return RotationFromQuaternion(QuaternionFromRotationVector(turn));
@@ -37,13 +36,14 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     shift.tension.setZero(at.tension.size());
   }
   tension_ = at.tension + shift.tension;
-  R_WB_ = RotationFromEuler(at.euler);
-  if (loaded) R_WB_ = RotationBy(shift.turn_W) * R_WB_;
+  const Eigen::Matrix3d R_reference = RotationFromEuler(at.euler);
+  R_WB_ = R_reference;
+  if (loaded) R_WB_ = RotationBy(shift.turn_W) * R_reference;
   CalcCableKinematics(robot_, at.position, R_WB_, &cables_);
 
   // Newton's step on the equation, with the multiplier of the conditions of least change:
   // change = J^T multiplier, J J^T multiplier = J change_before - residual.
-  Eigen::Matrix<double, 6, 3> by_turn = turn_scale * CalcWrenchJacobian(cables_, tension_).rightCols<3>();
+  Eigen::Matrix<double, 6, 3> by_turn = turn_scale * CalcWrenchByTurn(cables_, tension_);
   Vector6d wanted = Vector6d::Zero();
   wanted.head<3>() = robot_.mass * at.acceleration;
   if (loaded) {
@@ -59,8 +59,8 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     wanted.noalias() += by_turn * (shift.turn_W / turn_scale);
     wanted.noalias() -= cables_.structure * at.tension;
   }
-  // A tension beyond a bound is held there, and the others change more: the one that is farthest beyond
-  // first, as many as there are to spare.
+  // Holds tensions at the bounds that they exceed, one at a time, the largest excess first, as long as enough
+  // cables remain free.
   Vector6d multiplier;
   const Eigen::Index cables = at.tension.size();
   held_.assign(static_cast<std::size_t>(cables), 0);
@@ -70,7 +70,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     tension_[i] = 0;
     wanted.noalias() += at.tension[i] * cables_.structure.col(i);
   }
-  double excess = 0;  // of the tension that is farthest beyond a bound
+  double excess = 0;  // largest excess of a tension over its bound [N]
   for (Eigen::Index spare = loaded ? std::max<Eigen::Index>(cables - 3 - num_broken, 0) : 0;; --spare) {
     Matrix6d gram;
     gram.noalias() = by_turn * by_turn.transpose();
@@ -114,7 +114,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
   shift.held = num_broken == 0 || excess <= kExcess;
   shift.turn_W = turn;
   shift.tension = tension_ - at.tension;
-  R_WB_ = RotationBy(turn) * RotationFromEuler(at.euler);
+  R_WB_ = RotationBy(turn) * R_reference;
   euler_ = EulerNear(EulerFromRotation(R_WB_), at.euler);
 }
 

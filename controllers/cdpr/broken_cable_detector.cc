@@ -11,7 +11,7 @@ void BrokenCableDetectorParams::Validate() const {
   Demand(share > 0 && share < 1,
          fmt::format("share = {} must be between 0 and 1: a part of the tension", share));
   Demand(least_tension > 0,
-         fmt::format("least_tension = {} N must be positive: a cable that is told nothing does not pull",
+         fmt::format("least_tension = {} N must be positive: a cable without a command does not pull",
                      least_tension));
   Demand(reel_damping >= 0, fmt::format("reel_damping = {} N s/m must not be negative", reel_damping));
   Demand(patience > 0,

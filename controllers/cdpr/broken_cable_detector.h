@@ -11,34 +11,34 @@ struct BrokenCableDetectorParams {
   int num_cables = 4;
   double reel_damping = 90;  ///< b of the winches, see CdprDescription [N s/m]
   Rate rate = Hz(1000);
-  double share = 0.2;         ///< of what it should pull: with less, a cable does not pull
-  double least_tension = 20;  ///< that it should pull; less tells nothing [N]
-  double patience = 0.05;     ///< for so long; more than the lag of a winch [s]
+  double share = 0.2;         ///< threshold of the measured over the expected tension
+  double least_tension = 20;  ///< dead band: below this expected tension no cable is judged [N]
+  double patience = 0.05;     ///< time below the threshold, longer than the lag of a winch [s]
   void Validate() const;      ///< throws ParameterError
 };
 
-/// Which cables broke, from what is measured of them. A cable that is paid out or in at dl/dt should pull
-/// with
+/// Detects broken cables from measured lengths and tensions. The expected tension of a cable whose length
+/// changes at dl/dt is
 ///
 ///     T = u + b dl/dt,
 ///
-/// u the command of its winch. It broke if it has pulled with less than `share` of that for `patience`
-/// without a break, although it is no shorter than what its winch has paid out and T is `least_tension` at
-/// least. What broke stays so. If no cable pulls it is the measurement that fails, and none counts as broken;
-/// a load cell that fails alone looks as a cable that broke.
+/// where u is the command of its winch. A cable is reported as broken if its measured tension has been below
+/// `share` T for an uninterrupted `patience`, while its length was at least its rest length and T at least
+/// `least_tension`. A broken cable stays broken. If no cable pulls, the measurement has failed and none is
+/// reported. The failure of a single load cell cannot be distinguished from a broken cable.
 ///
 ///     ports in  cables   as measured
 ///               command  to the winches [N]
-///     port out  broken   1 if so, else 0, one per cable, sampled; a tick later, so that the command may
-///                        depend on it
+///     port out  broken   1 if broken, else 0, one per cable, sampled; delayed by a tick, so that the command
+///                        may depend on it
 ///
-/// @throws RunError in the loop if the signals are those of another number of cables.
+/// @throws RunError during a run if a signal does not have one entry per cable.
 class BrokenCableDetector final : public LeafSystem<BrokenCableDetectorParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<CableSignals> cables{this, {"cables"}};
   InputPort<CableVector> command{this, {"command", "N"}};
-  /// For how long each has not pulled; of those that broke, for `patience`.
+  /// Time for which each cable has been below its threshold [s]; `patience` for broken cables.
   DiscreteState<CableVector> missing{this, {"missing", "s"}, CableVector::Zero(params.num_cables)};
   Update<CableVector> next{missing, Sampled{params.rate}, Uses(missing, cables, command),
                            &BrokenCableDetector::CalcNext};

@@ -12,11 +12,11 @@
 namespace tenon {
 namespace {
 
-constexpr int kPieces = 5;        // of each cable, for a bound of the distance
-constexpr double kOnFace = 1e-9;  // distance from a face, relative to the platform, of what lies in it
+constexpr int kPieces = 5;        // pieces of each cable in the lower bound of the distance
+constexpr double kOnFace = 1e-9;  // tolerance of points in a face, relative to the platform
 
 /// Outer normals of the faces of the convex hull of `points` that meet at points[at]: planes through it and
-/// two others with everything on one side. A flat platform has both sides of it.
+/// two other points with all points on one side. A flat platform has two faces.
 std::vector<Eigen::Vector3d> FacesAt(const std::vector<Eigen::Vector3d>& points, std::size_t at) {
   double size = 0;
   for (const auto& point : points) size = std::max(size, (point - points[at]).norm());
@@ -65,7 +65,7 @@ CableClearance CableInterference::At(const CableKinematics& cables, const Eigen:
   }
   for (int i = 0; i < cables.num_cables(); ++i) {
     const Eigen::Vector3d direction_B = R_WB.transpose() * cables.direction.col(i);
-    double sine = faces_[i].empty() ? 1 : -1;  // an attachment inside of the platform is on no face
+    double sine = faces_[i].empty() ? 1 : -1;  // an attachment inside the platform is on no face
     for (const Eigen::Vector3d& normal : faces_[i]) sine = std::max(sine, normal.dot(direction_B));
     clearance.platform = std::min(clearance.platform, sine);
   }

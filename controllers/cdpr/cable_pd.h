@@ -10,14 +10,14 @@
 namespace tenon {
 
 struct CablePdParams {
-  CdprDescription robot;         ///< what the controller believes; its tension bounds limit the command
+  CdprDescription robot;         ///< model of the controller; its tension bounds limit the command
   double stiffness_N_per_m = 0;  ///< K_p
   double damping_N_s_per_m = 0;  ///< K_d
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError unless K_p > 0 and K_d >= 0
 };
 
-/// The length controller that the thesis compares its MPC with (Morlando 2023, eq. (3.25)), per cable:
+/// Length controller with tension feedforward, per cable (Morlando 2023, eq. (3.25)):
 ///
 ///     f = f* + K_p (l - l_des) + K_d (l̇ - l̇_des),   kept inside [tension_min, tension_max]
 ///

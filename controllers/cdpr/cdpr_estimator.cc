@@ -22,7 +22,7 @@ Eigen::Vector3d RotationVector(const Vec<4>& q) {
                      : Eigen::Vector3d(2 * std::atan2(sine, std::abs(q[0])) / sine * v);
 }
 
-/// Takes the filter's error (dp, dv, dtheta) out of its mean.
+/// Applies the correction (dp, dv, dtheta) to the mean.
 void Apply(const Vector9d& error, PlatformState& platform) {
   platform.p_WB += error.head<3>();
   platform.v_W += error.segment<3>(3);
@@ -81,7 +81,7 @@ CdprEstimator::Step CdprEstimator::Predict(const ImuMeasurement& inertial, const
   const Vec<3> w = (memory.inertial.angular_velocity_B + inertial.angular_velocity_B) / 2;
   const Vec<3> f = (memory.inertial.specific_force_B + inertial.specific_force_B) / 2;
   PlatformState& platform = memory.platform;
-  // The attitude in the middle of the interval.
+  // Attitude at the middle of the interval.
   const Eigen::Matrix3d R_WB =
       RotationFromQuaternion(QuaternionProduct(platform.q_WB, QuaternionFromRotationVector(T / 2 * w)));
   const Vec<3> a_W = R_WB * f - Vec<3>(0, 0, params.gravity);
@@ -114,7 +114,7 @@ void CdprEstimator::CorrectByLengths(const CableVector& length, const CdprNoise&
         (length[i] - memory.length[i]) / T + line.direction.dot(mean.v_W) + lever.dot(w_W);
     double& bias = memory.bias[i];
     bias += share * (innovation - bias);
-    const Vector9d PH = -P.middleCols<3>(3) * line.direction;  // H picks -direction . dv
+    const Vector9d PH = -P.middleCols<3>(3) * line.direction;  // H selects -direction . dv
     const double S = std::pow(noise.length_rate, 2) + 2 / share * bias * bias +
                      lever.squaredNorm() * std::pow(noise.angular_velocity, 2) -
                      line.direction.dot(PH.segment<3>(3));
@@ -131,7 +131,7 @@ void CdprEstimator::Correct(const PoseMeasurement& pose, const CdprNoise& noise,
   const Vec<4> inverse(platform.q_WB[0], -platform.q_WB[1], -platform.q_WB[2], -platform.q_WB[3]);
   innovation << pose.p_WB - platform.p_WB, RotationVector(QuaternionProduct(inverse, pose.q_WB));
 
-  // H picks dp and dtheta.
+  // H selects dp and dtheta.
   const Covariance& P = memory.covariance;
   Eigen::Matrix<double, 6, 9> HP;
   HP << P.topRows<3>(), P.bottomRows<3>();

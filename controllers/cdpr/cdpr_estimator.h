@@ -11,7 +11,7 @@
 
 namespace tenon {
 
-/// A platform's state as it is believed to have been at a time.
+/// An estimated state of the platform with its time stamp.
 struct PlatformEstimate {
   double time = 0;  ///< [s]
   PlatformState platform;
@@ -21,13 +21,13 @@ struct PlatformEstimate {
   }
 };
 
-/// What the filter believes of its sensors, as standard deviations per axis and sample.
+/// Standard deviations of the sensor noise in the filter's model, per axis and sample.
 struct CdprNoise {
   double position = 0.005;          ///< [m]
   double attitude = 0.01;           ///< [rad]
   double angular_velocity = 0.005;  ///< [rad/s]
   double specific_force = 0.05;     ///< [m/s^2]
-  double length_rate = 0.005;       ///< of a cable, mean between two samples: 2 % of 0.25 m/s [m/s]
+  double length_rate = 0.005;       ///< of a cable length, mean between samples: 2 % of 0.25 m/s [m/s]
 
   static FieldList Fields() {
     return {{"position", &CdprNoise::position, "m"},
@@ -39,7 +39,7 @@ struct CdprNoise {
 };
 
 struct CdprEstimatorParams {
-  CdprDescription robot{};  ///< what the controller believes; for `cables` alone
+  CdprDescription robot{};  ///< model of the controller; used only with `cables`
   Rate rate = Hz(200);      ///< of pose, IMU and filter
   CdprNoise noise{};
   double initial_velocity = 0.02;  ///< deviation of the velocity at the start from rest [m/s]
@@ -49,33 +49,32 @@ struct CdprEstimatorParams {
   void Validate() const;
 };
 
-/// Where the platform is and how it moves, from an IMU, a pose sensor and the cables' lengths: an extended
-/// Kalman filter on the error (dp, dv, dtheta), R = R_hat exp([dtheta]x).
+/// Estimates pose and velocity of the platform from an IMU, a pose sensor and the cable lengths by an
+/// extended Kalman filter on the error (dp, dv, dtheta), R = R_hat exp([dtheta]x).
 ///
 /// Between ticks the mean of the last two IMU samples (w, f) drives the prediction, with T the period:
 ///
 ///     a = R f + g,   p += T v + T^2/2 a,   v += T a,   R <- R exp([T w]x)
 ///     dp' = dp + T dv,   dv' = dv - T R [f]x dtheta,   dtheta' = (1 - T [w]x) dtheta
 ///
-/// At a tick the lengths l, if they are connected, correct the velocity by how they changed since the last
-/// one, and the pose corrects all. With v and w the means in between,
+/// At a tick the changes of the lengths l since the last tick correct the velocity, if `cables` is connected,
+/// and the pose corrects all states. With v and w the means between the ticks, the model of the lengths is
 ///
 ///     (l_i - l_i before) / T = -(W column i) . [v ; R w]      see CableKinematics
 ///
-/// to within `length_rate` and what the gyroscope leaves, taken for white noise. What sag, layers on a
-/// drum or a broken cable do to a length is not: b_i, the mean of the difference of both sides over the
-/// last t_b = 0.2 s (a low-pass of first order), counts as additional noise of the variance 2 t_b/T b_i^2, of
-/// which means over that time would be as large. A cable that disagrees with the others and the IMU so loses
-/// its weight; without lengths the velocity is known to what the accelerometer and differences of the pose
-/// tell.
+/// with white noise of `length_rate` and of the gyroscope. Errors by sag, layers on a drum or a broken cable
+/// are not white. The filter therefore low-passes the difference of both sides with the time constant
+/// t_b = 0.2 s to b_i and adds noise of the variance 2 t_b/T b_i^2, whose mean over t_b is as large as b_i. A
+/// cable that contradicts the others and the IMU thus loses its weight. Without lengths the velocity follows
+/// from the accelerometer and the differences of the pose.
 ///
-/// The angular velocity is the gyroscope's. At the first tick the pose is taken as it is and the platform as
-/// at rest. No bias of a sensor is estimated.
+/// The angular velocity is the gyroscope's. The first tick takes the measured pose and assumes the platform
+/// at rest. Sensor biases are not estimated.
 ///
-/// The IMU measures whatever accelerates the platform, so an unknown load does not disturb the estimate.
+/// The IMU measures the acceleration by any cause, so an unknown load does not disturb the estimate.
 ///
 ///     ports in  pose, inertial
-///               cables          for their lengths; none if not connected
+///               cables          uses the lengths (optional)
 ///     port out  estimate        sampled
 ///     parameter noise           CdprNoise
 class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
@@ -83,13 +82,13 @@ class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
   using LeafSystem::LeafSystem;
   using Covariance = Eigen::Matrix<double, 9, 9>;
 
-  /// What the filter remembers.
+  /// State of the filter.
   struct Memory {
     bool started = false;
     PlatformState platform;
     ImuMeasurement inertial;
     Covariance covariance = Covariance::Zero();
-    CableVector length;  ///< a period ago [m]
+    CableVector length;  ///< at the last tick [m]
     CableVector bias;    ///< b [m/s]
 
     static FieldList Fields() {
@@ -112,7 +111,7 @@ class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
                                         &CdprEstimator::CalcEstimate};
 
  private:
-  /// The mean of the motion between two ticks.
+  /// Mean motion between two ticks.
   struct Step {
     Eigen::Vector3d p_WB, v_W, w_B;
     Eigen::Matrix3d R_WB;

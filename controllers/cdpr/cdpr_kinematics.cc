@@ -24,11 +24,11 @@ constexpr double kShortestCable = 1e-9;  // [m]
 constexpr double kSlackTension = 1e-9;   // [m g]
 constexpr double kRankTolerance = 1e-9;
 
-/// `line`, of which the arm and the straight way from the attachment to the anchor are known, over a pulley.
+/// Leads `line` over a pulley; its arm must be set, and `span` is the vector from attachment to anchor.
 void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector3d& span, CableLine& line) {
   const double radius = robot.winch.pulley_radius, x = std::hypot(span.x(), span.y()), z = -span.z();
   const double from_centre = std::hypot(x - radius, z);
-  if (x <= 0 || from_centre <= radius) {  // what is not finite goes on as such
+  if (x <= 0 || from_centre <= radius) {  // NaN and infinity pass and propagate
     throw RunError(fmt::format(
         "Cable {} of '{}' would end {:.4g} m beside the swivel axis of its pulley and {:.4g} m away "
         "from the pulley's centre, whose radius is {} m: keep the platform off both, or give a smaller "
@@ -43,6 +43,24 @@ void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector
   const double sideways = 1 / lead.contact.free_length - std::sin(lead.contact.wrap) / x;
   line.swivel =
       std::sqrt(std::max(sideways, 0.0)) * Eigen::Vector3d(-lead.outwards_W.y(), lead.outwards_W.x(), 0);
+}
+
+/// u P of cable i, see CalcWrenchJacobian(): minus the rate of its force with its attachment's motion [N/m].
+Eigen::Matrix3d DirectionRate(const CableKinematics& cables, int i, double tension) {
+  const Eigen::Vector3d direction = cables.direction.col(i);
+  Eigen::Matrix3d rate =
+      tension / cables.free_length[i] * (Eigen::Matrix3d::Identity() - direction * direction.transpose());
+  if (cables.swivel.cols() > 0) rate -= tension * cables.swivel.col(i) * cables.swivel.col(i).transpose();
+  return rate;
+}
+
+/// Adds the part of cable i to d(W u)/dtheta, six rows; `rate` is its DirectionRate().
+template <class Columns>
+void AddWrenchByTurn(const CableKinematics& cables, int i, double tension, const Eigen::Matrix3d& rate,
+                     Columns&& columns) {
+  const Eigen::Matrix3d arm = CrossMatrix(cables.arm_W.col(i));
+  columns.template topRows<3>() += rate * arm;
+  columns.template bottomRows<3>() += arm * rate * arm + tension * CrossMatrix(cables.direction.col(i)) * arm;
 }
 
 }  // namespace
@@ -110,19 +128,20 @@ Vector6d GravityWrench(const CdprDescription& robot) {
   return wrench;
 }
 
+Eigen::Matrix<double, 6, 3> CalcWrenchByTurn(const CableKinematics& cables, const CableVector& tension) {
+  Eigen::Matrix<double, 6, 3> by_turn = Eigen::Matrix<double, 6, 3>::Zero();
+  for (int i = 0; i < cables.num_cables(); ++i)
+    AddWrenchByTurn(cables, i, tension[i], DirectionRate(cables, i, tension[i]), by_turn);
+  return by_turn;
+}
+
 Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& tension) {
   Matrix6d jacobian = Matrix6d::Zero();
   for (int i = 0; i < cables.num_cables(); ++i) {
-    const Eigen::Vector3d direction = cables.direction.col(i);
-    const Eigen::Matrix3d arm = CrossMatrix(cables.arm_W.col(i));
-    Eigen::Matrix3d turn = tension[i] / cables.free_length[i] *
-                           (Eigen::Matrix3d::Identity() - direction * direction.transpose());
-    if (cables.swivel.cols() > 0)
-      turn -= tension[i] * cables.swivel.col(i) * cables.swivel.col(i).transpose();
-    jacobian.topLeftCorner<3, 3>() -= turn;
-    jacobian.topRightCorner<3, 3>() += turn * arm;
-    jacobian.bottomLeftCorner<3, 3>() -= arm * turn;
-    jacobian.bottomRightCorner<3, 3>() += arm * turn * arm + tension[i] * CrossMatrix(direction) * arm;
+    const Eigen::Matrix3d rate = DirectionRate(cables, i, tension[i]);
+    jacobian.topLeftCorner<3, 3>() -= rate;
+    jacobian.bottomLeftCorner<3, 3>() -= CrossMatrix(cables.arm_W.col(i)) * rate;
+    AddWrenchByTurn(cables, i, tension[i], rate, jacobian.rightCols<3>());
   }
   return jacobian;
 }
@@ -135,7 +154,7 @@ double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& 
   S.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() / std::sqrt(robot.mass);
   S.bottomRightCorner<3, 3>() = root.transpose().inverse();
 
-  // A cable without tension may go slack, and so holds nothing.
+  // Cables without tension may go slack and hold nothing.
   std::vector<int> taut;
   for (int i = 0; i < cables.num_cables(); ++i) {
     if (tension[i] > kSlackTension * robot.mass * kGravity) taut.push_back(i);

@@ -87,6 +87,8 @@ Vector6d GravityWrench(const CdprDescription& robot);
 /// m g z + sum_i u_i |l_i|. On the motions that leave the lengths alone, W^T x = 0, that is the stiffness of
 /// the platform with the winches locked.
 Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& tension);
+/// d(W u)/dtheta: the last three columns of CalcWrenchJacobian().
+Eigen::Matrix<double, 6, 3> CalcWrenchByTurn(const CableKinematics& cables, const CableVector& tension);
 
 /// The least stiffness [N/m] of the platform at an equilibrium with the winches locked and cables that do not
 /// stretch; the equilibrium is stable if it is positive.

@@ -43,7 +43,8 @@ void CdprMpc::CalcPlan(const double& time, const PlatformEstimate& estimate, con
   }
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   *plan = warm_start;
-  plan->diagnostics.solve_time = elapsed.count();  // alone: what carries on is the same in every run
+  plan->diagnostics.solve_time =
+      elapsed.count();  // not in warm_start: states must not depend on the wall clock
 }
 
 void CdprMpc::CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan,
@@ -62,7 +63,7 @@ void CdprMpc::CalcCommand(const double& time, const PlatformEstimate& estimate, 
 Verdict CdprMpc::CheckFallbacks(const CdprPlan& plan, int max_fallbacks_in_a_row) const {
   const CdprMpcDiagnostics& diagnostics = plan.diagnostics;
   if (diagnostics.fallbacks_in_a_row <= max_fallbacks_in_a_row) return {};
-  return fmt::format("the MPC found no better policy {} times in a row ({} of {} solves failed)",
+  return fmt::format("{} solves of the MPC in a row failed ({} of {} solves in all)",
                      diagnostics.fallbacks_in_a_row, diagnostics.fallbacks, diagnostics.solves);
 }
 
@@ -72,7 +73,7 @@ Verdict CdprMpc::CheckStatics(const CdprPlan& plan, const CableVector& broken) c
   std::string which;
   for (Eigen::Index i = 0; i < broken.size(); ++i)
     if (broken[i] != 0) which += (which.empty() ? "" : ", ") + std::to_string(i);
-  return fmt::format("without cable {} the others cannot hold the platform where it should be", which);
+  return fmt::format("without cable {} the others cannot hold the platform at its reference", which);
 }
 
 }  // namespace tenon

@@ -10,27 +10,26 @@
 namespace tenon {
 
 /// The model predictive controller of the cable robot (Morlando 2023, section 3.4): SLQ on the
-/// kino-centroidal model, one call per period, warm-started with its last policy.
+/// kino-centroidal model, one solve per period, warm-started with the last policy.
 ///
-/// What goes to the winches is the policy with its feedback, at the winches' rate:
+/// Between solves the command follows the policy with its feedback, at the rate of the winches:
 ///
 ///     command = clamp(u_bar(t) + K (x_hat - x_bar) - b dl_ref/dt (t + T) + T du_ref/dt)
 ///
-/// The last terms are the tension that the reel damping b of the winches adds when the cables run as the
-/// reference says, as early as the lag T of their motors is late, and what that lag takes from changes of the
-/// reference's tensions; the bounds hold for the command.
+/// The last two terms compensate the tension that the reel damping b of the winches adds at the reference's
+/// cable speeds, and the lag T of their motors. The bounds hold for the command.
 ///
-/// If a solve fails (no descent, or not finite) the last policy goes on and is counted; after
-/// `max_fallbacks_in_a_row` the run ends.
+/// If a solve fails (no descent, or not finite) the last policy stays in use. After more than
+/// `max_fallbacks_in_a_row` failures the run ends.
 ///
-/// With a load that is estimated (LoadEstimator), which is in the model and in what is followed, a constant
-/// one leaves no error. Cables that are known to be broken (BrokenCableDetector) are not used: command 0, and
-/// the others carry their part. If they cannot, for `unheld_time`, the run ends.
+/// The model and the reference include the load of LoadEstimator, so that a constant load leaves no error.
+/// Cables that BrokenCableDetector reports as broken have the command 0 and the others replace them. If these
+/// cannot hold the platform for `unheld_time`, the run ends.
 ///
 ///     ports in  estimate  the platform's state
-///               load      on the platform; none if not connected
-///               broken    1 for a cable that is, else 0; none if not connected
-///               path      to be followed instead, see GoalPath
+///               load      on the platform (optional)
+///               broken    1 for a broken cable, else 0 (optional)
+///               path      replaces the parameter, see GoalPath (optional)
 ///     ports out plan      the policy, sampled
 ///               command   [N], one per cable, sampled
 ///               diagnostics

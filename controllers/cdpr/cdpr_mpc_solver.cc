@@ -13,23 +13,10 @@
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
+#include <variant>
 
 namespace tenon {
-namespace internal {
-
-/// The reference of the solver at a time.
-struct SolverReference {
-  CentroidalState x = CentroidalState::Zero();
-  BalancedReference balanced;
-
-  explicit SolverReference(const CdprDescription& robot) : balanced(robot) {}
-};
-
-}  // namespace internal
-
 namespace {
-
-using internal::SolverReference;
 
 CentroidalState Diagonal(const CdprDescription& robot, const CdprMpcWeights& weights) {
   CentroidalState Q;
@@ -39,12 +26,14 @@ CentroidalState Diagonal(const CdprDescription& robot, const CdprMpcWeights& wei
   return Q;
 }
 
-/// Of the path's reference `at`; `body` is the platform with the payload of `load`.
-void CalcReference(const CdprReference& at, const LoadEstimate& load, const CableVector& broken,
-                   const LoadedPlatform& body, ReferenceShift& shift, SolverReference* reference) {
-  reference->balanced.Calc(at, load, broken, shift);
-  reference->x = CentroidalStateOf(body, at.position, reference->balanced.R_WB(), reference->balanced.euler(),
-                                   at.velocity, EulerRateMatrix(at.euler) * at.euler_rate);
+/// The state of `body`, the platform with the payload of `load`, at the path's reference `at`, balanced by
+/// one Newton step from `shift`; `balanced` has the attitude and the tensions.
+CentroidalState CalcReference(const CdprReference& at, const LoadEstimate& load, const CableVector& broken,
+                              const LoadedPlatform& body, ReferenceShift& shift,
+                              BalancedReference& balanced) {
+  balanced.Calc(at, load, broken, shift);
+  return CentroidalStateOf(body, at.position, balanced.R_WB(), balanced.euler(), at.velocity,
+                           EulerRateMatrix(at.euler) * at.euler_rate);
 }
 
 template <class From, class To>
@@ -52,19 +41,13 @@ void CopyEntries(const From& from, To& to) {
   std::copy_n(from.data(), to.size(), to.data());
 }
 
-/// What `make` gives for a number of cables, which the compiler knows for small robots, whose loops it
-/// unrolls.
+/// make(n) with the number of cables n as a constant for 4 and 8, whose loops the compiler unrolls, and as
+/// Eigen::Dynamic for all others.
 template <class Make>
 auto ForCables(int cables, const Make& make) {
   switch (cables) {
     case 4:
       return make(std::integral_constant<int, 4>());
-    case 5:
-      return make(std::integral_constant<int, 5>());
-    case 6:
-      return make(std::integral_constant<int, 6>());
-    case 7:
-      return make(std::integral_constant<int, 7>());
     case 8:
       return make(std::integral_constant<int, 8>());
     default:
@@ -72,7 +55,8 @@ auto ForCables(int cables, const Make& make) {
   }
 }
 
-/// At rest at the start of the path, of the problem that is linear there: at these costs, for ever.
+/// The infinite-horizon cost to go of the model linearised at rest at the start of the path, discretised with
+/// `period` [s].
 template <int n>
 Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double period, const CdprMpcCost& cost) {
   using Problem = CdprTrackingProblem<n>;
@@ -100,10 +84,11 @@ void CdprMpcParams::Validate() const {
   Demand(num_steps >= 2, fmt::format("num_steps = {} must be at least 2", num_steps));
   const double periods = horizon / rate.period();
   Demand(std::abs(periods - std::round(periods)) < 1e-6,
-         fmt::format("horizon = {} s is no multiple of the period of {} s", horizon, rate.period()));
+         fmt::format("horizon = {} s is not a multiple of the period of {} s", horizon, rate.period()));
   Demand(std::round(periods) >= num_steps,
-         fmt::format("num_steps = {} do not fit into horizon = {} s: a step is at least one period of {} s",
-                     num_steps, horizon, rate.period()));
+         fmt::format(
+             "num_steps = {} exceeds the periods in horizon = {} s: a step is at least one period of {} s",
+             num_steps, horizon, rate.period()));
   Demand(weights.tension > 0,
          fmt::format("weights.tension = {} must be positive: the tensions would not be unique",
                      weights.tension));
@@ -150,9 +135,10 @@ std::vector<int> CdprMpcSolver::Steps(const CdprMpcParams& params) {
 
 CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
   const int n = params.path->robot().num_cables();
-  SolverReference start(params.path->robot());
+  BalancedReference balanced(params.path->robot());
   CdprPlan plan;
-  CalcReference(params.path->At(0), {}, {}, {params.path->robot(), {}}, plan.shift, &start);
+  const CentroidalState start =
+      CalcReference(params.path->At(0), {}, {}, {params.path->robot(), {}}, plan.shift, balanced);
   plan.reference_rate.setZero(n);
   plan.nodes.resize(params.num_steps + 1);
   const std::vector<int> steps = Steps(params);
@@ -161,8 +147,8 @@ CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
     CdprPlan::Node& node = plan.nodes[k];
     node.time = periods * params.rate.period();
     if (k < params.num_steps) periods += steps[k];
-    node.x = start.x;
-    node.u = start.balanced.tension();
+    node.x = start;
+    node.u = balanced.tension();
     node.K.setZero(n, 12);
   }
   return plan;
@@ -183,27 +169,41 @@ CdprMpcCost CdprMpcSolver::Cost(const CdprMpcParams& params, const CdprMpcWeight
   return cost;
 }
 
-/// Everything that is not compiled for a number of cables.
+namespace {
+
+template <int n>
+using SlqFor = Slq<CdprTrackingProblem<n>>;
+using AnySlq = std::variant<SlqFor<4>, SlqFor<8>, SlqFor<Eigen::Dynamic>>;
+
+AnySlq MakeSlq(const CdprMpcParams& params) {
+  const CdprDescription& robot = params.path->robot();
+  std::vector<double> steps;  // [s]
+  for (const int step : CdprMpcSolver::Steps(params)) steps.push_back(step * params.rate.period());
+  return ForCables(robot.num_cables(), [&](auto n) -> AnySlq {
+    return SlqFor<n()>(CdprTrackingProblem<n()>(robot, params.num_steps), steps, params.slq);
+  });
+}
+
+}  // namespace
+
+/// The solver and the references at the nodes of the path that later calls use again.
 class CdprMpcSolver::Impl {
  public:
   explicit Impl(const CdprMpcParams& params)
       : path_(params.path),
         equilibrium_input_(params.equilibrium_input),
         period_(params.rate.period()),
-        steps_(Steps(params)),
-        reference_(params.path->robot()) {
-    ReferenceShift none;
+        steps_(CdprMpcSolver::Steps(params)),
+        balanced_(params.path->robot()),
+        slq_(MakeSlq(params)) {
     const CdprReference at = path_->At(0);
-    CalcReference(at, {}, {}, {path_->robot(), {}}, none, &reference_);
-    const CableVector& u = reference_.balanced.tension();
-    const Target target{reference_.x, u, u, u};
+    const CentroidalState x = CalcReference(at, {}, {}, {path_->robot(), {}}, first_shift_, balanced_);
+    const CableVector& u = balanced_.tension();
+    const Target target{x, u, u, u};
     targets_.assign(steps_.size() + 1, target);
-    first_shift_ = none;
     cache_.assign(1 + static_cast<std::size_t>(std::lround(params.horizon / period_)),
                   {-1, at, false, target});
   }
-  virtual ~Impl() = default;
-  virtual std::unique_ptr<Impl> Clone() const = 0;
 
   void Follow(const std::shared_ptr<const EquilibriumPath>& path) {
     if (path == path_) return;
@@ -217,29 +217,25 @@ class CdprMpcSolver::Impl {
     SetTargets(time, load, broken, body, plan.shift);
     plan.unheld_in_a_row = plan.shift.held ? 0 : plan.unheld_in_a_row + 1;
     x.tail<3>() = EulerNear(x.tail<3>(), targets_[0].x.tail<3>());
-    const SlqReport report = Improve(time - plan.start, x, load, body, targets_, cost, plan);
+    const SlqReport report = std::visit(
+        [&]<int n>(SlqFor<n>& slq) { return Improve<n>(slq, time - plan.start, x, load, body, cost, plan); },
+        slq_);
     plan.start = time;
-    if (!report.ok()) return report;  // the policy before goes on, about the CoM that it was made for
+    if (!report.ok()) return report;  // the last policy stays in use, with the payload it was made for
     plan.payload = load.payload;
-    if (!equilibrium_input_) return report;  // whose tensions do not change
-    plan.reference_rate = (NodeAt(time, 1).at.tension - NodeAt(time, 0).at.tension) / period_;
+    if (equilibrium_input_)
+      plan.reference_rate = (NodeAt(time, 1).at.tension - NodeAt(time, 0).at.tension) / period_;
     return report;
   }
 
- protected:
-  /// What CdprTrackingProblem knows of a node.
+ private:
+  // The reference and the bounds at a node of the horizon, see CdprTrackingProblem.
   struct Target {
     CentroidalState x;
     CableVector u, lower, upper;
   };
-
-  /// `plan`, seen `elapsed` [s] later, becomes the one for a start at x.
-  virtual SlqReport Improve(double elapsed, const CentroidalState& x, const LoadEstimate& load,
-                            const LoadedPlatform& body, const std::vector<Target>& targets,
-                            const CdprMpcCost& cost, CdprPlan& plan) = 0;
-
- private:
-  // What the path says at a time, and what follows from it without a load.
+  // The path's reference at a time. The bounds of `target` belong to it; `has_target` is true if its x and u
+  // do, too, without a load and with all cables.
   struct PathNode {
     double time;
     CdprReference at;
@@ -247,8 +243,8 @@ class CdprMpcSolver::Impl {
     Target target;
   };
 
-  // The node `index` periods after `time`; what was computed for an earlier call is used again. If `time` is
-  // a multiple of the period, so is the node's, whichever call comes first.
+  // The node `index` periods after `time`, from the cache if an earlier call computed it. If `time` is a
+  // multiple of the period, the node's time is rounded to one, so that it does not depend on the call.
   PathNode& NodeAt(double time, long index) {
     const long now = std::lround(time / period_);
     const bool multiple = std::abs(time - static_cast<double>(now) * period_) < 1e-6 * period_;
@@ -259,105 +255,65 @@ class CdprMpcSolver::Impl {
       node.time = at;
       node.has_target = false;
       path_->At(at, &node.at);
+      SetBounds(node);
     }
     return node;
   }
+  void SetBounds(PathNode& node) const {
+    const CdprDescription& robot = path_->robot();
+    const CableProperties& cable = robot.cable;
+    for (int i = 0; i < robot.num_cables(); ++i) {
+      const double reel = robot.winch.reel_damping * node.at.length_rate[i];
+      node.target.lower[i] = std::max(reel + cable.tension_min, cable.tension_min);
+      node.target.upper[i] = std::min(reel + cable.tension_max, cable.tension_max);
+    }
+  }
 
-  // With a load, which changes, or a broken cable every node is balanced anew. What it shifts at one node is
-  // where the next begins; the first one's is kept for the next call.
+  // With a load, which changes from call to call, or a broken cable each node is balanced anew, once:
+  // Newton's method starts at a node from the shift of the node before, and at the first one from that of the
+  // last call.
   void SetTargets(double time, const LoadEstimate& load, const CableVector& broken,
                   const LoadedPlatform& body, ReferenceShift& shift) {
-    if (load.any() || (broken.array() != 0).any()) return SetShiftedTargets(time, load, broken, body, shift);
+    constexpr int kFirstSteps = 3;  // of Newton's method at the first node
+    const bool shifted = load.any() || (broken.array() != 0).any();
     shift.held = true;
+    if (shifted)
+      for (int i = 0; i + 1 < kFirstSteps; ++i) balanced_.Calc(NodeAt(time, 0).at, load, broken, shift);
     long index = 0;
     for (std::size_t k = 0; k < targets_.size(); ++k) {
       PathNode& node = NodeAt(time, index);
-      if (!node.has_target) {
-        CalcReference(node.at, load, broken, body, shift, &reference_);
-        SetTarget(node.at, node.target);
-        node.has_target = true;
+      if (shifted || !node.has_target) {
+        node.target.x = CalcReference(node.at, load, broken, body, shift, balanced_);
+        node.target.u = balanced_.tension();
+        if (!equilibrium_input_) node.target.u.setZero();
+        node.has_target = !shifted;
       }
-      targets_[k] = node.target;
-      if (k < steps_.size()) index += steps_[k];
-    }
-  }
-  void SetShiftedTargets(double time, const LoadEstimate& load, const CableVector& broken,
-                         const LoadedPlatform& body, ReferenceShift& shift) {
-    constexpr int kSteps = 3;  // of Newton's method at the first node
-    const CdprReference& first = NodeAt(time, 0).at;
-    for (int i = 0; i + 1 < kSteps; ++i) CalcReference(first, load, broken, body, shift, &reference_);
-    long index = 0;
-    for (std::size_t k = 0; k < targets_.size(); ++k) {
-      const CdprReference& at = NodeAt(time, index).at;
-      CalcReference(at, load, broken, body, shift, &reference_);
-      SetTarget(at, targets_[k]);
-      for (Eigen::Index i = 0; i < broken.size(); ++i)
-        if (broken[i] != 0) targets_[k].u[i] = targets_[k].lower[i] = targets_[k].upper[i] = 0;
       if (k == 0) first_shift_ = shift;
+      Target& target = targets_[k] = node.target;
+      for (Eigen::Index i = 0; i < broken.size(); ++i)
+        if (broken[i] != 0) target.u[i] = target.lower[i] = target.upper[i] = 0;
       if (k < steps_.size()) index += steps_[k];
     }
     shift = first_shift_;
   }
-  void SetTarget(const CdprReference& at, Target& target) const {
+
+  // Shifts `plan` by `elapsed` [s] and improves it for a start at x.
+  template <int n>
+  SlqReport Improve(SlqFor<n>& slq, double elapsed, const CentroidalState& x, const LoadEstimate& load,
+                    const LoadedPlatform& body, const CdprMpcCost& cost, CdprPlan& plan) const {
     const CdprDescription& robot = path_->robot();
-    const CableProperties& cable = robot.cable;
-    target.x = reference_.x;
-    target.u = reference_.balanced.tension();
-    for (int i = 0; i < robot.num_cables(); ++i) {
-      const double reel = robot.winch.reel_damping * at.length_rate[i];
-      target.lower[i] = std::max(reel + cable.tension_min, cable.tension_min);
-      target.upper[i] = std::min(reel + cable.tension_max, cable.tension_max);
-    }
-    if (!equilibrium_input_) target.u.setZero();
-  }
-
-  std::shared_ptr<const EquilibriumPath> path_;
-  bool equilibrium_input_;
-  double period_;
-  std::vector<int> steps_;
-  std::vector<Target> targets_;
-  std::vector<PathNode> cache_;
-  // Work space.
-  SolverReference reference_;
-  ReferenceShift first_shift_;
-};
-
-namespace {
-
-std::vector<double> StepsInSeconds(const CdprMpcParams& params) {
-  std::vector<double> seconds;
-  for (const int step : CdprMpcSolver::Steps(params)) seconds.push_back(step * params.rate.period());
-  return seconds;
-}
-
-/// The solver for n cables, or for any number.
-template <int n>
-class SolverFor final : public CdprMpcSolver::Impl {
- public:
-  using Problem = CdprTrackingProblem<n>;
-
-  explicit SolverFor(const CdprMpcParams& params)
-      : Impl(params),
-        robot_(params.path->robot()),
-        slq_(Problem(params.path->robot(), params.num_steps), StepsInSeconds(params), params.slq) {}
-  std::unique_ptr<Impl> Clone() const override { return std::make_unique<SolverFor>(*this); }
-
- private:
-  SlqReport Improve(double elapsed, const CentroidalState& x, const LoadEstimate& load,
-                    const LoadedPlatform& body, const std::vector<Target>& targets, const CdprMpcCost& cost,
-                    CdprPlan& plan) override {
-    auto& policy = slq_.policy();
+    auto& policy = slq.policy();
     for (std::size_t k = 0; k < policy.size(); ++k) {
       policy[k].x = plan.nodes[k].x;
       CopyEntries(plan.nodes[k].u, policy[k].u);
       CopyEntries(plan.nodes[k].K, policy[k].K);
     }
-    if (elapsed > 0) slq_.Shift(elapsed);
-    Problem& problem = slq_.problem();
-    problem.SetPayload(robot_, body);
+    if (elapsed > 0) slq.Shift(elapsed);
+    CdprTrackingProblem<n>& problem = slq.problem();
+    problem.SetPayload(robot, body);
     const Eigen::Matrix3d R_WB = RotationFromEuler(x.tail<3>());
-    problem.SetPose(robot_, x.segment<3>(6) - R_WB * body.com_B, R_WB);
-    const Eigen::Vector3d com_W = RotationFromEuler(targets.front().x.tail<3>()) * body.com_B;
+    problem.SetPose(robot, x.segment<3>(6) - R_WB * body.com_B, R_WB);
+    const Eigen::Vector3d com_W = RotationFromEuler(targets_.front().x.tail<3>()) * body.com_B;
     const Eigen::Vector3d force = load.rest.force_W, torque = load.rest.torque_W;
     problem.load << force, torque - com_W.cross(force);
     problem.Q = cost.Q;
@@ -365,15 +321,15 @@ class SolverFor final : public CdprMpcSolver::Impl {
     problem.Q_f = cost.Q_f;
     problem.coupled = false;
     if (load.payload.mass != 0)
-      problem.SetErrors(ErrorsOfPlatform(robot_, body, targets.front().x.tail<3>()));
-    for (std::size_t k = 0; k < targets.size(); ++k) {
+      problem.SetErrors(ErrorsOfPlatform(robot, body, targets_.front().x.tail<3>()));
+    for (std::size_t k = 0; k < targets_.size(); ++k) {
       auto& target = problem.targets[k];
-      target.x = targets[k].x;
-      CopyEntries(targets[k].u, target.u);
-      CopyEntries(targets[k].lower, target.lower);
-      CopyEntries(targets[k].upper, target.upper);
+      target.x = targets_[k].x;
+      CopyEntries(targets_[k].u, target.u);
+      CopyEntries(targets_[k].lower, target.lower);
+      CopyEntries(targets_[k].upper, target.upper);
     }
-    const SlqReport report = slq_.Solve(x);
+    const SlqReport report = slq.Solve(x);
     for (std::size_t k = 0; k < policy.size(); ++k) {
       plan.nodes[k].x = policy[k].x;
       CopyEntries(policy[k].u, plan.nodes[k].u);
@@ -382,22 +338,21 @@ class SolverFor final : public CdprMpcSolver::Impl {
     return report;
   }
 
-  CdprDescription robot_;
-  Slq<Problem> slq_;
+  std::shared_ptr<const EquilibriumPath> path_;
+  bool equilibrium_input_;
+  double period_;
+  std::vector<int> steps_;
+  std::vector<Target> targets_;
+  std::vector<PathNode> cache_;
+  BalancedReference balanced_;
+  ReferenceShift first_shift_;
+  AnySlq slq_;
 };
 
-std::unique_ptr<CdprMpcSolver::Impl> MakeSolver(const CdprMpcParams& params) {
-  return ForCables(params.path->robot().num_cables(), [&](auto n) -> std::unique_ptr<CdprMpcSolver::Impl> {
-    return std::make_unique<SolverFor<n()>>(params);
-  });
-}
-
-}  // namespace
-
-CdprMpcSolver::CdprMpcSolver(const CdprMpcParams& params) : impl_(MakeSolver(params)) {}
-CdprMpcSolver::CdprMpcSolver(const CdprMpcSolver& other) : impl_(other.impl_->Clone()) {}
+CdprMpcSolver::CdprMpcSolver(const CdprMpcParams& params) : impl_(std::make_unique<Impl>(params)) {}
+CdprMpcSolver::CdprMpcSolver(const CdprMpcSolver& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
 CdprMpcSolver& CdprMpcSolver::operator=(const CdprMpcSolver& other) {
-  if (this != &other) impl_ = other.impl_->Clone();
+  *impl_ = *other.impl_;
   return *this;
 }
 CdprMpcSolver::~CdprMpcSolver() = default;

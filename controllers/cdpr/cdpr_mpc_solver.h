@@ -17,7 +17,7 @@ struct CdprMpcWeights {
   double velocity = 0;          ///< of the CoM's velocity [s^2/m^2]
   double attitude = 0;          ///< of roll, pitch and yaw [1/rad^2]
   double angular_velocity = 0;  ///< [s^2/rad^2], about the principal axes of a level platform
-  double tension = 0;           ///< of each tension against its reference, or 0 [1/N^2]
+  double tension = 0;           ///< of each tension against its reference, or against 0 [1/N^2]
 
   static FieldList Fields() {
     return {Required("position_per_m2", &CdprMpcWeights::position),
@@ -28,7 +28,7 @@ struct CdprMpcWeights {
   }
 };
 
-/// What the weights are to the solver: L_k and phi of CdprTrackingProblem.
+/// The weights in the form of the solver: L_k and phi of CdprTrackingProblem.
 struct CdprMpcCost {
   CentroidalState Q = CentroidalState::Zero();  ///< diagonal, per second
   double R = 0;                                 ///< of each tension, per second
@@ -44,7 +44,7 @@ constexpr auto EnumNames(TerminalCost) {
 }
 
 struct CdprMpcParams {
-  /// What to follow, and the robot that the controller believes in.
+  /// The path to follow, and the robot model of the controller.
   std::shared_ptr<const EquilibriumPath> path;
   /// u_des: the tensions of the equilibrium along the path, or zero.
   bool equilibrium_input = true;
@@ -53,22 +53,22 @@ struct CdprMpcParams {
   int num_steps = 25;
   CdprMpcWeights weights;
   TerminalCost terminal = TerminalCost::kRiccati;
-  CdprMpcWeights terminal_weights;  ///< times one second; the tension's is not used
+  CdprMpcWeights terminal_weights;  ///< times one second; its `tension` is not used
   SlqOptions slq;
   Rate rate = Hz(100);
   Rate command_rate = Hz(1000);
   int max_fallbacks_in_a_row = 50;
-  double unheld_time = 0.2;  ///< for so long may cables that are left fail to hold the platform [s]
+  double unheld_time = 0.2;  ///< time for which the intact cables may fail to hold the platform [s]
 
   void Validate() const;  ///< throws ParameterError, also if the Riccati equation has no solution
 };
 
-/// What one solve of CdprMpc is: reference, warm start, Slq. Holds work space only.
+/// One solve of CdprMpc: reference, warm start, Slq. Holds only work space.
 ///
-/// The reference at a node is the quasi-static one of the path, with what it takes to accelerate the platform
-/// and to carry its load, see BalancedReference (for u_des = 0 the attitude alone). Bounds of node k leave
-/// room for the reel damping b of the winches: tensions at the platform within [t_min, t_max] and
-/// [t_min, t_max] + b dl/dt. A cable that is broken has tension 0.
+/// The reference at a node is the quasi-static one of the path, corrected for the acceleration of the
+/// platform and for its load, see BalancedReference (for u_des = 0, only the attitude is corrected). The
+/// tensions at node k are bounded by [t_min, t_max] and by [t_min, t_max] + b dl/dt, with the reel damping b
+/// of the winches. A broken cable has tension 0.
 class CdprMpcSolver {
  public:
   explicit CdprMpcSolver(const CdprMpcParams& params);
@@ -78,7 +78,7 @@ class CdprMpcSolver {
 
   /// The steps h_k in periods, see CdprMpcParams.
   static std::vector<int> Steps(const CdprMpcParams& params);
-  /// To rest at the start of the path, without feedback.
+  /// The plan to rest at the start of the path, without feedback.
   static CdprPlan FirstPlan(const CdprMpcParams& params);
 
   /// The cost by these weights in place of those of `params`.
@@ -86,18 +86,17 @@ class CdprMpcSolver {
   static CdprMpcCost Cost(const CdprMpcParams& params, const CdprMpcWeights& weights,
                           const CdprMpcWeights& terminal_weights);
 
-  /// From the next solve on, another path of the same robot.
+  /// Replaces the path by another one of the same robot.
   void Follow(const std::shared_ptr<const EquilibriumPath>& path);
 
-  /// `plan`, made at plan.start, becomes the plan for a platform at x at `time`, x with its payload (see
-  /// CentroidalStateOf), on which the rest of the load stays as it is. `broken` has a 1 for a cable that is,
-  /// else 0; without entries none is.
+  /// Turns `plan`, made at plan.start, into the plan for a platform at x at `time`. x is the state with the
+  /// payload, see CentroidalStateOf(); the rest of the load is assumed constant over the horizon. `broken`
+  /// has a 1 for each broken cable, else 0; if it is empty, none is broken.
   SlqReport Solve(double time, const CentroidalState& x, const LoadEstimate& load, const CableVector& broken,
                   const CdprMpcCost& cost, CdprPlan& plan);
 
-  class Impl;
-
  private:
+  class Impl;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -7,13 +7,13 @@
 
 namespace tenon {
 
-/// How the solves of the cable robot's MPC went.
+/// Statistics of the solves of the cable robot's MPC.
 struct CdprMpcDiagnostics {
   long solves = 0;     ///< since the start of the run
-  long fallbacks = 0;  ///< of these failed, so that the policy before went on
+  long fallbacks = 0;  ///< solves that failed, after which the last policy stayed in use
   long fallbacks_in_a_row = 0;
   double cost = 0;        ///< of the nominal trajectory
-  double solve_time = 0;  ///< wall-clock time that the last solve took [s]; nothing depends on it
+  double solve_time = 0;  ///< wall-clock time of the last solve [s]; does not affect the run
 
   static FieldList Fields() {
     return {{"solves", &CdprMpcDiagnostics::solves},
@@ -39,9 +39,9 @@ struct CdprPlan {
 
   double start = 0;  ///< time of the first node [s]
   std::vector<Node> nodes;
-  Payload payload;             ///< that it was made for: states are about the common CoM
-  ReferenceShift shift;        ///< by the load, at the start
-  long unheld_in_a_row = 0;    ///< solves at which the cables that are left could not hold the platform
+  Payload payload;             ///< in the model of the policy; states are about the common CoM
+  ReferenceShift shift;        ///< of the reference by the load, at the start
+  long unheld_in_a_row = 0;    ///< solves at which the intact cables could not hold the platform
   CableVector reference_rate;  ///< of the equilibrium's tensions at the start [N/s]
   CdprMpcDiagnostics diagnostics;
 
@@ -55,8 +55,8 @@ struct CdprPlan {
             {"diagnostics", &CdprPlan::diagnostics}};
   }
 
-  /// The tensions at `time`, for a state that was estimated at `estimated`, not after `time` [s]. Not
-  /// clamped. Does not allocate if `tension` has the plan's size.
+  /// Tensions of the policy at `time` for a state x estimated at the time `estimated` <= `time` [s], without
+  /// clamping. Does not allocate if `tension` has the plan's size.
   void Evaluate(double time, double estimated, const CentroidalState& x, CableVector* tension) const;
 };
 

@@ -12,7 +12,7 @@ namespace tenon {
 ///     phi = 1/2 (x - x_des,N)^T Q_f (x - x_des,N)
 ///     lower_k <= u <= upper_k
 ///
-/// With a payload, whose CoM the state is about, Q is a full matrix: see SetErrors.
+/// With a payload the state is about the common CoM and the weight is a full matrix, see SetErrors().
 ///
 /// n is the number of cables, or Eigen::Dynamic.
 template <int n>
@@ -22,7 +22,7 @@ class CdprTrackingProblem : public KinoCentroidalModel<n> {
   using Input = Eigen::Matrix<double, n, 1>;
   using StateMatrix = Eigen::Matrix<double, 12, 12>;
 
-  /// What the robot should be doing at a node.
+  /// Reference and bounds at a node.
   struct Target {
     State x = State::Zero();
     Input u, lower, upper;  ///< [N]
@@ -31,18 +31,18 @@ class CdprTrackingProblem : public KinoCentroidalModel<n> {
   };
 
   State Q = State::Zero();  ///< diagonal, per second
-  bool coupled = false;     ///< Q_coupled counts in its place
+  bool coupled = false;     ///< use Q_coupled instead of Q
   StateMatrix Q_coupled = StateMatrix::Zero();
   Input R;  ///< diagonal, per second
   StateMatrix Q_f = StateMatrix::Zero();
-  std::vector<Target> targets;  ///< N + 1; of the last one x alone counts
+  std::vector<Target> targets;  ///< N + 1; only x of the last one is used
 
   CdprTrackingProblem(const CdprDescription& robot, int num_steps)
       : KinoCentroidalModel<n>(robot),
         R(Input::Zero(robot.num_cables())),
         targets(num_steps + 1, Target(robot.num_cables())) {}
 
-  /// The errors that Q and Q_f weigh are T (x - x_des): T makes those of the platform of those of the state.
+  /// Applies Q and Q_f to T (x - x_des), where T maps errors of the state to errors of the platform alone.
   void SetErrors(const StateMatrix& T) {
     coupled = true;
     Q_coupled = T.transpose() * Q.asDiagonal() * T;

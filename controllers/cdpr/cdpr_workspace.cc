@@ -44,7 +44,7 @@ class Mapper {
     Divide(upper);
   }
 
-  /// Of a part that is divided anyway interference need not be known.
+  /// Interference is not needed for a part that is divided anyway.
   void Judge(WorkspaceCell* part, bool whole) {
     const Eigen::Vector3d centre = part->centre(options_.grid);
     const Eigen::Vector3d size(part->size[0], part->size[1], part->size[2]);

@@ -10,13 +10,13 @@
 
 namespace tenon {
 
-/// A box of three coordinates, cut into equal cells.
+/// A box of three coordinates, divided into equal cells.
 struct WorkspaceGrid {
   Eigen::Vector3d low = Eigen::Vector3d::Zero();
   Eigen::Vector3d high = Eigen::Vector3d::Zero();
   std::array<int, 3> cells{1, 1, 1};
 
-  /// The grid with cells of about this size.
+  /// Grid with cells of about the size `cell`.
   static WorkspaceGrid OfSize(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double cell);
   Eigen::Vector3d cell() const;
   double volume() const { return (high - low).prod(); }
@@ -29,16 +29,16 @@ struct WorkspaceCell {
   PoseVerdict wrench = PoseVerdict::kUndecided;
   PoseVerdict clear = PoseVerdict::kUndecided;
   WrenchMargins margins{};     ///< at its centre
-  CableClearance clearance{};  ///< at its centre; where wrenches fail all over, of nothing
+  CableClearance clearance{};  ///< at its centre; default if wrenches fail everywhere in it
 
   Eigen::Vector3d centre(const WorkspaceGrid& grid) const;
   double volume(const WorkspaceGrid& grid) const;
   bool centre_clear(double diameter) const { return clearance.cables >= diameter && clearance.platform >= 0; }
-  /// All of it, wrenches and clearance alike.
+  /// Verdict of wrenches and clearance together.
   PoseVerdict verdict() const;
 };
 
-/// What the three coordinates of a grid are.
+/// Meaning of the three coordinates of a grid.
 enum class WorkspaceKind {
   kPosition,  ///< of the CoM in W [m], at one attitude: the constant-orientation workspace
   kAttitude,  ///< a rotation vector in W [rad] from one attitude, at one position: the orientation workspace
@@ -50,15 +50,15 @@ struct WorkspaceOptions {
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();      ///< of kAttitude [m]
   Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();  ///< of kPosition; of kAttitude that of the zero vector
   double cable_diameter = 0;                           ///< [m]
-  /// Told now and then which share of the box is done; may throw.
+  /// Called repeatedly with the share of the box that is done; may throw to cancel.
   std::function<void(double)> progress = {};
 
-  /// The one pose of three coordinates.
+  /// Pose at the three coordinates.
   PoseBall PoseAt(const Eigen::Vector3d& coordinates) const;
 };
 
-/// Which parts of the box are feasible as a whole, which are not anywhere, and which are left undecided at
-/// the size of one cell: halved until one of the three. Parts do not overlap and fill the box.
+/// Divides the box into parts that are feasible everywhere, infeasible everywhere, or undecided at the size
+/// of one cell, by bisection. Parts do not overlap and fill the box.
 ///
 /// Rotation vectors whose difference is delta are attitudes that differ by no more than |delta|, for the
 /// sphere of attitudes is curved.
@@ -71,7 +71,7 @@ struct WorkspaceVolume {
   double centres = 0;   ///< of cells with a feasible centre: an estimate, without proof
 };
 WorkspaceVolume WrenchFeasibleVolume(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid);
-/// The same of what is clear of interference as well.
+/// Volume of the cells that are wrench-feasible and free of interference.
 WorkspaceVolume ClearVolume(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid,
                             double diameter);
 

@@ -20,8 +20,8 @@ constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr int kNodesPerTurn = 720;
 constexpr double kNodeInterval = 0.02;  // [s]
 constexpr int kFewestIntervals = 100;
-constexpr double kLargestJump = 0.1;  // of the attitude between nodes, beyond which the branch was lost [rad]
-constexpr double kLargestDrift = 1e-6;  // of the attitude after one turn [rad]
+constexpr double kLargestJump = 0.1;    // largest change of the attitude between nodes of a branch [rad]
+constexpr double kLargestDrift = 1e-6;  // largest drift of the attitude after one turn [rad]
 
 void Require(bool good, const std::string& message) {
   if (!good) throw ParameterError(message);
@@ -37,7 +37,7 @@ void RequirePositive(const char* path, const char* what, double value, const cha
           fmt::format("{}: {} is {:g} {} and must be positive.", path, what, value, units));
 }
 
-// Position, velocity and acceleration at the ends of a piece of a spline, and the quintic that has them.
+// A quintic from position, velocity and acceleration at both ends of a piece of a spline.
 Eigen::Matrix<double, 3, 6> HermiteQuintic(double h, const PathPoint& a, const PathPoint& b) {
   const Eigen::Vector3d d = b.position - a.position;
   const Eigen::Vector3d va = a.velocity * h, vb = b.velocity * h;
@@ -86,8 +86,8 @@ Path Path::Spline(const std::vector<Eigen::Vector3d>& points, const std::vector<
                         i + 1, n, times[i]));
   }
 
-  // Velocities and accelerations of the inner points, such that jerk and snap are continuous there. Per piece
-  // of duration h, with d the difference of its ends a and b:
+  // Solves for velocities and accelerations of the inner points such that jerk and snap are continuous there.
+  // For a piece of duration h, with d the difference of its ends a and b:
   //   jerk(a) h^3 =       60 d - 36 va h - 24 vb h - 9 aa h^2 + 3 ab h^2     jerk(b): a and b of v and -a
   //   swapped snap(a) h^4 / 12 = -30 d + 16 va h + 14 vb h + 3 aa h^2 - 2 ab h^2     snap(b): the sign
   //   changes as well
@@ -137,7 +137,7 @@ Path Path::Spline(const std::vector<Eigen::Vector3d>& points, const std::vector<
 
 Path Path::Waypoints(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& times) {
   const std::size_t n = points.size();
-  if (n < 2 || times.size() != n) return Spline(points, times);  // which says what is wrong
+  if (n < 2 || times.size() != n) return Spline(points, times);  // throws with the reason
   Path path;
   path.times_ = times;
   path.center_ = points.back();
@@ -149,7 +149,7 @@ Path Path::Waypoints(const std::vector<Eigen::Vector3d>& points, const std::vect
       return std::vector(all.begin() + static_cast<std::ptrdiff_t>(first),
                          all.begin() + static_cast<std::ptrdiff_t>(last + 1));
     };
-    const Path moves = Spline(part(points), part(times));  // of one that rests, constant
+    const Path moves = Spline(part(points), part(times));  // constant for a single point
     path.pieces_.insert(path.pieces_.end(), moves.pieces_.begin(), moves.pieces_.end());
     first = last;
   }
@@ -294,9 +294,9 @@ EquilibriumPath::EquilibriumPath(const CdprDescription& robot, const Path& path,
 }
 
 // The slopes m of the spline with two continuous derivatives: m[i-1] + 4 m[i] + m[i+1] = 3 (y[i+1] - y[i-1])
-// / h. At the ends of a path that starts and stops at rest they are zero; one that starts in motion begins
-// with that of the first two nodes. What happens at an end dies out by a factor of 3.7 per node, so on a
-// circle the nodes are continued beyond both ends by more than rounding can see.
+// / h. At the ends of a path that starts and stops at rest they are zero; a path that starts in motion begins
+// with the slope of its first two nodes. The influence of an end decays by a factor of 3.7 per node, so on a
+// circle the nodes are continued beyond both ends until it is below rounding.
 void EquilibriumPath::FitSlopes() {
   const int last = num_nodes() - 1;
   if (last == 0) return;

@@ -21,28 +21,27 @@ struct PathPoint {
 /// A path of the CoM in W that starts at rest, with continuous position, velocity and acceleration.
 ///
 /// A path is a curve p(s) that is run through as s(t). On a circle s is the angle [rad]; on every other path
-/// it is the time. Before its start a path rests at its first point, after its end at its last. What makes
-/// one throws ParameterError that names the number that is wrong.
+/// it is the time. Before its start a path rests at its first point, after its end at its last. The functions
+/// that make paths throw a ParameterError that names the invalid number.
 class Path {
  public:
-  /// Horizontal and counter-clockwise about `center`, from center + (radius, 0, 0), for ever. The angular
-  /// rate grows from zero to 2 pi / period within `ramp` [s], as 10 x^3 - 15 x^4 + 6 x^5 of x = t / ramp;
-  /// that takes half of the angle that it would at full rate.
+  /// An endless horizontal circle, counter-clockwise about `center` from center + (radius, 0, 0). The angular
+  /// rate grows from zero to 2 pi / period within `ramp` [s], as 10 x^3 - 15 x^4 + 6 x^5 of x = t / ramp; the
+  /// ramp covers half of the angle at full rate.
   static Path Circle(const Eigen::Vector3d& center, double radius, double period, double ramp);
 
-  /// From rest to rest: p = from + (to - from) (10 x^3 - 15 x^4 + 6 x^5), x = t / duration.
+  /// A line from rest to rest: p = from + (to - from) (10 x^3 - 15 x^4 + 6 x^5), x = t / duration.
   static Path Line(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double duration);
 
-  /// Through `points` at `times` [s], from rest to rest: the quintic spline with four continuous derivatives,
-  /// which of all curves through the points has the least integral of the squared jerk. It does not stop at
-  /// the points.
+  /// The quintic spline with four continuous derivatives through `points` at `times` [s], from rest to rest.
+  /// It minimises the integral of the squared jerk and does not stop at the points.
   static Path Spline(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& times);
 
-  /// The same, but where two successive points are equal it is at rest from the one's time to the other's; in
-  /// between are splines from rest to rest. Position, velocity and acceleration are continuous everywhere.
+  /// Splines from rest to rest between equal successive points, where the path rests from one time to the
+  /// next. Position, velocity and acceleration are continuous everywhere.
   static Path Waypoints(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& times);
 
-  /// From any motion at `start` [s] to rest at `to` at `end` [s], by one quintic. It is undefined before.
+  /// A quintic from the motion `from` at `start` [s] to rest at `to` at `end` [s]; undefined before `start`.
   static Path Move(const PathPoint& from, double start, const Eigen::Vector3d& to, double end);
 
   static Path Hold(const Eigen::Vector3d& position);
@@ -51,9 +50,9 @@ class Path {
 
   bool is_periodic() const { return period_ > 0; }
   double start_time() const { return times_.front(); }
-  double end_time() const;  ///< when it comes to rest [s]; infinite for a circle
+  double end_time() const;  ///< time of coming to rest [s]; infinite for a circle
 
-  /// s at a time, and its rate; constant before the start and after the end.
+  /// The parameter s and its derivatives at a time; constant before the start and after the end.
   struct Parameter {
     double value, rate, acceleration;
   };
@@ -72,7 +71,7 @@ class Path {
   double radius_ = 0, period_ = 0, ramp_ = 0;         // of the circle
 };
 
-/// What the robot should be doing at a time, as far as statics can tell.
+/// The quasi-static reference at a time.
 struct CdprReference {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< of the CoM, in W [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< [m/s]
@@ -107,25 +106,24 @@ struct CdprReference {
 /// The reference is quasi-static: u does not contain the forces that accelerate the platform. Where a tension
 /// reaches a bound Theta(s) has a kink, which the spline rounds off over two or three nodes.
 ///
-/// A controller that is to be wrong about the robot is given the reference of the robot that it believes in:
-/// pass that description.
+/// For a controller with a wrong model of the robot, pass the description of that model.
 class EquilibriumPath {
  public:
-  /// The options are as for one equilibrium; a warm start is for the first point. `attitude`, if given, is
-  /// the path of roll, pitch, yaw [rad] in place of their attitude, for a path that is no circle. Throws
-  /// ParameterError naming the time, the point and the reason if there is no equilibrium somewhere on the
-  /// path, or if the branch ends there and the attitude would have to jump.
+  /// The options apply to each equilibrium, their warm start to the first point. `attitude`, if given, is the
+  /// path of roll, pitch, yaw [rad] and replaces the attitude of the options; not for circles. Throws
+  /// ParameterError naming the time, the point and the reason if a point of the path has no equilibrium, or
+  /// if the branch ends there, so that the attitude would jump.
   EquilibriumPath(const CdprDescription& robot, const Path& path, const StaticsOptions& options = {},
                   const std::optional<Path>& attitude = {});
 
-  /// The reference at any time, into `reference`: takes less than 2 us for four cables and does not allocate
-  /// if that has been filled for as many.
+  /// Computes the reference at any time. Takes less than 2 us for four cables and does not allocate if
+  /// `reference` has been filled for the same number of cables.
   void At(double time, CdprReference* reference) const;
   CdprReference At(double time) const;
 
   const Path& path() const { return path_; }
   const CdprDescription& robot() const { return robot_; }
-  /// With the attitude at the start if it is prescribed.
+  /// Options of the equilibria, with the attitude at the start if it is prescribed.
   const StaticsOptions& options() const { return options_; }
   int num_nodes() const { return static_cast<int>(values_.cols()); }
 
@@ -140,8 +138,8 @@ class EquilibriumPath {
   Eigen::MatrixXd values_, slopes_;
 };
 
-/// A path that is chosen as a run goes on; none: the one that a block was made with. It has no numbers: logs
-/// and snapshots leave it out, GoalPath makes it again.
+/// A path chosen during a run; null selects the path of the block's parameters. It has no numbers: logs and
+/// snapshots skip it, and GoalPath computes it again.
 struct FollowedPath {
   std::shared_ptr<const EquilibriumPath> path;
 

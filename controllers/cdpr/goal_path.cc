@@ -43,7 +43,7 @@ void GoalPath::CalcPath(const PlatformGoal& goal, FollowedPath* path) const {
 }
 
 PlatformGoal GoalPath::GoalAt(const Vec<3>& place, double time, const CdprReference& reference) const {
-  constexpr double kPeak = 15.0 / 8;  // of the speed of a quintic from rest to rest, by its mean
+  constexpr double kPeak = 15.0 / 8;  // peak over mean speed of a quintic from rest to rest
   PlatformGoal goal{.on = true,
                     .start = time,
                     .position = reference.position,

@@ -9,11 +9,11 @@
 
 namespace tenon {
 
-/// Where a platform is to go, and how its reference moves when it sets out.
+/// A goal of the platform, and the motion of its reference at departure.
 struct PlatformGoal {
   bool on = false;
-  double start = 0;     ///< when it sets out [s]
-  double duration = 1;  ///< until it is there [s]
+  double start = 0;     ///< time of departure [s]
+  double duration = 1;  ///< of the motion [s]
   Vec<3> position = Vec<3>::Zero(), velocity = Vec<3>::Zero(),
          acceleration = Vec<3>::Zero();                        ///< at the start, in W [m, m/s, m/s^2]
   Vec<3> euler = Vec<3>::Zero(), euler_rate = Vec<3>::Zero();  ///< likewise, ZYX [rad, rad/s]
@@ -39,10 +39,10 @@ struct GoalPathParams {
   void Validate() const;                        ///< throws ParameterError
 };
 
-/// Which path a platform follows: the one that was planned, or, with a goal, one that leads there from where
-/// its reference was, by a quintic from that motion to rest. The attitude is that of the equilibria, or, if
-/// the planned path prescribes one, stays. It is computed when the goal changes, in some milliseconds, and
-/// not otherwise.
+/// Selects the path that a platform follows: the planned one or, with a goal, a quintic from the motion of
+/// the reference at departure to rest at the goal. The attitude is that of the equilibria; if the planned
+/// path prescribes one, it stays constant. The path is computed only when the goal changes, within
+/// milliseconds.
 ///
 ///     port out    path   for ReferenceGenerator and CdprMpc
 ///     parameters  goal
@@ -52,8 +52,8 @@ class GoalPath final : public LeafSystem<GoalPathParams> {
   Parameter<PlatformGoal> goal{this, {"goal"}, PlatformGoal{}, "where the platform is to go instead"};
   OutputPort<FollowedPath> path{this, {"path"}, {params.path}, Uses(goal), &GoalPath::CalcPath};
 
-  /// To `place` [m] from a reference at `time`: what `goal` is to be set to. Throws ParameterError with the
-  /// reason if no path leads there.
+  /// The value of `goal` that leads from the reference `from` at `time` to `place` [m]. Throws ParameterError
+  /// with the reason if there is no such path.
   PlatformGoal GoalAt(const Vec<3>& place, double time, const CdprReference& reference) const;
 
  private:

@@ -21,11 +21,11 @@ namespace tenon {
 namespace {
 
 constexpr double kStartAngle = 0.6;         // largest angle of the grid of starts [rad]
-constexpr double kLargestAngle = 1.4;       // of roll, pitch and yaw that a search may find [rad]
-constexpr double kLargestNewtonStep = 0.2;  // of one step of Newton's method [rad]
+constexpr double kLargestAngle = 1.4;       // largest roll, pitch and yaw of a result [rad]
+constexpr double kLargestNewtonStep = 0.2;  // saturation of a Newton step [rad]
 constexpr double kBoundTolerance = 1e-9;    // of a tension [m g]
-constexpr double kLeastExcess = 1e-6;       // of a tension over its bound that is worth a word [N]
-constexpr double kLeastStiffness = 1e-6;    // that counts as stable [N/m]
+constexpr double kLeastExcess = 1e-6;       // least excess over a bound that is reported [N]
+constexpr double kLeastStiffness = 1e-6;    // least stiffness of a stable equilibrium [N/m]
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -69,7 +69,7 @@ class StaticsProblem {
     return residual;
   }
 
-  // The tensions that come closest to balance at an attitude, moved into the bounds.
+  // The tensions with the least residual at an attitude, clamped to the bounds.
   VectorXd Start(const Eigen::Vector3d& euler) const {
     VectorXd x = VectorXd::Zero(num_unknowns());
     x.head<3>() = euler;
@@ -81,7 +81,7 @@ class StaticsProblem {
     return x;
   }
 
-  // SLSQP from `x`. What comes out is a guess; Polish() decides.
+  // Runs SLSQP from `x`. The result is a guess for Polish().
   VectorXd Search(const VectorXd& x) const {
     const int size = num_unknowns();
     nlopt::opt optimizer(nlopt::LD_SLSQP, size);
@@ -118,7 +118,8 @@ class StaticsProblem {
     for (int round = 0; round < 2 * n; ++round) {
       VectorXd gradient;
       if (!Converge(side, x, &gradient)) return false;
-      // Take up the worst violated bound; if there is none, let go of the bound that holds back the most.
+      // Adds the worst violated bound to the active set; if there is none, drops the one with the largest
+      // multiplier of the wrong sign.
       int worst = -1, change = 0;
       double excess = kBoundTolerance;
       for (int i = 0; i < n; ++i) {
@@ -193,7 +194,7 @@ class StaticsProblem {
   }
 
   // Newton's method with the tensions of `side` held at their bounds. `gradient` is that of the Lagrangian,
-  // which is left non-zero in the held tensions alone.
+  // which is nonzero only in the held tensions.
   bool Converge(const ActiveSet& side, VectorXd* x, VectorXd* gradient) const {
     const int n = robot_.num_cables();
     std::vector<int> free{0, 1, 2};
@@ -241,7 +242,7 @@ class StaticsProblem {
     return false;
   }
 
-  // Whether the Hessian is positive along the family, i.e. on the null space of the constraints.
+  // Returns true if the Hessian is positive definite on the null space of the constraints.
   static bool IsMinimum(const MatrixXd& kkt, int count) {
     if (count == 6) return true;
     const MatrixXd constraints = kkt.topRightCorner(count, 6);
@@ -281,20 +282,20 @@ bool IsStable(const StaticEquilibrium& equilibrium) {
   return equilibrium.stiffness_min > kLeastStiffness;
 }
 
-// The least-norm minimum that the grid of starts leads to; a stable one if there is one.
-// Where cables have no direction while the platform is level, `obstacle` says so.
+// The least-norm minimum found from the grid of starts, preferably a stable one. If cables have no direction
+// at the level attitude, `obstacle` has the reason.
 std::optional<StaticEquilibrium> SearchAttitudes(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
                                                  const StaticsProblem& problem, std::string* obstacle) {
   std::optional<StaticEquilibrium> best;
   for (int start = 0; start < 27; ++start) {
-    // Digits of `start` to base 3; start 0 is no turn at all.
+    // Digits of `start` to base 3; start 0 is the level attitude.
     constexpr double kGrid[] = {0, kStartAngle, -kStartAngle};
     const Eigen::Vector3d euler(kGrid[start % 3], kGrid[start / 3 % 3], kGrid[start / 9]);
     VectorXd x;
     try {
       x = problem.Search(problem.Start(euler));
       if (!problem.Polish(&x) || x.head<3>().cwiseAbs().maxCoeff() > kLargestAngle) continue;
-    } catch (const RunError& error) {  // an attachment came to lie in its anchor, or on its pulley
+    } catch (const RunError& error) {  // an attachment met its anchor or its pulley
       if (start == 0) *obstacle = error.what();
       continue;
     }
@@ -388,7 +389,7 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
         fmt::format("its equilibria are unstable, the least stiffness is {:.3g} N/m", found->stiffness_min));
   }
   if (!obstacle.empty()) Refuse(robot, p_WB, obstacle);
-  // Which bound is in the way?
+  // Find the bound that prevents an equilibrium.
   const StaticsProblem unbounded(robot, p_WB, -kInfinity, kInfinity);
   if (const std::optional<StaticEquilibrium> pushed = SearchAttitudes(robot, p_WB, unbounded, &obstacle)) {
     int worst = 0;

@@ -9,7 +9,7 @@
 
 namespace tenon {
 
-/// A platform at rest: where, how, and with which cables.
+/// A static equilibrium of the platform.
 struct StaticEquilibrium {
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();      ///< CoM [m]
   Eigen::Vector3d euler = Eigen::Vector3d::Zero();     ///< ZYX (roll, pitch, yaw), see euler.h [rad]
@@ -20,13 +20,12 @@ struct StaticEquilibrium {
 };
 
 struct StaticsOptions {
-  /// ZYX angles [rad] that the platform is to have; needs six cables or more. Free if empty.
+  /// Prescribed ZYX angles [rad], for six cables or more. If empty, the attitude is free.
   std::optional<Eigen::Vector3d> attitude = {};
-  /// With an attitude: the tensions are those nearest to this one [N], 0 for the least ones. The middle of
-  /// the bounds stays farthest away from both.
+  /// With a prescribed attitude: the tensions are those nearest to this value [N]; 0 gives the least
+  /// tensions, the middle of the bounds those farthest from both bounds.
   double tension_aim = 0;
-  /// A neighbouring equilibrium; its branch is followed as far as it goes, instead of a search over
-  /// attitudes.
+  /// Warm start: a neighbouring equilibrium whose branch is followed instead of searching over attitudes.
   std::optional<StaticEquilibrium> warm_start = {};
 };
 
@@ -38,17 +37,16 @@ struct StaticsOptions {
 ///
 /// Four cables leave 3 + 4 unknowns for six equations, five leave 8: the equilibria at a point form a family
 /// of one or two parameters (the matrix H of (3.22) is 3 x n and has no inverse; how hard the cables pull
-/// against each other is free). Of this family, the member is returned that
+/// against each other is free). The member of this family is returned that
 ///   - has its tensions within the bounds,
 ///   - is stable: CalcLockedStiffness() > 0,
 ///   - is a minimum of |u| among its neighbours, and of several such minima the least one.
-/// If |u| is least where the platform is about to tip over there is no such member and the point is refused.
+/// If |u| is least at the limit of stability, there is no such member and the point is refused.
 ///
 /// The search runs NLopt's SLSQP, with analytic gradients, from a fixed grid of attitudes within 35 deg of
-/// Theta = 0, and takes nothing beyond 80 deg, where cables cross. What it finds is polished by Newton's
-/// method on the optimality conditions, with the tensions at a bound held there, until W u + g = 0 to
-/// rounding. It is deterministic. With a warm start Newton's method alone runs, and the search only if that
-/// fails.
+/// Theta = 0, and rejects attitudes beyond 80 deg, where cables cross. Newton's method on the optimality
+/// conditions, with the tensions at a bound fixed, refines the result until W u + g = 0 to rounding. The
+/// search is deterministic. With a warm start it runs only if Newton's method fails.
 ///
 /// With a prescribed attitude only (3.23) is left, see tension_distribution.h.
 ///

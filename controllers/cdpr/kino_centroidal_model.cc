@@ -99,7 +99,7 @@ KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot) : cabl
   if (n != Eigen::Dynamic && cables_ != n)
     throw ParameterError(
         fmt::format("the model is made for {} cables but the robot '{}' has {}", n, robot.name, cables_));
-  // What fills up the registers is far away, so that nothing is divided by zero, and never pulls.
+  // Cables that only fill up the registers are far away, to avoid divisions by zero, and never pull.
   anchor_W_.setConstant(Padded(cables_), 3, 1e6);
   attachment_B_.setZero(anchor_W_.rows(), 3);
   for (int i = 0; i < cables_; ++i)
@@ -385,7 +385,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::LinearizeSteps(StepMethod metho
   const int cables = num_inputs();
   Stage stages[StepTableau::kMaxStages];
   for (int begin = 0; begin < count; begin += 4) {
-    // Of less than four nodes that are left the last one is done several times.
+    // If less than four nodes are left, the last one is computed several times.
     int node[4];
     for (int l = 0; l < 4; ++l) node[l] = std::min(begin + l, count - 1);
     const Lanes step{h[node[0]], h[node[1]], h[node[2]], h[node[3]]};
@@ -436,9 +436,6 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::LinearizeSteps(StepMethod metho
 }
 
 template class KinoCentroidalModel<4>;
-template class KinoCentroidalModel<5>;
-template class KinoCentroidalModel<6>;
-template class KinoCentroidalModel<7>;
 template class KinoCentroidalModel<8>;
 template class KinoCentroidalModel<Eigen::Dynamic>;
 

@@ -39,12 +39,12 @@ Eigen::Matrix<double, 12, 12> ErrorsOfPlatform(const CdprDescription& robot, con
 /// Singular at pitch = +-pi/2, where a cable has no length, and not known for angles beyond a million rad:
 /// the result is not finite there.
 ///
-/// It makes the steps of RungeKutta itself: in a step the cables stand side by side in the lanes of a
-/// register, in the derivatives of steps four steps do.
+/// It implements the steps of RungeKutta itself, see TakesOwnSteps. Step() computes four cables at a time,
+/// one in each lane of a register; LinearizeSteps() computes four steps at a time.
 ///
-/// n is 4 to 8, for which the loops over the cables are unrolled, or Eigen::Dynamic for any number. These are
-/// instantiated in the library. They are not declared `extern template`: GCC 12 then drops the vector clones
-/// of the members without a word.
+/// n is 4 or 8, for which the loops over the cables are unrolled, or Eigen::Dynamic for any number. These are
+/// instantiated in the library. They are not declared `extern template`, because GCC 12 then silently drops
+/// the vector clones of the members.
 template <int n>
 class KinoCentroidalModel {
  public:
@@ -54,15 +54,16 @@ class KinoCentroidalModel {
   using Tangent = typename DenseLinearization<12, n>::Tangent;
 
   Eigen::Matrix<double, 6, 1> load =
-      Eigen::Matrix<double, 6, 1>::Zero();  ///< [f ; tau] in W, about the CoM of all that moves [N, N m]
-  /// From now on the platform with what it carries.
+      Eigen::Matrix<double, 6, 1>::Zero();  ///< [f ; tau] in W, about the common CoM [N, N m]
+  /// Sets the mass properties to those of the platform with its payload.
   void SetPayload(const CdprDescription& robot, const LoadedPlatform& body);
-  /// From now on cables leave their pulleys where they do with the platform there; at first, at the anchors.
-  /// Around that pose forces are exact to first order in the pulleys' plane, where the tangent turns about
-  /// the exit; a pulley of 4 cm moves it by 4 mm while the platform of a cable of 4 m goes 40 cm.
+  /// Sets the points where the cables leave their pulleys to those at this pose; before the first call they
+  /// are the anchors. Near the pose, forces are exact to first order in the pulley's plane, where the tangent
+  /// turns about the exit point. A pulley of 4 cm moves that point by 4 mm while the platform moves 40 cm on
+  /// a cable of 4 m.
   void SetPose(const CdprDescription& robot, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
 
-  /// @throws ParameterError if the robot has not n cables, n not Eigen::Dynamic.
+  /// @throws ParameterError if n is not Eigen::Dynamic and the robot does not have n cables.
   explicit KinoCentroidalModel(const CdprDescription& robot);
 
   int num_states() const { return kStates; }
@@ -71,7 +72,7 @@ class KinoCentroidalModel {
 
   /// See TakesOwnSteps.
   struct StepWorkspace {
-    /// Of every cable d(momentum's rate)/d(tension), in all stages and lanes.
+    /// d(rate of the momentum)/d(tension) of each cable, in all stages and lanes.
     Eigen::Matrix<double, 6 * 4 * StepTableau::kMaxStages, n> wrench;
 
     explicit StepWorkspace(int cables) : wrench(wrench.RowsAtCompileTime, cables) {}
@@ -94,7 +95,7 @@ class KinoCentroidalModel {
   int cables_;
   double mass_inverse_;
   Eigen::Matrix3d inertia_inverse_;                           // m I^{-1}, in B
-  Eigen::Matrix<double, kLanes, 3> anchor_W_, attachment_B_;  // cables side by side
+  Eigen::Matrix<double, kLanes, 3> anchor_W_, attachment_B_;  // one row per cable
 };
 
 }  // namespace tenon

@@ -69,7 +69,7 @@ LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const Imu
   const Eigen::Vector3d arm_W = R_WB * memory.arm_B, turning = memory.angular_velocity_W;
   const Eigen::Vector3d y =
       memory.specific_force_W + alpha.cross(arm_W) + turning.cross(turning.cross(arm_W));
-  constexpr double kLeast = 1;  // of y: in free fall a mass does not show [m/s^2]
+  constexpr double kLeast = 1;  // least |y| at which a mass is observable [m/s^2]
   if (y.norm() > kLeast) {
     const double mass = -force.dot(y) / y.squaredNorm();
     memory.mass = mass + std::exp(-params.mass_bandwidth * h) * (memory.mass - mass);

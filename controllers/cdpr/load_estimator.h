@@ -12,22 +12,22 @@
 namespace tenon {
 
 struct LoadEstimatorParams {
-  CdprDescription robot;          ///< what the controller believes
+  CdprDescription robot;          ///< model of the controller
   Rate rate = Hz(200);            ///< of the estimate and of the inertial unit
   double bandwidth = 20;          ///< b, of force and torque [rad/s]
-  double rest_bandwidth = 5;      ///< b_r, of what is no payload [rad/s]
+  double rest_bandwidth = 5;      ///< b_r, of the rest [rad/s]
   double mass_bandwidth = 100;    ///< b_m, of the payload's mass [rad/s]
-  double least_mass = 0.05;       ///< over the platform's mass; below, there is no payload
-  double arm_deviation = 0.5;     ///< of the payload's place, before anything is known [m]
-  double torque_deviation = 0.5;  ///< of the torque, as it tells the place [N m]
-  double arm_walk = 0.05;         ///< of the payload's place, a random walk up to its deviation [m/sqrt(s)]
+  double least_mass = 0.05;       ///< dead band of the payload's mass over the platform's
+  double arm_deviation = 0.5;     ///< initial deviation of the payload's place [m]
+  double torque_deviation = 0.5;  ///< measurement noise of the torque that gives the place [N m]
+  double arm_walk = 0.05;         ///< process noise of the payload's place [m/sqrt(s)]
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What acts on the platform besides gravity and its cables, and how much of it is a mass that it carries.
-/// From the inertial unit, the measured tensions u and the estimated pose, with W the structure matrix there,
-/// h the period and LP a low-pass filter of first order with the bandwidth b:
+/// Estimates the load on the platform besides gravity and cables, split into a point mass that it carries and
+/// a remaining wrench, from the inertial unit, the measured tensions u and the estimated pose. W is the
+/// structure matrix at that pose, h the period and LP a first-order low-pass filter with the bandwidth b:
 ///
 ///     force   F = LP(m R f_B - (W u)_f)                   by Newton, f_B the specific force R^T (a - g)
 ///     torque  tau = b (I_W w - s),  s' = (W u)_tau + tau  observer of the momentum I_W w, Euler's steps
@@ -37,13 +37,13 @@ struct LoadEstimatorParams {
 ///             y = LP(R f_B) + alpha x R r + w x (w x R r),   alpha = LP(w')
 ///     rest    F + m_L y and tau + R r x m_L y, by a low-pass of bandwidth b_r
 ///
-/// A point mass exerts nothing but a force at its place, however it moves: with true tensions, masses and
-/// inertias it is found without error at rest, and a constant wrench as well; in motion to within what the
-/// platform turns in the filters' lag. A mass below the threshold counts as rest.
+/// A point mass exerts only a force at its place. With exact tensions, masses and inertias, a point mass and
+/// a constant wrench are therefore found without error at rest, and in motion up to the rotation of the
+/// platform during the lag of the filters. A mass below the dead band is part of the rest.
 ///
-///     ports in   estimate  of the platform, pose alone
+///     ports in   estimate  of the platform; the pose is used
 ///                inertial  at the CoM
-///                cables    for their tensions
+///                cables    the tensions are used
 ///     port out   load      payload and rest, sampled
 ///     parameter  bandwidth [rad/s]
 class LoadEstimator final : public LeafSystem<LoadEstimatorParams> {

@@ -13,10 +13,10 @@
 namespace tenon {
 namespace {
 
-constexpr double kPoint = 1e-9;     // attachments that are nearer to the CoM are at it [m]
-constexpr double kRounding = 1e-9;  // of tensions, relative to their upper bound
-constexpr int kTighterBounds = 7;   // each half of the last one
-constexpr double kAway = 0.7;       // from the bounds, of what tensions can be
+constexpr double kPoint = 1e-9;     // attachments nearer to the CoM count as at the CoM [m]
+constexpr double kRounding = 1e-9;  // rounding of tensions, relative to their upper bound
+constexpr int kTighterBounds = 7;   // number of trials, each with half the last distance
+constexpr double kAway = 0.7;       // part of the largest possible distance from the bounds
 
 double Lever(const CdprDescription& robot) {
   double lever = 0;
@@ -37,7 +37,7 @@ int WrenchRows(const CdprDescription& robot) {
   return rows;
 }
 
-/// The longest chord of what moves by no more than `angle` on a unit sphere.
+/// The longest chord between points at most `angle` apart on a unit sphere.
 double Chord(double angle) {
   return 2 * std::sin(std::min(angle, std::numbers::pi) / 2);
 }
@@ -89,7 +89,7 @@ PoseFeasibility::PoseFeasibility(const CdprDescription& robot, const WrenchBox& 
   }
 }
 
-/// False if a cable has no length there.
+/// Returns false if a cable has no length at the centre.
 bool PoseFeasibility::Move(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB) {
   try {
     CalcCableKinematics(robot_, p_WB, R_WB, &cables_);
@@ -109,7 +109,7 @@ WrenchMargins PoseFeasibility::At(const Eigen::Vector3d& p_WB, const Eigen::Matr
   return margins_;
 }
 
-/// False if a cable might come to have no length.
+/// Returns false if a cable may have no length within the set.
 bool PoseFeasibility::BoundChanges(const PoseBall& poses) {
   const double chord = Chord(poses.angle);
   for (int i = 0; i < cables_.num_cables(); ++i) {
@@ -125,8 +125,8 @@ bool PoseFeasibility::BoundChanges(const PoseBall& poses) {
 }
 
 /// The derivatives of [lambda; arm x lambda / lever], see CalcWrenchJacobian(), and half of what bounds its
-/// second derivative along any way of the set. With s = |db|, b the attachment, |lambda''| <= (1 + sqrt 5) /
-/// 2 s^2 / l^2 + |b''| / l, for of the second derivative of a unit vector that is the largest value.
+/// second derivative along any curve in the set. With s = |db|, b the attachment, |lambda''| <= (1 + sqrt 5)
+/// / 2 s^2 / l^2 + |b''| / l, the largest second derivative of a unit vector.
 void PoseFeasibility::Differentiate(const PoseBall& poses) {
   distance_ = poses.distance;
   angle_ = poses.angle;
@@ -158,7 +158,7 @@ double PoseFeasibility::OverBall(const Eigen::Matrix<double, 1, 6>& row) const {
   return row.head<3>().norm() * distance_ + row.tail<3>().norm() * angle_;
 }
 
-/// By how much c . w_i changes at most, of a unit vector c.
+/// The largest change of c . w_i for a unit vector c.
 double PoseFeasibility::ChangeAlong(const SmallVector& c, int cable) const {
   const Matrix6d& derivative = derivative_[static_cast<std::size_t>(cable)];
   const Eigen::Matrix<double, 1, 6> row = c.transpose() * derivative.topRows(rows_);
@@ -173,8 +173,8 @@ PoseVerdict PoseFeasibility::Over(const PoseBall& poses) {
   return FailsOver() ? PoseVerdict::kFails : PoseVerdict::kUndecided;
 }
 
-/// What tensions that produce a required wrench sum up to at most [N]: at the centre for 0, all over for 1.
-/// Infinite unless all cables pull upwards.
+/// Upper bound of the sum of tensions that produce a required wrench [N]: at the centre for 0, over the whole
+/// set for 1. Infinite unless all cables pull upwards.
 double PoseFeasibility::TensionSum(double turned) const {
   double least = kInfinity;
   for (int i = 0; i < cables_.num_cables(); ++i)
@@ -194,7 +194,7 @@ bool PoseFeasibility::HoldsOver() {
   return HoldsByMargin(gain_.maxCoeff() / (1 - contraction)) || HoldsByTensions(inverse, contraction);
 }
 
-/// `gain` times sum_j u_j d_j is by how much a tension has to change at most.
+/// `gain` times sum_j u_j d_j bounds the change of a tension.
 bool PoseFeasibility::HoldsByMargin(double gain) const {
   const CableProperties& cable = robot_.cable;
   const double rounding = kRounding * cable.tension_max;
@@ -212,10 +212,10 @@ bool PoseFeasibility::HoldsByMargin(double gain) const {
 bool PoseFeasibility::HoldsByTensions(const SmallMatrix& gram_inverse, double contraction) {
   const CableProperties& cable = robot_.cable;
   const int n = robot_.num_cables();
-  // By how much tensions differ within the box of required wrenches.
+  // Spread of the tensions over the box of required wrenches.
   double spread_max = 0, spread_change = 0;
   for (int i = 0; i < n; ++i) {
-    SmallVector row = SmallVector::Zero(rows_);  // GCC 14 sees no writing of it in a product
+    SmallVector row = SmallVector::Zero(rows_);  // initialised because GCC 14 warns about the product
     row.noalias() = gram_inverse * structure_.col(i);
     spread_[i] = row.cwiseAbs().dot(required_.half_width);
     spread_max = std::max(spread_max, spread_[i]);
@@ -254,7 +254,7 @@ bool PoseFeasibility::FailsOver() const {
   c.normalize();
   double sum = 0;
   for (int i = 0; i < robot_.num_cables(); ++i) sum += c.dot(structure_.col(i));
-  // Of the two facets the one that is violated more, and the required wrench that is farthest beyond.
+  // The more violated of the two opposite facets, and the required wrench that is farthest beyond it.
   if ((cable.tension_max + cable.tension_min) / 2 * sum > c.dot(required_.centre)) c = -c;
   SmallVector wrench = required_.centre;
   for (int k = 0; k < rows_; ++k) wrench[k] += c[k] < 0 ? -required_.half_width[k] : required_.half_width[k];
@@ -270,7 +270,7 @@ bool PoseFeasibility::FailsByFixedNormal(const SmallVector& c, const SmallVector
     at_least += x * low;
     largest = std::max(largest, x);
   }
-  const double spare = TensionSum(1) - robot_.num_cables() * low;  // on top of the lowest tensions
+  const double spare = TensionSum(1) - robot_.num_cables() * low;  // above the lower bounds
   const double by_sum = largest > 0 ? at_least + std::max(spare, 0.0) * largest : at_least;
   return std::min(by_bounds, by_sum) + kRounding * high < c.dot(wrench);
 }

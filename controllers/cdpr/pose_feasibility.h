@@ -11,19 +11,19 @@
 
 namespace tenon {
 
-/// What is known of a set of poses.
+/// Verdict on a property of a set of poses.
 enum class PoseVerdict {
-  kHolds,      ///< at each of them
-  kFails,      ///< at each of them
-  kUndecided,  ///< some of each, or the bounds are too wide to tell
+  kHolds,      ///< it holds at each pose
+  kFails,      ///< it fails at each pose
+  kUndecided,  ///< it holds at some poses only, or the bounds are too wide to decide
 };
 constexpr auto EnumNames(PoseVerdict) {
   return std::array{Named{PoseVerdict::kHolds, "holds"}, Named{PoseVerdict::kFails, "fails"},
                     Named{PoseVerdict::kUndecided, "undecided"}};
 }
 
-/// Poses about one: the CoM within `distance` [m] of p_WB, the platform turned by at most `angle` [rad] from
-/// R_WB, about any axis.
+/// A neighbourhood of a pose: the CoM within `distance` [m] of p_WB, the platform turned by at most `angle`
+/// [rad] from R_WB, about any axis.
 struct PoseBall {
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();
@@ -43,9 +43,9 @@ struct PlatformDemand {
 };
 WrenchBox RequiredWrenches(const CdprDescription& robot, const PlatformDemand& demand);
 
-/// Can a cable robot produce all required wrenches within its tension bounds, at a pose and all over a set of
-/// poses? Six cables or more; or a point mass, all attachments at the CoM, with three or more. Pulleys count
-/// as points.
+/// Wrench feasibility of a cable robot (it can produce all required wrenches within its tension bounds) at a
+/// pose and over a set of poses. For six cables or more, or for a point mass (all attachments at the CoM)
+/// with three or more. Pulleys are treated as points.
 ///
 /// A margin at one pose says nothing of those beside it. Over() bounds what can change. If the CoM moves by
 /// rho and the platform turns by phi, attachment i moves by no more than rho + 2 sin(phi/2) |arm_i|, which
@@ -76,13 +76,13 @@ class PoseFeasibility {
   /// `required` has six rows. @throws ParameterError for too few cables; for a robot that makes no sense.
   PoseFeasibility(const CdprDescription& robot, const WrenchBox& required);
 
-  /// Not feasible by an infinite margin where a cable has no length.
+  /// Margins at a pose; minus infinity where a cable has no length.
   WrenchMargins At(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
   PoseVerdict Over(const PoseBall& poses);
   /// Whether no two cables are nearer than `diameter` [m] and none runs through the platform.
   PoseVerdict IsClearOver(const PoseBall& poses, double diameter);
 
-  /// Of the last call, at the centre:
+  /// Results of the last call, at the centre:
   const WrenchMargins& margins() const { return margins_; }
   const CableClearance& clearance() const { return clearance_; }  ///< after IsClearOver()
 
@@ -111,8 +111,8 @@ class PoseFeasibility {
   CableInterference interference_;
   CableKinematics cables_;
   Eigen::MatrixXd structure_;  // torques over the lever
-  // Of each cable over the set of poses: how far its direction and its column change at most; the derivatives
-  // of its column by p and theta, and what they leave.
+  // For each cable over the set of poses: the largest change of its direction and of its column; the
+  // derivatives of its column by p and theta, and what they leave.
   double distance_ = 0, angle_ = 0;
   Eigen::VectorXd turn_, change_, remainder_;
   std::vector<Matrix6d> derivative_;

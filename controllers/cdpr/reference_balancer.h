@@ -8,17 +8,17 @@
 namespace tenon {
 
 struct ReferenceBalancerParams {
-  CdprDescription robot;  ///< what the controller believes
+  CdprDescription robot;  ///< model of the controller
   Rate rate = Hz(1000);
 };
 
-/// Feedforward for controllers that follow a CdprReference: gives it the attitude, the tensions and the cable
-/// lengths with which the platform accelerates as it is to, and carries a load that is known or estimated,
-/// and does without the cables that are broken, see BalancedReference. Position and velocities stay.
+/// Feedforward for controllers that follow a CdprReference: replaces its attitude, tensions and cable lengths
+/// by those that are consistent with its acceleration, the load on the platform and broken cables, see
+/// BalancedReference. Position and velocities are unchanged.
 ///
 ///     ports in   reference
-///                load      on the platform; none if not connected
-///                broken    1 for a cable that is, else 0; none if not connected
+///                load      on the platform (optional)
+///                broken    1 for a broken cable, else 0 (optional)
 ///     port out   balanced  sampled
 class ReferenceBalancer final : public LeafSystem<ReferenceBalancerParams> {
  public:

@@ -19,8 +19,8 @@ struct ReferenceGeneratorParams {
 /// Plays an EquilibriumPath: position with two derivatives, and the attitude, cable lengths and tensions of
 /// the static equilibrium there.
 ///
-/// Ports: in `path`, to be played instead (see GoalPath); out `reference`, sampled; `geometry`, the path with
-/// a ball where the CoM should be.
+/// Ports: in `path`, an optional path that replaces the parameter (see GoalPath); out `reference`, sampled;
+/// `geometry`, the path with a ball at the reference of the CoM.
 class ReferenceGenerator final : public LeafSystem<ReferenceGeneratorParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -9,8 +9,8 @@
 namespace tenon {
 namespace {
 
-constexpr double kSingular = 1e-10;  // of the singular values, relative to the largest
-constexpr double kSlack = 1e-10;     // of a tension, relative to the largest
+constexpr double kSingular = 1e-10;  // threshold of singular values, relative to the largest
+constexpr double kSlack = 1e-10;     // tolerance of a tension, relative to the largest
 
 int MostOutOfBounds(const Eigen::VectorXd& u, double lower, double upper) {
   int worst = 0;
@@ -40,8 +40,8 @@ TensionDistributor::TensionDistributor(int num_cables)
   result_.tension.setZero(num_cables);
 }
 
-// Moves the tensions within u_ + span(N) to the closest point of the box; false if they do not meet. u_ is
-// normal to N, so closest to u_ is least norm.
+// Finds the point of u_ + span(N) in the box that is closest to u_; returns false if there is none. u_ is
+// normal to N, so the closest point has the least norm.
 bool TensionDistributor::MoveIntoBounds(int rank, double lower, double upper) {
   const Eigen::Index n = Q_.rows(), k = n - rank;
   if (k == 0) return false;
@@ -137,7 +137,7 @@ TensionDistribution DistributeTension(const CableMatrix6& structure, const Vecto
     TensionDistribution found = distributor.Solve(structure, wrench - structure * middle, tension_min - aim,
                                                   tension_max - aim, tolerance);
     found.tension += middle;
-    if (found.feasible) return found;  // else its reason speaks of other bounds
+    if (found.feasible) return found;  // otherwise its reason would name other bounds
   }
   return distributor.Solve(structure, wrench, tension_min, tension_max, tolerance);
 }

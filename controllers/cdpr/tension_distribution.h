@@ -10,22 +10,21 @@
 
 namespace tenon {
 
-/// Tensions, or why there are none.
+/// A distribution of tensions, or the reason why there is none.
 struct TensionDistribution {
   bool feasible = false;
-  CableVector tension;         ///< least norm within the bounds; without the bounds if not feasible [N]
+  CableVector tension;         ///< of least norm within the bounds, or without bounds if not feasible [N]
   double residual_force = 0;   ///< force that no tensions produce, |b - W u| in its first three rows [N]
-  double residual_torque = 0;  ///< the same for the last three rows [N m]
-  std::string reason;          ///< empty if feasible; only a refusal allocates
+  double residual_torque = 0;  ///< torque that no tensions produce, in the last three rows [N m]
+  std::string reason;          ///< empty if feasible; allocates only if not
 };
 
 /// Cable tensions of least norm for a wrench at one pose (Morlando 2023, eqs. (3.23) and (3.24)):
 ///
 ///     min |u|^2   subject to   W u = b,   tension_min <= u <= tension_max
 ///
-/// W is CableKinematics::structure and b the wrench [N, N m] that the cables are to put on the platform,
-/// about the CoM and in W, force first; at rest b = -GravityWrench(robot), which is eq. (3.19). The sign of m
-/// g printed there is the other one.
+/// W is CableKinematics::structure and b the wrench [N, N m] of the cables on the platform, about the CoM and
+/// in W, force first; at rest b = -GravityWrench(robot), which is eq. (3.19) with the sign of m g corrected.
 ///
 /// The equation fixes u up to the null space of W, u = u0 + N z with u0 normal to N, and what remains is a
 /// least distance problem, min |z|^2 with the bounds as inequalities, for DualActiveSet.
@@ -39,7 +38,7 @@ class TensionDistributor {
   explicit TensionDistributor(int num_cables);
 
   /// `tolerance` is the largest |b - W u| relative to the largest force and the largest torque in the
-  /// balance. Either bound may be infinite. What is returned holds until the next call.
+  /// balance. Either bound may be infinite. The result is valid until the next call.
   /// @throws ParameterError if W has another number of columns than there are cables, and nothing else.
   const TensionDistribution& Solve(const CableMatrix6& structure, const Vector6d& wrench, double tension_min,
                                    double tension_max, double tolerance = 1e-8);
@@ -58,8 +57,8 @@ class TensionDistributor {
   TensionDistribution result_;
 };
 
-/// The same for once, of least distance |u - aim| [N] instead of least norm. It changes continuously with
-/// structure and wrench.
+/// Solves one problem, with the least distance |u - aim| [N] instead of the least norm. It changes
+/// continuously with structure and wrench.
 TensionDistribution DistributeTension(const CableMatrix6& structure, const Vector6d& wrench,
                                       double tension_min, double tension_max, double aim = 0,
                                       double tolerance = 1e-8);

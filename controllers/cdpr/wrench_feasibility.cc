@@ -13,28 +13,28 @@ namespace tenon {
 namespace {
 
 constexpr double kSmallestPivot = 1e-12;  // pivots below this, relative to the largest entry
-constexpr int kRowsOfCross = 3;           // rows that two columns leave a cross product of
+constexpr int kRowsOfCross = 3;           // rows in which two columns have a cross product
 constexpr double kLargest = std::numeric_limits<double>::max();
-constexpr int kLanes = 4;  // numbers that are computed side by side: Lanes
+constexpr int kLanes = 4;  // numbers computed at a time, see Lanes
 
 using internal::Lanes;
 using internal::PacketAt;
 using internal::Padded;
 typedef long long Bits __attribute__((vector_size(32)));
 
-/// sum += |numbers|, without their signs' bits.
+/// sum += |numbers|, by clearing the sign bits.
 TENON_INLINE void AddAbsolute(const Lanes& numbers, Lanes& sum) {
   const Bits bits = (Bits)numbers & 0x7fff'ffff'ffff'ffff;
   sum += (Lanes)bits;
 }
 
-/// The least of the quotients so far, in each lane, and which it was. Compared without dividing, which took a
-/// fifth of the time of a pose.
+/// The least quotient in each lane, and its index. Quotients are compared without division, which would take
+/// a fifth of the time of a pose.
 struct Least {
   Lanes over = {kLargest, kLargest, kLargest, kLargest}, under = {1, 1, 1, 1};
   Bits which = {};
 
-  /// The quotients a / b from number `i` on; b is not negative, and 0 / 0 is not less than anything.
+  /// Compares the quotients a / b from index `i` on; b >= 0, and 0 / 0 is never the least.
   TENON_INLINE void Take(const Lanes& a, const Lanes& b, int i) {
     const Bits less = a * under < over * b;
     over = less ? a : over;
@@ -99,12 +99,13 @@ void WrenchFeasibility::SetStructure(const Eigen::Ref<const Eigen::MatrixXd>& st
   SkipFacets(static_cast<int>(sum_.size()) - num_facets_);
 }
 
-/// Chooses a column from `first` on, and eliminates it from the rows of this level.
+/// Chooses each column from `first` on, eliminates it from the rows of this level, and continues with the
+/// next.
 TENON_VECTOR_CLONES void WrenchFeasibility::Eliminate(int level, int first) {
   const int rows = rows_ - level, columns = num_cables_ - level, width = width_;
   const double* from = levels_[level].data();
   if (rows <= kRowsOfCross) return AddFacets(from, columns, Cross(from, columns, first));
-  // The rest of the columns, rows - 2 of them, come after this one.
+  // The remaining rows - 2 columns come after this one.
   for (int column = first; column + rows - 2 < columns; ++column) {
     int pivot = 0;
     for (int r = 1; r < rows; ++r) {
@@ -121,7 +122,7 @@ TENON_VECTOR_CLONES void WrenchFeasibility::Eliminate(int level, int first) {
       if (r == pivot) continue;
       const double* row = from + r * width;
       const double factor = row[column] * scale;
-      // Without the column itself; what is written beyond it is overwritten.
+      // Omits the column itself. Entries beyond it are overwritten later.
       for (int i = 0; i < column; i += kLanes)
         *PacketAt(to + i) = *PacketAt(row + i) - factor * *PacketAt(pivot_row + i);
       for (int i = column; i < columns + rows_ - 1; i += kLanes)
@@ -132,8 +133,8 @@ TENON_VECTOR_CLONES void WrenchFeasibility::Eliminate(int level, int first) {
   }
 }
 
-/// Into cross_, what is normal to each two columns from `first` on, in the space of the three rows that are
-/// left; where wrenches have two rows, to each column. How many there are.
+/// Writes to cross_ the normals of all pairs of columns from `first` on, in the space of the three remaining
+/// rows (of single columns if wrenches have two rows). Returns their number.
 TENON_VECTOR_CLONES int WrenchFeasibility::Cross(const double* rows, int columns, int first) {
   const double *a = rows, *b = a + width_, *c = b + width_;
   double *x = &cross_(0, 0), *y = &cross_(0, 1), *z = &cross_(0, 2);
@@ -146,7 +147,7 @@ TENON_VECTOR_CLONES int WrenchFeasibility::Cross(const double* rows, int columns
   }
   int count = 0;
   for (int j = first; j + 1 < columns; ++j) {
-    // What is written beyond the last pair is overwritten by the next ones.
+    // Entries beyond the last pair are overwritten by the next pairs.
     for (int k = j + 1, to = count; k < columns; k += kLanes, to += kLanes) {
       const Lanes ak = *PacketAt(a + k), bk = *PacketAt(b + k), ck = *PacketAt(c + k);
       *PacketAt(x + to) = b[j] * ck - c[j] * bk;
@@ -158,7 +159,7 @@ TENON_VECTOR_CLONES int WrenchFeasibility::Cross(const double* rows, int columns
   return count;
 }
 
-/// The facets of which cross_ has the normals in the space of these rows.
+/// Adds the facets whose normals in the space of these rows are in cross_.
 TENON_VECTOR_CLONES void WrenchFeasibility::AddFacets(const double* rows, int columns, int count) {
   const double *a = rows, *b = a + width_, *c = b + width_;
   double sum[3] = {};
@@ -185,7 +186,7 @@ TENON_VECTOR_CLONES void WrenchFeasibility::AddFacets(const double* rows, int co
   facets_done_ += count;
 }
 
-/// Facets of dependent columns and what fills up the last lanes: with the normal 0.
+/// Facets of dependent columns, and the padding of the last lanes, have the normal 0.
 void WrenchFeasibility::SkipFacets(int count) {
   normals_.middleRows(facets_done_, count).setZero();
   sum_.segment(facets_done_, count).setZero();
@@ -197,7 +198,7 @@ void WrenchFeasibility::SkipFacets(int count) {
 TENON_VECTOR_CLONES WrenchMargins WrenchFeasibility::Margins(const WrenchBox& required, double tension_min,
                                                              double tension_max) const {
   const double mid = (tension_max + tension_min) / 2, half = (tension_max - tension_min) / 2;
-  Least capacity, tension;  // the one squared, with its sign
+  Least capacity, tension;  // capacity is squared, with its sign
   for (int facet = 0; facet < num_facets_; facet += kLanes) {
     Lanes offset = mid * *PacketAt(&sum_[facet]), width = {}, distance = {};
     for (int k = 0; k < rows_; ++k) {
@@ -207,7 +208,7 @@ TENON_VECTOR_CLONES WrenchMargins WrenchFeasibility::Margins(const WrenchBox& re
       offset -= required.centre[k] * c;
       width += required.half_width[k] * absolute;
     }
-    // Of c and of -c, whichever is worse.
+    // The worse of the facets c and -c.
     AddAbsolute(offset, distance);
     const Lanes square = *PacketAt(&square_[facet]), absolute_sum = *PacketAt(&absolute_sum_[facet]);
     const Lanes gap = half * absolute_sum - width - distance;

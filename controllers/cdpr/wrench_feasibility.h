@@ -6,26 +6,29 @@
 
 namespace tenon {
 
-/// Wrenches that the cables must be able to put on the platform: all within `half_width` of `centre`, row by
-/// row. Six rows, force [N] before torque [N m] about the CoM in W; three for a point mass, two in a plane.
+/// Wrenches that the cables must be able to exert on the platform: a box with the centre `centre` and the
+/// half widths `half_width`. Six rows, force [N] before torque [N m] about the CoM in W; three for a point
+/// mass, two in a plane.
 struct WrenchBox {
   Eigen::VectorXd centre;
   Eigen::VectorXd half_width;
 };
 
-/// How far required wrenches are from the bounds of what cables can do; negative if some are beyond.
+/// Margins of the required wrenches to the limits of the cables; negative if a wrench is beyond them.
 struct WrenchMargins {
-  /// By how much [N] both tension bounds can be tightened and every required wrench still be produced.
+  /// Largest tightening of both tension bounds for which all required wrenches remain feasible [N].
   double tension = 0;
-  /// The largest wrench that can be added in any direction, sqrt(|force|^2 + |torque / lever|^2) [N]: the
-  /// capacity margin. Of a pose that is not feasible, how far the worst required wrench is beyond its facet.
+  /// Capacity margin: the largest wrench that can be added in any direction,
+  /// sqrt(|force|^2 + |torque / lever|^2) [N]. If the pose is not feasible, minus the largest distance of a
+  /// required wrench beyond its facet.
   double capacity = 0;
-  int facet = 0;  ///< which of the facets bounds the tension margin
+  int facet = 0;  ///< index of the facet that limits the tension margin
 
   bool feasible() const { return tension >= 0; }
 };
 
-/// Is there a tension within bounds for every wrench of a required set, and with how much to spare?
+/// Decides whether all wrenches of a required set are feasible within tension bounds, and computes the
+/// margins.
 ///
 /// The wrenches that tensions lo <= u <= hi produce, Z = {W u}, form a zonotope: a convex polytope of which
 /// each facet is normal to d - 1 independent columns of W, d its rows. So Z is the intersection of
@@ -46,8 +49,8 @@ struct WrenchMargins {
 /// down to three rows. Choices with a common beginning share their steps. In the space of these rows the
 /// normal to two more columns is their cross product n, and n times the rows is [c.w_1 ... c.w_n | c]:
 /// several choices side by side. Dependent columns bound no facet; if rounding makes a normal of them, it
-/// does no harm, since h(c) >= r(c) is necessary for any c. Costs grow as n over d - 1: 56 choices for 8
-/// cables in space, 792 for 12. Allocates in the constructor alone.
+/// does no harm, since h(c) >= r(c) is necessary for any c. The cost grows with the binomial coefficient n
+/// over d - 1: 56 choices for 8 cables in space, 792 for 12. Allocates only in the constructor.
 class WrenchFeasibility {
  public:
   /// @throws ParameterError unless 2 <= rows <= cables.
@@ -62,11 +65,11 @@ class WrenchFeasibility {
   /// Tensions are within [tension_min, tension_max] [N]; both finite.
   WrenchMargins Margins(const WrenchBox& required, double tension_min, double tension_max) const;
 
-  int num_facets() const { return num_facets_; }  ///< pairs of them, n over d - 1
-  /// Normal of a facet; its opposite is that of another one. Not of unit length; 0 if its cables are
-  /// dependent.
+  int num_facets() const { return num_facets_; }  ///< number of pairs of facets, n over d - 1
+  /// Normal of a facet, not of unit length; 0 if its cables are dependent. The opposite facet has the
+  /// opposite normal.
   auto normal(int facet) const { return normals_.row(facet).transpose(); }
-  /// The cables of which the columns lie in the facet, one less than rows.
+  /// Indices of the rows - 1 cables whose columns are parallel to the facet.
   auto cables(int facet) const { return cables_.col(facet); }
 
  private:

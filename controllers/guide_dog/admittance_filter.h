@@ -11,16 +11,16 @@
 
 namespace tenon {
 
-/// What is tuned of the filter. Defaults: see docs/guide_dog.md.
+/// Gains of AdmittanceFilter. The defaults are explained in docs/guide_dog.md.
 struct AdmittanceGains {
   double desired_tension = 30;  ///< f_d [N]
   double mass = 8;              ///< M_a [kg]
   double damping = 40;          ///< D_a [N s/m]
   double stiffness = 100;       ///< K_a, across the path [N/m]
-  double min_forward = 0.03;    ///< the robot leads: stopping is not this block's decision [m/s]
-  double max_forward = 0.2;     ///< the fastest that the leash may draw it on [m/s]
-  double max_left = 0.05;       ///< to either side [m/s]
-  double acceleration = 0.5;    ///< of each velocity, at most [m/s^2]
+  double min_forward = 0.03;    ///< lower bound of the forward velocity; the Supervisor stops the robot [m/s]
+  double max_forward = 0.2;     ///< upper bound of the forward velocity due to the leash [m/s]
+  double max_left = 0.05;       ///< bound of the left velocity, to either side [m/s]
+  double acceleration = 0.5;    ///< limit of the acceleration of both velocities [m/s^2]
 
   static FieldList Fields() {
     using G = AdmittanceGains;
@@ -38,12 +38,12 @@ struct AdmittanceFilterParams {
   void Validate() const { gains.Validate(); }  ///< throws ParameterError
 };
 
-/// What the filter makes of the leash.
+/// State of AdmittanceFilter.
 struct AdmittanceMotion {
-  double tension = 0;                  ///< T, as estimated; negative if the person pulls ahead [N]
+  double tension = 0;                  ///< T, estimated; negative if the person pulls ahead [N]
   Vec<2> direction = Vec<2>::Zero();   ///< e: forward and left
-  Vec<2> velocity = Vec<2>::Zero();    ///< what the command is corrected to, forward and left [m/s]
-  Vec<2> correction = Vec<2>::Zero();  ///< x~', the velocity that is added [m/s]
+  Vec<2> velocity = Vec<2>::Zero();    ///< corrected command, forward and left [m/s]
+  Vec<2> correction = Vec<2>::Zero();  ///< x~', the correction of the command [m/s]
   double offset = 0;                   ///< x~ across the path, to the left [m]
   bool walks = false;                  ///< the command has a gait
 
@@ -55,35 +55,35 @@ struct AdmittanceMotion {
   }
 };
 
-/// Adapts a walk to the person on the leash: the admittance of Morlando 2023, eq. (2.49), as the force
-/// balance of the tension, in the frame of the robot's heading (forward, left),
+/// Adapts a walk to the person on the leash by the admittance of Morlando 2023, eq. (2.49), written as a
+/// force balance of the tension in the frame of the robot's heading (forward, left):
 ///
 ///     M_a x~'' + D_a x~' + K x~ = (f_d - T) e,   K = diag(0, K_a),
 ///
-/// and walks with the commanded velocity plus x~'. Without stiffness along the path the robot follows a slow
-/// person for ever, at the tension f_d + D_a (commanded speed - speed of the person).
+/// The output is the commanded velocity plus x~'. Without stiffness along the path the robot follows a slow
+/// person indefinitely, at the tension f_d + D_a (commanded speed - speed of the person).
 ///
 /// f is the horizontal part of the estimated force on the robot, T = -f.e the tension, and e the direction
 /// from the person to the robot,
 ///
 ///     e = (f_d h - f) / |f_d h - f|,   h = (1, 0) the heading:
 ///
-/// along the leash when it is taut, ahead when it is slack and f is noise; while the person pulls from ahead,
-/// T < 0 or T > f_d along e = -h, so that the robot goes towards the pull. Vertical force does not count, for
-/// errors of the robot's mass are in it.
+/// which points along the leash when it is taut, and ahead when it is slack and f is noise. While the person
+/// pulls from ahead, T < 0 or T > f_d along e = -h, so the robot moves towards the pull. The vertical force
+/// is not used, since it contains the errors of the robot's mass.
 ///
-///     ports in   command  what the robot would do alone
-///                wrench   estimated, without gravity and ground
-///                state    for the yaw, nothing else
+///     ports in   command  command without a person
+///                wrench   estimated external wrench
+///                state    state of the robot; only the yaw is used
 ///     parameter  gains    AdmittanceGains
 ///     ports out  motion   sampled
 ///                walk     the command with corrected velocities; sampled
 ///
-/// The forward velocity stays within [min_forward, max_forward] and left within max_left, or as far out as
-/// the command itself; both change by at most `acceleration`. What the limits take away is taken from x~'
-/// too, so nothing winds up. A command to stand passes at once and puts everything to rest.
+/// The forward velocity is limited to [min_forward, max_forward] and the left velocity to max_left, or to the
+/// command if it is beyond; both accelerations are limited by `acceleration`. The limits also apply to x~',
+/// which prevents windup. A command to stand passes at once and resets the filter.
 ///
-/// Between ticks the force is held and the equation is integrated exactly.
+/// The force is held between ticks and the equation is integrated exactly.
 class AdmittanceFilter final : public LeafSystem<AdmittanceFilterParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -95,7 +95,7 @@ class AdmittanceFilter final : public LeafSystem<AdmittanceFilterParams> {
       this, {"gains"}, params.gains, "the admittance, and limits of the velocity"};
 
  private:
-  /// What becomes of (offset, velocity, force) over a tick.
+  /// Transition of (offset, velocity, force) over a tick.
   struct Steps {
     Eigen::Matrix3d along = Eigen::Matrix3d::Zero(), across = Eigen::Matrix3d::Zero();
   };

@@ -9,7 +9,7 @@
 namespace tenon {
 namespace {
 
-/// Evidence for what is so at present, after one more tick.
+/// Accumulated time of a condition after one more tick: grows while it holds, decreases to 0 otherwise.
 double Evidence(double before, bool is_so, double period) {
   return is_so ? before + period : std::max(0.0, before - period);
 }
@@ -26,7 +26,7 @@ void SupervisorGains::Validate() const {
   };
   positive("threshold", threshold, "N");
   Demand(release > 0 && release <= threshold,
-         fmt::format("release = {} N must be positive and not above threshold = {} N", release, threshold));
+         fmt::format("release = {} N must be positive and at most threshold = {} N", release, threshold));
   positive("stop_time", stop_time, "s");
   positive("start_time", start_time, "s");
   Demand(dwell >= 0 && std::isfinite(dwell), fmt::format("dwell = {} s must not be negative", dwell));
@@ -49,7 +49,7 @@ GuideMode NextGuideMode(GuideMode mode, const GuideEvents& events) {
   return mode;
 }
 
-/// Takes the force of one tick into account; whether it makes a command now.
+/// Updates the accumulated times by the force of one tick; returns true if a pull is detected.
 bool Supervisor::FeelsPull(const Eigen::Vector2d& force_W, const SupervisorGains& gains,
                            GuideStatus* status) const {
   const double period = params.rate.period();

@@ -13,8 +13,8 @@
 namespace tenon {
 
 enum class GuideMode {
-  kMove,  ///< goes as commanded
-  kTurn,  ///< goes into a new direction
+  kMove,  ///< follows the command
+  kTurn,  ///< turns into a new direction
   kStop,  ///< stands and waits for a pull
 };
 constexpr auto EnumNames(GuideMode) {
@@ -22,17 +22,17 @@ constexpr auto EnumNames(GuideMode) {
                     Named{GuideMode::kStop, "stop"}};
 }
 
-/// What is tuned of the supervisor. Defaults: see docs/guide_dog.md.
+/// Gains of Supervisor. The defaults are explained in docs/guide_dog.md.
 struct SupervisorGains {
-  double threshold = 50;            ///< sigma: a force above it is a pull [N]
-  double release = 40;              ///< below it, a pull is over [N]
-  double stop_time = 0.1;           ///< for which a pull must last to stop the robot [s]
-  double start_time = 0.3;          ///< for which it must last to start it [s]
-  double dwell = 1;                 ///< in a mode before pulls count, and until an obstacle is forgotten [s]
-  double turn_rate = 0.3;           ///< at most [rad/s]
-  double turn_gain = 1;             ///< turning rate over heading error [1/s]
-  double heading_tolerance = 0.02;  ///< within which the robot has the new direction [rad]
-  double align_time = 0.3;          ///< for which it must; in a stumble the trunk passes through [s]
+  double threshold = 50;    ///< sigma, force above which the leash is pulled [N]
+  double release = 40;      ///< force below which the pull has ended [N]
+  double stop_time = 0.1;   ///< duration of a pull that stops the robot [s]
+  double start_time = 0.3;  ///< duration of a pull that starts the robot [s]
+  double dwell = 1;         ///< time in a mode before pulls are evaluated, and memory of obstacles [s]
+  double turn_rate = 0.3;   ///< limit of the yaw rate [rad/s]
+  double turn_gain = 1;     ///< yaw rate over heading error [1/s]
+  double heading_tolerance = 0.02;  ///< tolerance of the new direction [rad]
+  double align_time = 0.3;          ///< time within heading_tolerance that ends a turn [s]
 
   static FieldList Fields() {
     using G = SupervisorGains;
@@ -55,15 +55,15 @@ struct SupervisorParams {
   void Validate() const { gains.Validate(); }  ///< throws ParameterError
 };
 
-/// What decides about the mode at a tick.
+/// Conditions of the mode's transitions at a tick.
 struct GuideEvents {
-  bool pulled = false;        ///< the person has given a command by the leash
-  bool obstacle = false;      ///< there is one
-  bool new_obstacle = false;  ///< and not the one that was there as the robot stood
-  bool aligned = false;       ///< the robot heads in the new direction
+  bool pulled = false;        ///< the person has pulled the leash
+  bool obstacle = false;      ///< an obstacle is ahead
+  bool new_obstacle = false;  ///< an obstacle is ahead that was not there while the robot stood
+  bool aligned = false;       ///< the robot has the new direction
 };
 
-/// The next mode. The first row that applies, or as it is:
+/// The next mode, by the first row that applies; unchanged if none does:
 ///
 /// | from | if           | to   |
 /// | ---- | ------------ | ---- |
@@ -75,19 +75,19 @@ struct GuideEvents {
 /// | stop | pulled       | turn |
 GuideMode NextGuideMode(GuideMode mode, const GuideEvents& events);
 
-/// The supervisor between ticks.
+/// State of Supervisor.
 struct GuideStatus {
   GuideMode mode = GuideMode::kMove;
   double since = 0;                ///< time in the mode [s]
-  double yaw = 0;                  ///< the new direction; 0 before there is one [rad]
-  double pull_time = 0;            ///< evidence of a pull, see Supervisor [s]
-  Vec<2> pull_W = Vec<2>::Zero();  ///< sum of the force while there is evidence [N]
-  double calm_time = 0;            ///< evidence of none [s]
-  bool released = true;            ///< the last pull is over: the next one counts
-  bool seen = false;               ///< an obstacle was there as the robot stood, and is not forgotten
-  double unseen_time = 0;          ///< since an obstacle was there last [s]
-  double aligned_time = 0;         ///< evidence that the turn is done [s]
-  double yaw_rate = 0;             ///< of a turn [rad/s]
+  double yaw = 0;                  ///< the new direction; 0 before the first turn [rad]
+  double pull_time = 0;            ///< accumulated time of a pull, see Supervisor [s]
+  Vec<2> pull_W = Vec<2>::Zero();  ///< sum of the force while pull_time > 0 [N]
+  double calm_time = 0;            ///< accumulated time below `release` [s]
+  bool released = true;            ///< the last pull has ended
+  bool seen = false;               ///< an obstacle was ahead while the robot stood, and is remembered
+  double unseen_time = 0;          ///< time since an obstacle was last ahead [s]
+  double aligned_time = 0;         ///< accumulated time within heading_tolerance [s]
+  double yaw_rate = 0;             ///< yaw rate of a turn [rad/s]
 
   static FieldList Fields() {
     using S = GuideStatus;
@@ -105,30 +105,30 @@ struct GuideStatus {
   }
 };
 
-/// Decides when a guide dog goes, stops and turns: Morlando 2023, algorithm 1, with the force of the leash as
-/// it is estimated.
+/// Decides when a guide dog moves, stops and turns (Morlando 2023, algorithm 1), with the estimated force of
+/// the leash.
 ///
-///     ports in   command   where the robot would go alone
-///                wrench    estimated, without gravity and ground; its horizontal force counts
-///                state     for the yaw, nothing else
-///                obstacle  one is ahead, or another danger; none if not connected
+///     ports in   command   command without a person
+///                wrench    estimated external wrench; only the horizontal force is used
+///                state     state of the robot; only the yaw is used
+///                obstacle  true if an obstacle is ahead; false if not connected
 ///     parameter  gains     SupervisorGains
 ///     ports out  status    sampled
 ///                walk      sampled
 ///
-/// In motion the command passes. Stopped, the robot stands. A pull on the standing robot makes it go on in
-/// the direction of the pull, yaw = atan2(f_y, f_x): it turns on an arc, with the commanded velocities and
-/// yaw_rate = turn_gain (yaw - heading) within turn_rate, and when it heads there goes as commanded again:
-/// when time within heading_tolerance, counted as for pulls below, has come to align_time. It must look away
-/// from what stopped it: an obstacle that was there while it stood does not count until it has gone, for
-/// `dwell` since a robot that sways loses sight of it and sees it again, or the turn is over. Then one that
-/// is ahead stops the robot even if the person pulled that way.
+/// While moving, the command passes unchanged; when stopped, the robot stands. A pull on the standing robot
+/// starts a turn into the direction of the pull, yaw = atan2(f_y, f_x): the robot walks an arc with the
+/// commanded velocities and yaw_rate = turn_gain (yaw - heading), limited to turn_rate. The turn ends when
+/// the accumulated time within heading_tolerance (see below) reaches align_time. An obstacle that was ahead
+/// while the robot stood is ignored until it has been out of sight for `dwell`, since a swaying robot loses
+/// and regains it, or until the turn is over. Afterwards an obstacle ahead stops the robot even in the
+/// direction of the pull.
 ///
-/// **Pulls.** The algorithm compares |f| with sigma. So that noise gives no command and a pull gives one
-/// only: time above the threshold counts for a pull, time below against it, down to none; it is a command
-/// when stop_time or start_time have come together, `dwell` after the last change of mode at the earliest,
-/// and only if since the last command the force has in the same way been below `release` for stop_time. The
-/// direction is that of the mean force while there was evidence.
+/// **Pulls.** The algorithm compares |f| with sigma. To reject noise and to detect each pull once, the time
+/// above the threshold is accumulated and the time below is subtracted, down to 0. A pull is detected when
+/// this time reaches stop_time or start_time, no earlier than `dwell` after the last change of mode, and only
+/// if the force has been below `release` for stop_time, accumulated alike, since the last pull. The direction
+/// of a pull is that of the mean force while the accumulated time is positive.
 class Supervisor final : public LeafSystem<SupervisorParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -138,7 +138,7 @@ class Supervisor final : public LeafSystem<SupervisorParams> {
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<bool> obstacle{this, {"obstacle"}, false};
   Parameter<SupervisorGains> gains{
-      this, {"gains"}, params.gains, "what counts as a pull, and how the robot turns"};
+      this, {"gains"}, params.gains, "threshold of a pull, and gains of turning"};
   Scratch<GuideStatus> memory{this, "memory", GuideStatus()};
   OutputPort<GuideStatus> status{this,
                                  {"status"},

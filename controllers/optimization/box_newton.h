@@ -9,12 +9,12 @@ namespace tenon {
 
 /// min 1/2 x^T H x + g^T x   subject to   lower <= x <= upper,   H symmetric, positive definite.
 ///
-/// Projected Newton: the entries that are at a bound and would be pushed beyond it stay there, the others
-/// take a Newton step, cut at the bounds, with a backtracking search along the projected path (Bertsekas,
+/// Projected Newton method: entries at a bound whose gradient points outwards are fixed, the others take a
+/// Newton step, clamped to the bounds, with a backtracking line search along the projected path (Bertsekas,
 /// SIAM J. Control Optim. 20, 1982; in differential dynamic programming: Tassa, Mansard and Todorov, ICRA
 /// 2014). Ends after finitely many steps at the exact solution, up to rounding.
 ///
-/// N is the size, or Eigen::Dynamic; then the constructor's size counts. Solve() does not allocate.
+/// N is the size, or Eigen::Dynamic with the size given to the constructor. Solve() does not allocate.
 template <int N>
 class BoxNewton {
  public:
@@ -30,9 +30,9 @@ class BoxNewton {
         free_(size),
         curvature_(size) {}
 
-  /// `x` is the start and the solution. False if H is not positive definite on the free entries, if
-  /// something is not finite, or after 50 iterations without end. What is not at a bound costs little: the
-  /// solution without bounds is tried first.
+  /// `x` is the start and the solution. Returns false if H is not positive definite on the free entries, if a
+  /// value is not finite, or after 50 iterations. The unconstrained solution is tried first, so that inactive
+  /// bounds cost little.
   [[gnu::always_inline]] bool Solve(const Matrix& H, const Vector& g, const Vector& lower,
                                     const Vector& upper, Vector& x) {
     if (SolveFree(H, g, trial_) && Within(trial_, lower, upper) && Largest(trial_) < kHuge) {
@@ -42,7 +42,7 @@ class BoxNewton {
     return SolveBounded(H, g, lower, upper, x);
   }
 
-  /// All entries free: x = -H^{-1} g. False if H is not positive definite.
+  /// Solves without bounds: x = -H^{-1} g. Returns false if H is not positive definite.
   [[gnu::always_inline]] bool SolveFree(const Matrix& H, const Vector& g, Vector& x) {
     free_.setOnes();
     if (!Factor(H)) return false;
@@ -51,12 +51,11 @@ class BoxNewton {
     return true;
   }
 
-  /// Of the last solution: 1 where an entry is free, 0 where it is held at a bound.
+  /// For each entry of the last solution 1 if it is free, 0 if it is fixed at a bound.
   const Vector& free() const { return free_; }
 
-  /// `C` holds the transpose of a matrix G; of -H_ff^{-1} G_f, in the rows of free entries, and zero in the
-  /// others it becomes the transpose: how the solution moves when g moves by G y, as long as the same entries
-  /// are free.
+  /// Sensitivity of the solution to a change G y of g while the same entries are free: -H_ff^{-1} G_f in the
+  /// rows of free entries, zero in the others. `C` is G^T on entry and the transpose of the result on return.
   template <class Derived>
   [[gnu::always_inline]] void Sensitivity(Eigen::MatrixBase<Derived>& C) const {
     const Eigen::Index size = free_.size(), rows = C.rows();

@@ -1,5 +1,5 @@
 #include <tenon/controllers/optimization/dual_active_set.h>
-#include <tenon/controllers/optimization/dual_active_set_steps.h>
+#include <tenon/controllers/optimization/lanes/dual_active_set_steps.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
@@ -88,7 +88,7 @@ void DualActiveSet::CheckSizes(const QuadraticProgram& qp) const {
       n, equalities + inequalities, max_variables_, max_constraints_);
 }
 
-// Collects what is violated, the worst first. False if a number is not finite.
+// Collects the violated inequalities, the worst first. Returns false if a number is not finite.
 template <class Size>
 TENON_INLINE bool DualActiveSet::FindViolated(const QuadraticProgram& qp, Size n) {
   violated_.clear();
@@ -145,8 +145,8 @@ TENON_INLINE void DualActiveSet::MultiplyColumns(const double* x, Size n, double
   for (; c < n; ++c) AddColumn(transposed_.data() + c * rows, x[c], products, 0, rows);
 }
 
-// The equalities' multipliers, into lambda_: from the factors, or, once Z has been updated, from the slope
-// that they have to meet.
+// Computes the equalities' multipliers in lambda_ from the factors or, once Z has been updated, from the
+// slope that they balance.
 template <class Size>
 TENON_INLINE void DualActiveSet::SolveEqualityMultipliers(const double* slope, Size n) {
   const int N = Padded(n), e = num_independent_;
@@ -168,7 +168,8 @@ TENON_INLINE void DualActiveSet::SolveEqualityMultipliers(const double* slope, S
   }
 }
 
-// Corrects x and the multipliers until their residuals are within the tolerance. Returns how often, or -1.
+// Corrects x and the multipliers until their residuals are within the tolerance. Returns the number of
+// corrections, or -1.
 template <class Size>
 TENON_INLINE int DualActiveSet::Refine(const QuadraticProgram& qp, Size n) {
   constexpr int kMaxCorrections = 3;
@@ -239,8 +240,8 @@ TENON_VECTOR_CLONES void DualActiveSet::Correct(const QuadraticProgram& qp, Size
   for (int k = 0; k < q; ++k) u_[k] += s[k];
 }
 
-// Equalities that depend on the others are met if they do not contradict them. One that x does not meet, or
-// -1.
+// Equalities that depend on others are satisfied unless they contradict them. Returns an equality that x does
+// not satisfy, or -1.
 template <class Size>
 TENON_INLINE int DualActiveSet::FindContradiction(const QuadraticProgram& qp, Size n) const {
   if (num_independent_ == num_equalities_) return -1;
@@ -307,7 +308,7 @@ TENON_VECTOR_CLONES QpReport DualActiveSet::Run(const QuadraticProgram& qp, Size
     report.status = QpStatus::kNotConvex;
     return report;
   }
-  // A failure may be the fault of updated factors: the second time it counts.
+  // Updated factors may have caused a failure, so it counts only after a restart.
   for (report.restarts = 0;; ++report.restarts) {
     Start(qp, n);
     const Outcome outcome = Iterate(qp, &report.iterations, n);

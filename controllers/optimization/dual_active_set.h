@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/controllers/optimization/cost_factor.h>
+#include <tenon/controllers/optimization/lanes/cost_factor.h>
 #include <tenon/systems/framework/types/fields.h>
 
 #include <Eigen/Core>
@@ -18,8 +18,8 @@ using ConstraintMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, E
 
 /// min 1/2 x^T H x + g^T x   subject to   A_eq x = b_eq,   A_in x >= b_in.
 ///
-/// H is symmetric and positive definite; its lower triangle is what is read. Blocks of larger matrices
-/// serve as they are, without copies, as long as H is stored by columns and the constraints by rows.
+/// H is symmetric and positive definite; only its lower triangle is read. Blocks of larger matrices are used
+/// without copies if H is stored by columns and the constraints by rows.
 struct QuadraticProgram {
   Eigen::Ref<const Eigen::MatrixXd> H;
   Eigen::Ref<const Eigen::VectorXd> g;
@@ -31,11 +31,11 @@ struct QuadraticProgram {
 
 enum class QpStatus {
   kSolved,
-  kInfeasible,      ///< no x meets `constraint` and the other ones together
+  kInfeasible,      ///< no x satisfies `constraint` together with the others
   kNotConvex,       ///< H is not positive definite: its leading block that ends with row `constraint` is not
   kNotFinite,       ///< a number of the problem is NaN or infinite
-  kIterationLimit,  ///< constraints were exchanged too often
-  kInaccurate,      ///< ended, but not within the tolerance: H or the constraints are nearly singular
+  kIterationLimit,  ///< the iterations reached max_iterations
+  kInaccurate,      ///< the residuals exceed the tolerance: H or the constraints are nearly singular
 };
 
 constexpr auto EnumNames(QpStatus) {
@@ -49,9 +49,9 @@ constexpr auto EnumNames(QpStatus) {
 
 struct QpReport {
   QpStatus status = QpStatus::kSolved;
-  int constraint = -1;  ///< which one the status is about; equalities first, then inequalities
+  int constraint = -1;  ///< index for the status; equalities first, then inequalities
   int iterations = 0;   ///< constraints that were added or dropped after the start
-  int restarts = 0;     ///< factorisations after the first one that did not yield an end
+  int restarts = 0;     ///< repeated factorisations
 
   bool ok() const { return status == QpStatus::kSolved; }
   /// One sentence: what happened and what to do.
@@ -64,8 +64,8 @@ struct QpReport {
 /// it ends after finitely many, at the solution or at a constraint that contradicts the others.
 ///
 /// With H = L D L^T and J = L^-T D^-1/2 the columns V = J^T A^T of the active constraints are factored as
-/// Q (R; 0) by reflections, first those of the equalities, then the active inequalities; x = J Q y. What
-/// follows from that are steps of two kinds:
+/// Q (R; 0) by reflections, first those of the equalities, then the active inequalities; x = J Q y. This
+/// gives steps of two kinds:
 ///
 /// - Several at once, where few are violated: all these join, and those that then have negative multipliers
 ///   leave, as long as that raises the cost. The reflections are applied and never multiplied out. The start
@@ -84,24 +84,24 @@ struct QpReport {
 /// on the processor, see TENON_VECTOR_CLONES.
 class DualActiveSet {
  public:
-  /// Tolerance of the residuals, relative to the terms that they are made of.
+  /// Tolerance of the residuals, relative to the size of their terms.
   static constexpr double kTolerance = 1e-10;
 
-  /// For up to `max_variables` and so many equalities and inequalities together.
+  /// A solver for up to `max_variables` variables and `max_constraints` equalities and inequalities together.
   DualActiveSet(int max_variables, int max_constraints, int max_iterations = 200);
 
   /// Minimises. `guess` holds indices of inequalities that may be active: those of the last, similar
   /// problem, or none. Throws ParameterError if sizes do not fit together, or exceed what this was made for.
   QpReport Solve(const QuadraticProgram& qp, std::span<const int> guess = {});
 
-  /// Of the last Solve() that was ok: the minimiser,
+  /// The minimiser found by the last Solve() that was ok.
   auto x() const { return Eigen::Map<const Eigen::VectorXd>(x_.data(), n_); }
-  /// the multipliers of the equalities, then of the inequalities (>= 0, zero if not active), with
-  /// H x + g = A^T multipliers,
+  /// The multipliers of the equalities, then of the inequalities (>= 0, zero if not active), with
+  /// H x + g = A^T multipliers.
   auto multipliers() const {
     return Eigen::Map<const Eigen::VectorXd>(multipliers_.data(), num_equalities_ + num_inequalities_);
   }
-  /// and the active inequalities, the guess for a similar problem.
+  /// The active inequalities at x(), a guess for a similar problem.
   std::span<const int> active() const { return active_inequalities_; }
 
  private:
@@ -111,7 +111,7 @@ class DualActiveSet {
   };
 
   void CheckSizes(const QuadraticProgram& qp) const;
-  // The number of variables n is an int, or a constant where the compiler is to know it.
+  // The number of variables n is an int or a KnownSize, for which the compiler unrolls loops.
   template <class Size>
   QpReport Run(const QuadraticProgram& qp, Size n);
   template <class Size>

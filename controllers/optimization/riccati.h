@@ -8,7 +8,7 @@ namespace tenon {
 ///
 ///     P = Q + A^T P A - A^T P B (R + B^T P B)^{-1} B^T P A:
 ///
-/// the cost to go 1/2 x^T P x of x' = A x + B u under the optimal feedback, for ever, at the cost
+/// 1/2 x^T P x is the infinite-horizon cost to go of x' = A x + B u under the optimal feedback, for the cost
 /// 1/2 (x^T Q x + u^T R u) per step. By the structure-preserving doubling algorithm (Chu, Fan and Lin, Linear
 /// Algebra Appl. 396, 2005), which converges quadratically.
 ///

@@ -24,7 +24,7 @@ struct DenseLinearization {
     internal::Multiply(fx, tangent, rate);
     rate.rightCols(fu.cols()) += fu;
   }
-  /// The same for the tangent [1  0] at the start of a step.
+  /// rate = [fx  fu]: the rate of the tangent [1  0] at the start of a step.
   void MultiplyIdentity(Tangent& rate) const {
     rate.leftCols(fx.cols()) = fx;
     rate.rightCols(fu.cols()) = fu;
@@ -56,8 +56,8 @@ inline const StepTableau& TableauOf(StepMethod method) {
 ///     void Derivative(const State& x, const Input& u, State& dx) const;
 ///     void Linearize(const State& x, const Input& u, State& dx, Linearization& f) const;
 ///
-/// and Linearization the products that make use of its structure; see DenseLinearization. Or it makes its
-/// steps itself, see TakesOwnSteps.
+/// and the type Linearization with the products of DenseLinearization, which may exploit the structure of the
+/// Jacobians. Alternatively the system implements the steps itself, see TakesOwnSteps.
 template <class System>
 class RungeKutta {
  public:
@@ -129,7 +129,7 @@ concept GivesJacobians = requires(const System& system, Eigen::Matrix<double, Sy
   system.Linearize(x, u, x, f);
 };
 
-/// A system that makes the steps of RungeKutta itself, say, the derivatives of several at once:
+/// A system that implements the steps of RungeKutta itself, for example several steps at once:
 ///
 ///     void Step(StepMethod, double h, const State& x, const Input& u, State& next) const;
 ///     void LinearizeSteps(StepMethod, int count, const double* h, const State* x, const Input* u,

@@ -16,7 +16,8 @@
 
 namespace tenon {
 
-/// What Slq optimises. The sizes kStates and kInputs are constants or Eigen::Dynamic; k counts the nodes.
+/// An optimal control problem for Slq. The sizes kStates and kInputs are constants or Eigen::Dynamic; k is
+/// the index of a node.
 ///
 ///     int num_states() const, num_inputs() const;
 ///     Derivative, Linearize and the type Linearization     f and its Jacobians, see RungeKutta, or the steps
@@ -27,7 +28,7 @@ namespace tenon {
 ///     void AddTerminalCost(x, gx, Hxx) const               adds its gradient and Hessian
 ///     const Input& Lower(int k) const, Upper(int k) const  bounds of u_k
 ///
-/// Hxx and Huu are to be positive semidefinite (of a sum of squares: Gauss-Newton).
+/// Hxx and Huu must be positive semidefinite; for a sum of squares, use the Gauss-Newton approximation.
 template <class P>
 concept SlqProblem = requires(const P& p, int k, Eigen::Matrix<double, P::kStates, 1>& x,
                               Eigen::Matrix<double, P::kInputs, 1>& u,
@@ -44,7 +45,7 @@ concept SlqProblem = requires(const P& p, int k, Eigen::Matrix<double, P::kState
   p.AddTerminalCost(x, x, Hxx);
 };
 
-/// The policy of an Slq at one time: u = u_bar + K (x - x_bar).
+/// The policy of Slq at one node: u = u_bar + K (x - x_bar).
 template <int n, int m>
 struct SlqNode {
   double time = 0;                ///< from the start of the horizon [s]
@@ -59,18 +60,17 @@ struct SlqNode {
 ///
 /// with F one Runge-Kutta step of dx/dt = f(x, u), u constant over the step. An iteration
 ///
-/// 1. rolls out the present policy, with its feedback, and linearises its steps, all in one go,
+/// 1. rolls out the current policy, with its feedback, and linearises all its steps,
 /// 2. runs the Riccati recursion backwards: at every node the input's increment du minimises
 ///    1/2 du^T Huu du + gu^T du over the box, and the feedback is K = -Huu^{-1} Hux on the inputs that are
-///    not at a bound, zero on the others; the box is looked at where the best du is beyond it,
-/// 3. searches along u = clamp(u_bar + alpha du + K (x - x_bar)) for a cost that falls by a fair part of
-///    what the quadratic model expects.
+///    not at a bound, zero on the others; the bounds are ignored if the unconstrained du satisfies them,
+/// 3. searches along u = clamp(u_bar + alpha du + K (x - x_bar)) for a sufficient decrease of the cost.
 ///
-/// If the model is not convex or no alpha is good, mu I is added to Huu and 2 is repeated. Inputs never leave
-/// their bounds, in no roll-out; see SlqBounds for other ways.
+/// If the model is not convex or the line search fails, mu I is added to Huu and 2 is repeated. Inputs stay
+/// within their bounds in each roll-out; SlqBounds has alternatives.
 ///
 /// The nodes need not be equidistant. Nothing is allocated after construction. Copies are independent, so an
-/// Slq can be the Scratch of a block. SlqStatus tells what can go wrong; then the policy is left as it was.
+/// Slq can be the Scratch of a block. If a solve fails, see SlqStatus, the policy is unchanged.
 template <SlqProblem Problem>
 class Slq {
  public:
@@ -86,18 +86,19 @@ class Slq {
   const Problem& problem() const { return problem_; }
   int num_steps() const { return static_cast<int>(steps_.size()); }
 
-  /// Every node to x and u, without feedback.
+  /// Sets each node to x and u, without feedback.
   void SetPolicy(const State& x, const Input& u);
-  /// The policy, seen `elapsed` [s] later; at the end the last node is repeated.
+  /// Shifts the policy by `elapsed` [s]; the last node is repeated at the end.
   void Shift(double elapsed);
   /// Improves the policy for a start at x0 at the first node's time.
   SlqReport Solve(const State& x0);
 
-  /// N + 1 nodes, to be read and, as a warm start, written; the last one repeats the input and the feedback
-  /// of the one before it.
+  /// The N + 1 nodes of the policy; write them for a warm start. The last node repeats input and feedback of
+  /// the node before.
   std::vector<Node>& policy() { return policy_; }
   const std::vector<Node>& policy() const { return policy_; }
-  /// (3.18) between the nodes: u_bar and x_bar interpolated, K of the node before, clamped to its bounds.
+  /// The policy (3.18) at a time: u_bar and x_bar are interpolated, K and the bounds are those of the node
+  /// before.
   Input Evaluate(double time, const State& x) const;
 
  private:
@@ -118,7 +119,7 @@ class Slq {
   void Advance(int k, const Gain& K, const State& x_bar, Trajectory& trajectory);
   bool Start(const State& x0);  ///< rolls out the policy; the result is nominal_
   bool Backward(double mu);
-  bool RollOut(double alpha);  ///< of nominal_ with increments and feedback; the result is candidate_
+  bool RollOut(double alpha);  ///< applies alpha increments and feedback to nominal_; result: candidate_
   bool Search(SlqReport& report);
   void Adopt();
 

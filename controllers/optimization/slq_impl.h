@@ -70,7 +70,7 @@ void Slq<P>::SetPolicy(const State& x, const Input& u) {
 
 template <SlqProblem P>
 void Slq<P>::Shift(double elapsed) {
-  // Node i looks ahead to times that are not overwritten yet.
+  // Node i is interpolated from nodes from i on, which are not overwritten yet.
   std::size_t j = 0;
   for (std::size_t i = 0; i + 1 < policy_.size(); ++i) {
     const double time = policy_[i].time + elapsed;
@@ -95,7 +95,7 @@ typename Slq<P>::Input Slq<P>::Evaluate(double time, const State& x) const {
   return u;
 }
 
-// A step of `trajectory`, whose input is what is there already and the feedback K (x - x_bar).
+// Adds the feedback K (x - x_bar) to the input of `trajectory` at node k and advances it by a step.
 template <SlqProblem P>
 [[gnu::always_inline]] inline void Slq<P>::Advance(int k, const Gain& K, const State& x_bar,
                                                    Trajectory& trajectory) {

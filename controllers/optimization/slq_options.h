@@ -7,7 +7,7 @@
 
 namespace tenon {
 
-/// How a continuous f(x, u) becomes x' = F(x, u) over a step, u constant.
+/// Integration method of a step x' = F(x, u) of dx/dt = f(x, u), u constant.
 enum class StepMethod { kEuler, kMidpoint, kRungeKutta4 };
 
 constexpr auto EnumNames(StepMethod) {
@@ -17,8 +17,8 @@ constexpr auto EnumNames(StepMethod) {
 
 enum class SlqBounds {
   kProjectedNewton,    ///< the backward pass minimises over the box; inputs at a bound have no feedback
-  kRollOutProjection,  ///< the backward pass knows no bounds; inputs are clamped in the roll-out (the thesis)
-  kNone,               ///< there are none
+  kRollOutProjection,  ///< the backward pass ignores the bounds; the roll-out clamps the inputs (the thesis)
+  kNone,               ///< the bounds are ignored
 };
 
 constexpr auto EnumNames(SlqBounds) {
@@ -29,23 +29,23 @@ constexpr auto EnumNames(SlqBounds) {
 struct SlqOptions {
   StepMethod method = StepMethod::kRungeKutta4;
   SlqBounds bounds = SlqBounds::kProjectedNewton;
-  int max_iterations = 1;   ///< of one Solve(); 1 is real-time iteration
-  double tolerance = 1e-9;  ///< converged when the cost is expected to fall by less, relative to 1 + cost
+  int max_iterations = 1;   ///< per Solve(); 1 is the real-time iteration
+  double tolerance = 1e-9;  ///< of the expected decrease of the cost, relative to 1 + cost
 };
 
 enum class SlqStatus {
-  kStepped,    ///< took all iterations that it was allowed, each of them a descent
-  kConverged,  ///< the cost is expected to fall by less than the tolerance
-  kNoDescent,  ///< no step along the search direction reduces the cost; the policy is the one before
-  kNotFinite,  ///< the start or the roll-out is not finite; the policy is the one before
+  kStepped,    ///< reached max_iterations, each of which reduced the cost
+  kConverged,  ///< the expected decrease of the cost is below the tolerance
+  kNoDescent,  ///< no step along the search direction reduces the cost; the policy is unchanged
+  kNotFinite,  ///< the start or the roll-out is not finite; the policy is unchanged
 };
 
 struct SlqReport {
   SlqStatus status = SlqStatus::kConverged;
   int iterations = 0;
-  double initial_cost = 0;        ///< of the roll-out of the policy that it started from
-  double cost = 0;                ///< of the policy that it leaves
-  double expected_reduction = 0;  ///< by the last quadratic model, of a full step
+  double initial_cost = 0;        ///< of the roll-out of the initial policy
+  double cost = 0;                ///< of the final policy
+  double expected_reduction = 0;  ///< of a full step, by the last quadratic model
   double step_length = 0;         ///< alpha of the last line search
   double regularisation = 0;      ///< mu of the last backward pass
 

@@ -12,8 +12,9 @@ namespace tenon {
 
 void TrackingErrorParams::Validate() const {
   Demand(std::isfinite(min_singular_value) && min_singular_value > 0,
-         fmt::format("min_singular_value = {} m must be positive: a straight leg has no inverse",
-                     min_singular_value));
+         fmt::format(
+             "min_singular_value = {} m must be positive: it bounds the inverse of a straight leg's Jacobian",
+             min_singular_value));
 }
 
 void TrackingError::CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const {

@@ -12,17 +12,17 @@
 namespace tenon {
 
 struct TrackingErrorParams {
-  QuadrupedDescription robot;        ///< the true one
-  double min_singular_value = 0.02;  ///< of a leg's Jacobian, see SolveFootForces [m]
+  QuadrupedDescription robot;        ///< true model of the robot
+  double min_singular_value = 0.02;  ///< least singular value of a leg's Jacobian, see SolveFootForces [m]
 
   void Validate() const;  ///< throws ParameterError
 };
 
 struct WalkingErrors {
   Vec<3> com = Vec<3>::Zero();           ///< x - x_ref of the centre of mass [m]
-  Vec<4> foot = Vec<4>::Zero();          ///< |p - p_ref| of each foot in swing; 0 of the others [m]
-  Vec<4> ground_force = Vec<4>::Zero();  ///< |planned - true| of each foot in stance; 0 of the others [N]
-  Vec<3> com_position = Vec<3>::Zero();  ///< x [m]
+  Vec<4> foot = Vec<4>::Zero();          ///< |p - p_ref| of each foot in swing, 0 in stance [m]
+  Vec<4> ground_force = Vec<4>::Zero();  ///< |planned - true force| of each foot in stance, 0 in swing [N]
+  Vec<3> com_position = Vec<3>::Zero();  ///< x of the centre of mass [m]
 
   static FieldList Fields() {
     return {{"com", &WalkingErrors::com, "m"},
@@ -32,16 +32,16 @@ struct WalkingErrors {
   }
 };
 
-/// The same over ground, with the drift of an estimate taken out that no sensor of the robot can see: of the
-/// planned motion, which is planned where the robot believes to be, as seen from the robot. With the true and
-/// the estimated position p, p^ and heading psi, psi^ of the trunk, a point x of the robot is at
+/// Errors of the motion relative to its plan, without the drift of the state estimate in position and
+/// heading, which no sensor of the robot can measure. The plan starts from the estimated pose. With true and
+/// estimated position p, p^ and heading psi, psi^ of the trunk, a point x of the robot is transformed to
 ///
 ///     x^ = p^ + Rz(psi^ - psi) (x - p)
 ///
-/// in the axes of the plan. Errors of the estimated roll and pitch are errors still.
+/// before it is compared with the plan. Errors of the estimated roll and pitch are included.
 struct PathErrors {
   Vec<3> com = Vec<3>::Zero();    ///< x^ - x_ref of the centre of mass [m]
-  Vec<4> foot = Vec<4>::Zero();   ///< |x^ - p_ref| of each foot in swing; 0 of the others [m]
+  Vec<4> foot = Vec<4>::Zero();   ///< |x^ - p_ref| of each foot in swing, 0 in stance [m]
   Vec<3> drift = Vec<3>::Zero();  ///< p^ - p [m]
   double yaw_drift = 0;           ///< psi^ - psi, from -pi to pi [rad]
 
@@ -53,17 +53,17 @@ struct PathErrors {
   }
 };
 
-/// How far a walking robot is from what was planned for it. It judges a run; nothing should be controlled by
-/// it, since it takes the true state and the true masses.
+/// Deviations of a walking robot from the plan of its controller. They are figures of merit and must not be
+/// fed back, because they are computed from the true state and masses.
 ///
-///     ports in   state, foot_forces              the true ones
-///                told                            the state that the controller is told
-///                schedule, body, feet, plan      of the controller
-///                external_torque                 of disturbances at the joints; none if not connected
-///     ports out  errors
-///                path                            the same without the drift of what is told
-///                external_foot_forces            those disturbances as forces at the feet, which do the same
-///                                                at the joints, as observers tell them: see SolveFootForces
+///     ports in   state, foot_forces              true state and ground forces
+///                told                            state that the controller reads
+///                schedule, body, feet, plan      outputs of the controller
+///                external_torque                 joint torques of disturbances [N m]; zero if not connected
+///     ports out  errors                          errors in W
+///                path                            errors without the drift of `told`
+///                external_foot_forces            the forces at the feet that are equivalent to
+///                                                external_torque, see SolveFootForces [N]
 ///     parameter  min_singular_value              [m]
 class TrackingError final : public LeafSystem<TrackingErrorParams> {
  public:
@@ -79,7 +79,7 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
   Parameter<double> min_singular_value{this,
                                        {"min_singular_value", "m"},
                                        params.min_singular_value,
-                                       "of a leg's Jacobian; below, its foot force is damped"};
+                                       "threshold of a leg's Jacobian below which its foot force is damped"};
 
  private:
   QuadrupedModel model_{params.robot};

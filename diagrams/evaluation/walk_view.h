@@ -13,8 +13,8 @@ struct WalkViewParams {
   QuadrupedDescription robot;
 };
 
-/// What a walking controller believes and wants, for a replay: the path of the CoM's reference, the estimated
-/// force on it, and the estimated forces on the legs, at the feet.
+/// Shapes of a replay that show signals of a walking controller: the path of the CoM's reference, the
+/// estimated force on the CoM, and the estimated forces on the legs, drawn at the feet.
 ///
 ///     ports in   state, body, wrench, leg_forces
 ///     port out   geometry

@@ -5,14 +5,14 @@
 
 namespace tenon {
 
-/// The estimates that a whole-body controller takes off, by an observer of one's choice. What the kind does
-/// not estimate is zero.
+/// Estimates the disturbances that a whole-body controller compensates, with the observers of an
+/// ObserverKind. Outputs that the kind does not estimate are zero.
 ///
 ///     state, torque, foot_forces ──► legs or ndo ──► leg_forces
 ///     state, foot_forces, imu ─────► com ──────────► wrench
 ///
-/// Torque and inertial unit take effect a tick later, state and foot forces at once: so the controller whose
-/// torque it is may use the estimates.
+/// The outputs have feedthrough from state and foot forces only. `torque` and `imu` act one tick later, so
+/// that the controller that computes the torque can use the estimates without an algebraic loop.
 class DisturbanceObserver final : public Subdiagram {
  public:
   explicit DisturbanceObserver(const DisturbanceObserverParams& params);
@@ -23,9 +23,9 @@ class DisturbanceObserver final : public Subdiagram {
   InputPort<ImuMeasurement> imu{this, {"imu"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
 
-  LegMomentumObserver* legs = nullptr;          ///< for kLegs and kHybrid
-  NonlinearDisturbanceObserver* ndo = nullptr;  ///< for kNdoM and kNdoInverse
-  ComObserver* com = nullptr;                   ///< for kCom, kHybrid and kFocchi
+  LegMomentumObserver* legs = nullptr;          ///< null except for kLegs and kHybrid
+  NonlinearDisturbanceObserver* ndo = nullptr;  ///< null except for kNdoM and kNdoInverse
+  ComObserver* com = nullptr;                   ///< null except for kCom, kHybrid and kFocchi
 
   OutputPort<WrenchEstimate> wrench{this, {"wrench"}};
   OutputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}};

@@ -7,18 +7,18 @@
 namespace tenon {
 
 struct FootForcesOfLegsParams {
-  QuadrupedDescription robot;  ///< what the robot believes
-  LeggedState initial = {};    ///< until the first estimate
+  QuadrupedDescription robot;  ///< model of the robot
+  LeggedState initial = {};    ///< state before the first tick
   ContactThresholds thresholds = {};
-  LegObserverGains gains{.gains = {300, 768}, .butterworth = {}};  ///< settles within some 8 ms
+  LegObserverGains gains{.gains = {300, 768}, .butterworth = {}};  ///< settle within about 8 ms
   Rate rate = Hz(1000);
 };
 
-/// What a robot without sensors in its feet knows of the forces on them, from the torques of its joints.
+/// Estimates the ground forces on the feet of a robot without foot sensors, from the joint torques.
 ///
 ///     state, torque, ground ──► legs ──► ground_forces ──► forces
 ///
-/// All inputs are taken as they were a tick ago: the estimate of this tick depends on which feet stand.
+/// All inputs are delayed by one tick, because the gait schedule, on which they depend, reads this estimate.
 class FootForcesOfLegs final : public Subdiagram {
  public:
   explicit FootForcesOfLegs(const FootForcesOfLegsParams& params);

@@ -11,12 +11,12 @@ namespace tenon {
 ///                    ▲               ▲       └► trunk_planner ───────▲
 ///     foot_forces ───┘     ground_estimator          ▲               │
 ///     state ────────────────────▲────────────────────┼───────────────┤
-///     wrench, leg_forces (what others exert) ────────┴───────────────┘
+///     wrench, leg_forces (disturbances) ─────────────┴───────────────┘
 ///
-/// The schedule reaches all blocks after it, `state` and `wrench` both planners in the middle, the ground all
-/// but the trunk's; `foot_forces` reach the swing planner, too. `wrench` and `leg_forces` are an observer's
-/// estimates; without a connection nothing is compensated. Each block can be replaced by any other with its
-/// ports; this diagram is its six blocks and these connections, nothing else.
+/// Connections that the sketch leaves out: the schedule feeds all other blocks; `state` and `wrench` feed
+/// swing and trunk planner; the estimated ground feeds swing planner and whole-body controller; `foot_forces`
+/// feed the swing planner. `wrench` and `leg_forces` are estimates of an observer; if they are not connected,
+/// no disturbance is compensated. Each block can be replaced by one with the same ports.
 class LeggedLocomotion final : public Subdiagram {
  public:
   explicit LeggedLocomotion(const LeggedLocomotionParams& params);

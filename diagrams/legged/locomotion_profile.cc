@@ -13,8 +13,8 @@
 namespace tenon {
 namespace {
 
-/// What a block's parameter is called in a file that gives it in the units of RobotScale, the same if it has
-/// no other name there. Without a default: a block's is that of one robot.
+/// A parameter of a block, and its name in a file that gives it in the units of RobotScale. In such a file it
+/// is required, because the block's default holds for one robot only.
 struct InUnits {
   std::string_view from;
   const char* to;
@@ -63,7 +63,7 @@ struct RelativeGround : GroundBelief {
   }
 };
 
-/// A profile's file.
+/// The file of a profile.
 struct RelativeProfile {
   RelativeGains whole_body;
   double sway_limit = 0;
@@ -112,7 +112,7 @@ LocomotionProfile For(const RobotScale& scale, const YamlDocument& document) {
   gains.com_damping *= m * g * t / l;
   gains.com_limit *= l;
   gains.swing_limit *= g;
-  // The cost as a whole times (m g)^2, so that weights of forces are as they are.
+  // The whole cost is multiplied by (m g)^2, which leaves the weights of forces unchanged.
   gains.qp.moment_weight /= l * l;
   gains.qp.tilt_weight /= l * l;
   gains.qp.yaw_weight /= l * l;
@@ -127,22 +127,18 @@ LocomotionProfile For(const RobotScale& scale, const YamlDocument& document) {
 
 }  // namespace
 
-LocomotionProfile LoadLocomotionProfile(const std::string& name, const RobotScale& scale) {
-  return For(scale, YamlDocument::Load(FindResource("profiles", name)));
+LocomotionProfile LoadLocomotionProfile(const YamlFile& file, const RobotScale& scale) {
+  return For(scale, LoadResource("profiles", file));
 }
 
-LocomotionProfile LoadLocomotionProfile(const YamlFile& what, const RobotScale& scale) {
-  return For(scale, LoadResource("profiles", what));
-}
-
-FootSchedulerParams LoadGaits(const YamlFile& what, const RobotScale& scale) {
-  return LoadResource("gaits", what).Read<GaitFile>().For(scale.Weight());
+FootSchedulerParams LoadGaits(const YamlFile& file, const RobotScale& scale) {
+  return LoadResource("gaits", file).Read<GaitFile>().For(scale.Weight());
 }
 
 LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot, const LocomotionProfile& profile,
-                                      const std::string& gaits) {
+                                      const FootSchedulerParams& gaits) {
   LeggedLocomotionParams params;
-  params.scheduler = LoadGaits({gaits}, ScaleOf(robot));
+  params.scheduler = gaits;
   params.ground = {.robot = robot, .belief = profile.ground};
   params.com_planner.robot = robot;
   params.swing_planner.robot = robot;
@@ -154,22 +150,19 @@ LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot, const L
 }
 
 LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot) {
-  return MakeLocomotion(robot, LoadLocomotionProfile("standard", ScaleOf(robot)));
-}
-
-DisturbanceObserverParams MakeObserver(const QuadrupedDescription& robot) {
-  return MakeObserver(robot, LoadLocomotionProfile("standard", ScaleOf(robot)));
+  const RobotScale scale = ScaleOf(robot);
+  return MakeLocomotion(robot, LoadLocomotionProfile({"standard"}, scale), LoadGaits({"standard"}, scale));
 }
 
 DisturbanceObserverParams MakeObserver(const QuadrupedDescription& robot, const LocomotionProfile& profile) {
-  const ObserverProfile& tuning = profile.observer;
+  const ObserverProfile& gains = profile.observer;
   DisturbanceObserverParams params;
-  params.kind = tuning.kind;
-  params.legs = {robot, tuning.legs};
-  params.com = {robot, tuning.com};
+  params.kind = gains.kind;
+  params.legs = {robot, gains.legs};
+  params.com = {robot, gains.com};
   params.ndo.robot = robot;
-  params.ndo.gain = tuning.ndo_gain;
-  params.ndo.min_singular_value = tuning.legs.min_singular_value;
+  params.ndo.gain = gains.ndo_gain;
+  params.ndo.min_singular_value = gains.legs.min_singular_value;
   return params;
 }
 

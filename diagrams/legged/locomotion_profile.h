@@ -12,21 +12,20 @@
 #include <tenon/plants/model/robot_scale.h>
 
 #include <array>
-#include <string>
 
 namespace tenon {
 
 struct YamlFile;
 
-/// Which estimates a controller is given.
+/// The disturbance estimates that the controller compensates.
 enum class ObserverKind {
-  kNone,        ///< zeros
-  kLegs,        ///< of the legs
-  kCom,         ///< of the net wrench
-  kHybrid,      ///< both
-  kFocchi,      ///< of the net wrench by CentroidalMomentumObserver
-  kNdoM,        ///< of the legs by NonlinearDisturbanceObserver, reading kM
-  kNdoInverse,  ///< the same, reading kInverse
+  kNone,        ///< none: all estimates are zero
+  kLegs,        ///< forces on the legs by LegMomentumObserver
+  kCom,         ///< net wrench by ComObserver
+  kHybrid,      ///< kLegs and kCom
+  kFocchi,      ///< net wrench by CentroidalMomentumObserver
+  kNdoM,        ///< forces on the legs by NonlinearDisturbanceObserver with NdoReading::kM
+  kNdoInverse,  ///< forces on the legs by NonlinearDisturbanceObserver with NdoReading::kInverse
 };
 constexpr auto EnumNames(ObserverKind) {
   return std::array{Named{ObserverKind::kNone, "none"},
@@ -38,8 +37,8 @@ constexpr auto EnumNames(ObserverKind) {
                     Named{ObserverKind::kNdoInverse, "ndo_inverse"}};
 }
 
-/// The kind decides which of the blocks there are; `focchi` takes its gains from CentroidalMomentumObserver,
-/// and the reading of `ndo` is the kind's.
+/// Parameters of a DisturbanceObserver. `kind` selects the blocks that are made. For kFocchi the gains of
+/// `com` are replaced by CentroidalMomentumObserver(); `ndo.reading` follows from the kind.
 struct DisturbanceObserverParams {
   ObserverKind kind = ObserverKind::kHybrid;
   LegMomentumObserverParams legs;
@@ -47,7 +46,7 @@ struct DisturbanceObserverParams {
   NonlinearDisturbanceObserverParams ndo;
 };
 
-/// Of the six blocks of a LeggedLocomotion.
+/// Parameters of the six blocks of a LeggedLocomotion.
 struct LeggedLocomotionParams {
   FootSchedulerParams scheduler;
   GroundEstimatorParams ground;
@@ -57,12 +56,12 @@ struct LeggedLocomotionParams {
   WholeBodyParams whole_body;
 };
 
-/// How the observers are tuned, and which are used.
+/// Choice and gains of the observers.
 struct ObserverProfile {
   ObserverKind kind = ObserverKind::kHybrid;
   LegObserverGains legs;
   ComObserverGains com;
-  double ndo_gain = 10;  ///< X of the nonlinear disturbance observer, see there
+  double ndo_gain = 10;  ///< gain X of NonlinearDisturbanceObserver
 
   static FieldList Fields() {
     return {Required("kind", &ObserverProfile::kind), Required("legs", &ObserverProfile::legs),
@@ -70,34 +69,32 @@ struct ObserverProfile {
   }
 };
 
-/// How the walking controller of one robot is tuned. Files such as diagrams/profiles/standard.yaml give it
-/// for robots of all sizes, in the units of RobotScale: m, l, g, t = sqrt(l / g) in a key stand for them, say
-/// `com_stiffness_mg_per_l`. In the optimisation's weights force counts in m g, torque in m g l and
-/// acceleration in g. Angles, rates and accelerations over errors have no size and are as they are.
+/// Gains of the walking controller of one robot. Files such as diagrams/profiles/standard.yaml give them for
+/// robots of all sizes in the units of RobotScale: m, l, g and t = sqrt(l / g) in a key name these units, as
+/// in `com_stiffness_mg_per_l`. The weights of the optimization hold for forces in m g, torques in m g l and
+/// accelerations in g. Angles, and rates and accelerations per error, do not depend on the size of the robot.
 struct LocomotionProfile {
   WholeBodyGains whole_body;
-  double sway_limit = 80;  ///< of the TrunkPlanner [rad/s^2]
+  double sway_limit = 80;  ///< parameter of the TrunkPlanner [rad/s^2]
   GroundBelief ground;
   double qp_rate_hz = 1000;
   ObserverProfile observer;
 };
 
-/// The profile that ships with Tenon under a name, or a file, for a robot. Throws ParameterError.
-LocomotionProfile LoadLocomotionProfile(const std::string& name, const RobotScale& scale);
-/// The same, or one with what differs, see LoadResource.
-LocomotionProfile LoadLocomotionProfile(const YamlFile& what, const RobotScale& scale);
+/// Reads a shipped profile, a file, or one with changes (see LoadResource) for a robot of this size. Throws
+/// ParameterError.
+LocomotionProfile LoadLocomotionProfile(const YamlFile& file, const RobotScale& scale);
+/// Reads a shipped table of gaits, a file, or one with changes (see LoadResource) for a robot of this size.
+/// Throws ParameterError.
+FootSchedulerParams LoadGaits(const YamlFile& file, const RobotScale& scale);
 
-/// Parameters of a LeggedLocomotion for a robot as its controller knows it, with gaits that ship under a name
-/// or stand in a file. The profile may be that of the robot as it is. Throws ParameterError.
+/// Parameters of a LeggedLocomotion with this model of the robot.
 LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot, const LocomotionProfile& profile,
-                                      const std::string& gaits = "standard");
-/// With the standard profile for this robot.
+                                      const FootSchedulerParams& gaits);
+/// Parameters of a LeggedLocomotion with the standard profile and gaits. Throws ParameterError.
 LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot);
-/// The table of gaits that a scenario names, see LoadResource, for a robot.
-FootSchedulerParams LoadGaits(const YamlFile& what, const RobotScale& scale);
 
-/// Parameters of the observers beside it, for the same robot.
+/// Parameters of the observers for this model of the robot.
 DisturbanceObserverParams MakeObserver(const QuadrupedDescription& robot, const LocomotionProfile& profile);
-DisturbanceObserverParams MakeObserver(const QuadrupedDescription& robot);
 
 }  // namespace tenon

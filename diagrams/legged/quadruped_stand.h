@@ -10,7 +10,7 @@ struct QuadrupedStandParams {
   JointPdParams pd;
 };
 
-/// At rest on level ground, with the gains of MakeJointPd.
+/// Parameters of a robot at rest on level ground, with the gains of MakeJointPd.
 QuadrupedStandParams MakeQuadrupedStand(const QuadrupedDescription& robot);
 
 /// A quadruped that holds its stance by joint PD.

@@ -21,17 +21,16 @@ struct QuadrupedWalkParams {
   WalkScheduleParams walk;
   LeggedLocomotionParams locomotion;
   DisturbanceObserverParams observer;
-  std::optional<LeggedStateEstimatorParams> estimator;  ///< without, the controller is told the true state
+  std::optional<LeggedStateEstimatorParams> estimator;  ///< empty: the controller reads the true state
 };
 
-/// A walk in this world, of a robot whose controller and observers believe in `believed`; the walk's path is
-/// left to give. The gaits are the standard ones, for the robot as it is.
-QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedWorldParams& world, const LocomotionProfile& profile,
-                                      const QuadrupedDescription& believed);
-/// A robot on level ground, at rest in its nominal stance, whose controller and observers know its masses.
-/// Left to give are the walk's path and the forces that disturb it.
-QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot, const LocomotionProfile& profile);
-/// With the standard profile for this robot.
+/// Parameters of a walk in `world` whose controller and observers have a `model` of the robot, which may
+/// differ from the true one. The path of the walk is empty: set QuadrupedWalkParams::walk.
+QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedWorldParams& world, const QuadrupedDescription& model,
+                                      const LocomotionProfile& profile, const FootSchedulerParams& gaits);
+/// Parameters of a walk on level ground, from rest in the nominal stance and without disturbances, with the
+/// standard profile and gaits. The controller and the observers have the true model of the robot. The path of
+/// the walk is empty: set QuadrupedWalkParams::walk. Throws ParameterError.
 QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot);
 
 /// A quadruped that walks a commanded path on its terrain (Morlando 2023, section 2.5).
@@ -41,9 +40,10 @@ QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot);
 ///                │   └────────────────┴─ state ─────► observer
 ///                └── wrench, forces on the legs ────────┘
 ///
-/// The foot forces go to locomotion and observer too. With an estimator, the state that both are told is the
-/// one that it finds from IMU, encoders and the schedule; without, it is the true one.
-class QuadrupedWalk final : public Subdiagram {
+/// The foot forces reach locomotion and observer too. With an estimator, both read the state that it computes
+/// from inertial unit, encoders and contact schedule; without one, they read the true state. The observer
+/// reads the estimated ground plane of the last tick.
+class QuadrupedWalk : public Subdiagram {
  public:
   explicit QuadrupedWalk(const QuadrupedWalkParams& params);
 
@@ -51,11 +51,18 @@ class QuadrupedWalk final : public Subdiagram {
   LeggedLocomotion& locomotion;
   QuadrupedWorld& world;
   DisturbanceObserver& observer;
-  LeggedStateEstimator* estimator = nullptr;         ///< if there is one
-  FootForceEstimate* foot_force_estimate = nullptr;  ///< if the sensors of the feet are in the shanks
-  FootForcesOfLegs* foot_forces_of_legs = nullptr;   ///< if the feet have none
   TrackingError& errors;
   WalkView& view;
+  LeggedStateEstimator* estimator = nullptr;         ///< null without an estimator
+  FootForceEstimate* foot_force_estimate = nullptr;  ///< null unless the foot sensors are in the shanks
+  FootForcesOfLegs* foot_forces_of_legs = nullptr;   ///< null unless the feet have no sensors
+  const OutputPort<LeggedState>& state;              ///< the state that the controller reads
+
+ private:
+  const OutputPort<LeggedState>& AddEstimator(const std::optional<LeggedStateEstimatorParams>& params);
+  const OutputPort<FootForces>& AddFootForces(const QuadrupedWorldParams& params);
+  void ConnectObserver(const OutputPort<FootForces>& foot_forces);
+  void ConnectEvaluation();
 };
 
 }  // namespace tenon

@@ -83,7 +83,7 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
     Connect(*unit, errors.measurement);
     unit = &errors.measured;
   }
-  // Before the first samples arrive: what a robot at rest has.
+  // Outputs before the first delayed sample arrives: the measurements of a robot at rest.
   const LeggedState& initial = params.plant.initial;
   const ImuMeasurement at_rest{Vec<3>::Zero(),
                                initial.R_WB().transpose() * Vec<3>(0, 0, params.plant.gravity)};
@@ -100,7 +100,7 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
 }
 
 void QuadrupedWorld::ConnectDrives(const QuadrupedHardwareParams& hardware) {
-  InputPort<Vec<12>>* in = &plant.torque;  // of what the next one drives
+  InputPort<Vec<12>>* in = &plant.torque;  // input to which the next block is connected, against the flow
   if (hardware.drive_lag) {
     auto& lag = Add<HeldLag<Vec<12>>>("drive_lag", *hardware.drive_lag);
     Connect(lag.y, *in);

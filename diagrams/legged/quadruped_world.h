@@ -20,32 +20,32 @@
 
 namespace tenon {
 
-/// Where the forces on the feet are measured.
+/// Sensors of the forces on the feet.
 enum class FootSensing {
-  kWorld,  ///< they come in W
-  kShank,  ///< in the shanks, and come in their axes
-  kNone,   ///< nowhere: there is no `foot_forces`
+  kWorld,  ///< ideal axes: forces are measured in W
+  kShank,  ///< sensors in the shanks: forces are measured in the axes of the shanks
+  kNone,   ///< no sensors: nothing reads `foot_forces`
 };
 constexpr auto EnumNames(FootSensing) {
   return std::array{Named{FootSensing::kWorld, "world"}, Named{FootSensing::kShank, "shank"},
                     Named{FootSensing::kNone, "none"}};
 }
 
-/// What lies between a controller and an ideal plant with ideal sensors; what is not given is not there.
+/// Delays and errors between a controller and the ideal plant and sensors. Empty members are left out.
 struct QuadrupedHardwareParams {
-  std::optional<JitteredDelayParams<Vec<12>>> command_delay;  ///< computing and field bus
+  std::optional<JitteredDelayParams<Vec<12>>> command_delay;  ///< computation and field bus
   std::optional<DriveErrorsParams> drive_errors;
   std::optional<HeldLagParams<Vec<12>>> drive_lag;
   std::optional<ImuErrorsParams> imu_errors;
   FootSensing foot_sensing = FootSensing::kWorld;
-  // How many samples old the sensors' values are when they arrive.
+  // Delays of the sensors [samples].
   int encoder_delay = 0;
   int torque_delay = 0;
   int foot_delay = 0;
   int imu_delay = 0;
 };
 
-/// The trunk's height at which a robot has fallen, over that of its nominal stance.
+/// Height of the trunk below which a robot has fallen, relative to that in its nominal stance.
 inline constexpr double kFallHeightRatio = 0.5;
 
 struct QuadrupedWorldParams {
@@ -53,40 +53,43 @@ struct QuadrupedWorldParams {
   JointEncodersParams encoders;
   ForceSensorParams torque_sensor;
   FootForceSensorParams foot_sensor;
-  /// Its place is the robot's. Without errors, as the other sensors are.
+  /// The inertial unit; p_B is taken from the robot. The default has no errors, like those of the other
+  /// sensors.
   ImuParams imu{.angular_velocity_noise = Vec<3>::Zero(), .specific_force_noise = Vec<3>::Zero()};
   QuadrupedHardwareParams hardware;
-  std::optional<SlidingLoadParams> sliding_load;  ///< its start is the plant's
-  std::vector<PulseForceParams> pulses;  ///< with the others and `pull` no more than kMaxExternalForces
+  std::optional<SlidingLoadParams> sliding_load;  ///< initial state and gravity are taken from the plant
+  // All forces together, with `pull`, must not exceed kMaxExternalForces.
+  std::vector<PulseForceParams> pulses;
   std::vector<SineForceParams> sines;
   std::vector<RandomForceParams> random;
-  double min_height = 0;   ///< of the trunk above the ground; below, the robot has fallen [m]
-  double max_tilt = 1;     ///< of the trunk; above, the robot has fallen [rad]
-  double max_height = 10;  ///< of the trunk above the ground; no robot flies [m]
+  double min_height =
+      0;                ///< least height of the trunk above the ground, below which the robot has fallen [m]
+  double max_tilt = 1;  ///< largest tilt of the trunk, above which the robot has fallen [rad]
+  double max_height = 10;  ///< largest height of the trunk above the ground [m]
 };
 
-/// The robot at rest in its nominal stance on the ground at the origin of W, without disturbances.
-/// Throws ParameterError if it cannot stand there, see StandingOn.
+/// Parameters of a robot at rest in its nominal stance on the ground at the origin of W, without
+/// disturbances. Throws ParameterError if the robot cannot stand there, see StandingOn.
 QuadrupedWorldParams MakeQuadrupedWorld(const QuadrupedDescription& robot, const TerrainParams& terrain = {});
 
-/// Everything of a quadruped's run that is not the controller's: the robot on its terrain, its sensors, the
-/// forces that disturb it, and a monitor that ends the run when it falls.
+/// Everything that a quadruped's controller is connected to: the robot on its terrain, its sensors, the
+/// forces that disturb it, and a monitor that ends the run when the robot falls.
 ///
 ///     pull, disturbances ──► plant ──► encoders, torque_sensor, foot_sensor, imu ──► delays ──► out
 ///                             ▲
 ///     torque ──► command_delay ──► drive_errors ──► drive_lag
 ///
-///     ports in   torque           of the joints [N m]
-///                pull             one more force on the robot; none if not connected
-///     ports out  state            the true one
-///                ground_forces    on the feet, the true ones
-///                external_torque  of forces on the legs at the joints, the true one [N m]
-///                joints           of the encoders
-///                measured_torque  of the joints [N m]
-///                foot_forces      as measured, by `foot_sensing` in W or in the shanks' axes
-///                inertial         of the trunk's inertial unit
+///     ports in   torque           commanded joint torques [N m]
+///                pull             an additional force on the robot; zero if not connected
+///     ports out  state            true state
+///                ground_forces    true ground forces on the feet
+///                external_torque  true joint torques of disturbing forces on the legs [N m]
+///                joints           measurement of the encoders
+///                measured_torque  measured joint torques [N m]
+///                foot_forces      measured foot forces, in W or in the axes of the shanks (FootSensing)
+///                inertial         measurement of the trunk's inertial unit
 ///
-/// The blocks are public, for logs and for taking it apart.
+/// The blocks are public members, so that a program can log or replace them.
 class QuadrupedWorld final : public Subdiagram {
  public:
   explicit QuadrupedWorld(const QuadrupedWorldParams& params);
@@ -100,7 +103,7 @@ class QuadrupedWorld final : public Subdiagram {
   FootForceSensor& foot_sensor;
   TrunkImu& imu;
   ForceBundle& disturbances;
-  SlidingLoad* sliding_load = nullptr;  ///< if there is one
+  SlidingLoad* sliding_load = nullptr;  ///< null without a sliding load
 
   OutputPort<LeggedState> state{this, {"state"}};
   OutputPort<FootForces> ground_forces{this, {"ground_forces"}};

@@ -2,8 +2,8 @@
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
-#include <tenon/apps/quadruped/observer_order_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/apps/studies/observer_order_scenario.h>
 #include <tenon/docs/catalogue/headers.h>
 #include <tenon/docs/catalogue/scenario_page.h>
 

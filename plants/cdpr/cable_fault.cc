@@ -13,7 +13,7 @@ void CableFaultParams::Validate() const {
   for (const int i : cables)
     Demand(i >= 0 && i < num_cables, fmt::format("there is no cable {}: give 0 to {}", i, num_cables - 1));
   Demand(kind != CableFaultKind::kBroken || std::isinf(schedule.duration),
-         fmt::format("schedule.duration = {}, but a cable that broke stays broken: leave it infinite",
+         fmt::format("schedule.duration = {}, but a broken cable stays broken: leave it infinite",
                      schedule.duration));
 }
 

@@ -24,15 +24,15 @@ struct CableFaultParams {
   CableFaultKind kind = CableFaultKind::kStuck;
   int num_cables = 0;            ///< of the robot
   std::vector<int> cables = {};  ///< that fail, from 0; empty: all
-  FaultSchedule schedule = {};   ///< the whole run, unless given; what broke stays broken
+  FaultSchedule schedule = {};   ///< default: the whole run; broken cables stay broken
   Rate rate = Hz(1000);
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Winches that stick, or cables that break; what that does is CdprPlant's to say.
+/// Makes winches stick or cables break; see CdprPlant for the consequences.
 ///
-///     builder.Connect(fault.faults, loop.plant.faults);
+///     builder.Connect(fault.faults, loop.world.plant.faults);
 ///
 ///     | port      | kind            | size          | unit     |
 ///     | others    | input, optional | CableFaults   |          |
@@ -41,9 +41,10 @@ struct CableFaultParams {
 ///     | faults    | output, sampled | CableFaults   |          |
 ///     | acting    | output, sampled | bool          |          |
 ///
-/// `faults` are `others`, of another such block, and its own. The fault acts while t is within `schedule` and
-/// `active` is true; a cable that broke stays so. The tensions follow `faults` at once: an `active` that
-/// depends on them, a cable that breaks when it is pulled too hard, goes through a UnitDelay.
+/// `faults` is the union of `others`, the output of another such block, and the faults of this block. The
+/// fault acts while t is within `schedule` and `active` is true; a broken cable stays broken. The tensions
+/// depend on `faults` without delay, so an `active` that depends on tensions (a cable that breaks under
+/// overload) needs a UnitDelay.
 class CableFault final : public LeafSystem<CableFaultParams> {
  public:
   using LeafSystem::LeafSystem;

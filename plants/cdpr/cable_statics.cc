@@ -10,20 +10,20 @@ namespace tenon {
 namespace {
 
 constexpr int kMostTurns = 100;
-constexpr double kWrapTolerance = 1e-12;  // [rad], and of lengths over the cable's
+constexpr double kWrapTolerance = 1e-12;  // [rad], and of lengths relative to the cable's
 
-/// How the cable comes from the winch: over a pulley, or through the anchor itself.
+/// Lead of the cable from the winch: over a pulley, or through the anchor.
 struct Lead {
   double radius = 0;
-  double x = 0, z = 0;  // of the attachment from the anchor, in the pulley's plane
+  double x = 0, z = 0;  // from anchor to attachment, in the pulley's plane [m]
 };
 
-/// What lies on the pulley, from the anchor over a wrap b to where the tension is T_e, without friction. With
-/// (1 + T/EA) dT = w dz along it,
+/// The part of the cable on the pulley, from the anchor over a wrap b to the exit with the tension T_e,
+/// without friction. With (1 + T/EA) dT = w dz along it,
 ///
 ///     T_0 + T_0^2/(2 EA) = T_e + T_e^2/(2 EA) - w r sin b,   T = T_0 + w r sin(angle) / (1 + T_0/EA) + ...,
 ///
-/// to first order in w r / EA, of which the next is 1e-12.
+/// to first order in w r / EA; the second order is about 1e-12.
 struct Wrap {
   double tension;           // T_0 [N]
   double rest_length;       // [m]
@@ -42,13 +42,13 @@ struct Wrap {
   }
 };
 
-/// Hangs a cable from the attachment to the pulley, so that it leaves it along the rim's tangent; of radius
-/// 0, to the anchor.
+/// Hangs a cable from the attachment to the pulley, which it leaves tangentially; for the radius 0, to the
+/// anchor.
 void HangOnPulley(const CdprDescription& robot, int index, const Lead& lead, double rest_length,
                   double weight, CableStatics* out) {
   const double EA = robot.cable.axial_stiffness;
   double wrap = LeaveStraight(lead.radius, lead.x, lead.z).wrap;
-  double wound = lead.radius * wrap;  // without strain
+  double wound = lead.radius * wrap;  // rest length on the pulley [m]
   const ElasticCatenary* near = nullptr;
   for (int turn = 0;; ++turn) {
     if (turn == kMostTurns)
@@ -151,8 +151,7 @@ double CalcRestLength(const CdprDescription& robot, int index, const Vec<3>& spa
   const double EA = robot.cable.axial_stiffness;
   if (!(weight > 0)) return length / (1 + tension / EA);
 
-  // This short it pulls too hard, also at the lower end. The tension falls while it is let out, until it has
-  // reached its least.
+  // At this length the tension is too high at both ends. It falls with the length down to its minimum.
   const double shortest = length / (1 + (tension + weight * length) / EA);
   const auto tension_of = [&](double rest_length) {
     return CalcCableStatics(robot, index, span_W, rest_length, gravity).tension;

@@ -7,14 +7,14 @@ namespace tenon {
 namespace {
 
 constexpr double kCableRadius = 0.008;       // [m]
-constexpr double kPlatformThickness = 0.04;  // [m], at least, if all attachments lie in one plane
+constexpr double kPlatformThickness = 0.04;  // least thickness, for attachments in one plane [m]
 constexpr double kForceScale = 0.01;         // [m/N]
 constexpr double kPayloadRadius = 0.05;      // [m]
 constexpr double kPulleyWidth = 0.02;        // [m]
 
 constexpr std::size_t kSaggingPieces = 12;
 
-// The order of the shapes: these, then the pieces of each cable, then each pulley, then one anchor and one
+// Order of the shapes: these, then the pieces of each cable, then each pulley, then one anchor and one
 // post per cable.
 enum Index { kPlatform, kPath, kPayloadBall, kForce, kFirstCable };
 

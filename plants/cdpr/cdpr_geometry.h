@@ -8,13 +8,13 @@
 
 namespace tenon {
 
-/// What a cable robot looks like: the platform as a box that its attachments span about the CoM, the cables
+/// The shapes of a cable robot: the platform as the bounding box of its attachments and its CoM, cables
 /// coloured by tension [N], anchors on posts, payload, external force, and the path of the CoM. Cables are
-/// drawn thicker than they are, to be seen from afar; those with mass in pieces, as they sag; pulleys with
-/// their swivel.
+/// drawn thicker than they are. Cables with mass are drawn in pieces with their sag, pulleys with their
+/// swivel.
 Geometry MakeCdprGeometry(const CdprDescription& robot);
 
-/// Moves the shapes that MakeCdprGeometry made for the same robot; allocates nothing.
+/// Moves the shapes that MakeCdprGeometry() made for the same robot. Does not allocate.
 void MoveCdprGeometry(const CdprDescription& robot, const PlatformState& platform, const CableVector& tension,
                       const std::vector<CableStatics>& cables, const Payload& payload,
                       const PlatformWrench& wrench, Geometry* geometry);

@@ -18,7 +18,7 @@ Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,
                                   double max_tension_ratio) const {
   const double limit = max_tension_ratio * params.robot.cable.tension_max;
   for (Eigen::Index i = 0; i < cables.tension.size(); ++i) {
-    // What pulls no harder than its own weight hangs.
+    // A cable whose tension is at most its weight is slack.
     const double weight = params.robot.cable.mass_per_length * kGravity * cables.rest_length[i];
     if (forbid_slack && cables.tension[i] <= weight) return fmt::format("cable {} is slack", i);
     if (cables.tension[i] > limit)

@@ -11,21 +11,21 @@ namespace tenon {
 
 struct CdprMonitorParams {
   CdprDescription robot;
-  bool forbid_slack = true;        ///< if not, cables may be slack
-  double max_tension_ratio = 1.1;  ///< of a cable, to the winches' tension_max, which bounds the command
-  double floor = 0;                ///< height in W that no attachment may be below [m]
+  bool forbid_slack = true;        ///< a slack cable ends the run
+  double max_tension_ratio = 1.1;  ///< largest tension over the winches' tension_max
+  double floor = 0;                ///< least height of attachments and CoM in W [m]
   Rate rate = Hz(1000);
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Ends the run of a cable robot when it does what no robot could, or what is not asked of it:
-///  - a cable is slack, and cannot pull where it should;
-///  - a cable pulls harder than its winch holds, max_tension_ratio tension_max;
-///  - the platform, its CoM or an attachment, is below the floor;
-///  - its CoM is farther from the middle of the anchors than twice the farthest of them.
+/// Ends the run of a cable robot if
+///  - a cable is slack, unless `forbid_slack` is false;
+///  - a tension exceeds max_tension_ratio tension_max;
+///  - the CoM or an attachment is below the floor;
+///  - the distance of the CoM from the centre of the anchors exceeds twice that of the farthest anchor.
 ///
-/// The reason tells which cable and by how much.
+/// The reason names the cable and the excess.
 ///
 ///     ports in    cables, platform
 ///     parameters  forbid_slack, max_tension_ratio, floor [m]

@@ -11,7 +11,7 @@
 namespace tenon {
 namespace {
 
-constexpr double kNormRate = 5;  // [1/s], with which the quaternion's length returns to 1
+constexpr double kNormRate = 5;  // rate at which the quaternion's length returns to 1 [1/s]
 
 void CheckFinite(const char* name, const Vec<3>& v) {
   if (!v.allFinite())
@@ -210,7 +210,7 @@ void CdprPlant::CalcMotorTensionRate(const Eigen::VectorXd& motor_tension, const
   if (command.size() != n)
     throw RunError(fmt::format(
         "the command has {} entries but the robot has {} cables; give one tension each", command.size(), n));
-  const auto asked_of = [&](int i) { return command[i] < 0 ? 0 : command[i]; };  // nan stays nan
+  const auto asked_of = [&](int i) { return command[i] < 0 ? 0 : command[i]; };  // keeps NaN
   rate->resize(n);
   for (int i = 0; i < n; ++i) {
     double asked = asked_of(i);

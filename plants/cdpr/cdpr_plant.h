@@ -20,17 +20,17 @@ struct CdprPlantParams {
   Vec<3> v_W = Vec<3>::Zero();    ///< velocity at the start [m/s]
   Vec<3> w_W = Vec<3>::Zero();    ///< angular velocity at the start [rad/s]
   CableVector initial_tension;    ///< one per cable [N]: gives rest lengths and motors at the start
-  CableVector homed_length{};     ///< told at the start [m]; empty: the distances from attachments to anchors
+  CableVector homed_length{};     ///< measured at the start [m]; empty: from attachments to anchors
   double gravity = kGravity;      ///< [m/s^2]
-  bool lock_winches = false;      ///< the drums do not turn: rest lengths stay what they are
+  bool lock_winches = false;      ///< the drums do not turn: rest lengths are constant
 
-  /// Throws ParameterError, also for what the robot's description refuses.
+  /// Throws ParameterError, also if the robot's description is not valid.
   void Validate() const;
 };
 
 /// A cable-driven parallel robot: a platform on Simbody, 4 or more elastic cables, one winch each.
 ///
-///     ports in   command       tension asked of each winch [N]; below 0 counts as 0
+///     ports in   command       commanded tension of each winch [N]; negative values count as 0
 ///                payload       point mass on the platform (optional)
 ///                wrench        external wrench about the CoM (optional)
 ///                faults        winches that stick, cables that are broken, see cable_fault.h (optional)
@@ -39,10 +39,10 @@ struct CdprPlantParams {
 ///                acceleration  of the CoM [m/s^2], angular [rad/s^2]
 ///                cables        length, rate, tension, rest length
 ///                energy        kinetic, potential, elastic [J]
-///                geometry      what it looks like
+///                geometry      for drawing
 ///     states     platform_state
 ///                rest_length    l0, paid out [m]
-///                motor_tension  T_m, what the motor pulls at the drum [N]
+///                motor_tension  T_m, motor's tension at the drum [N]
 ///                reel_speed     of the drum in torque mode, dl0/dt on the start's radius; else unused [m/s]
 ///
 /// **Platform** (Morlando 2023, eqs. (3.7) and (3.8), there for constant L):
@@ -52,39 +52,40 @@ struct CdprPlantParams {
 /// with e_i the direction from attachment to anchor. The quaternion's length has no meaning for the motion;
 /// 5 (1 - |q|^2) q in its derivative brings it back to 1, so that equilibria are isolated points.
 ///
-/// **Cables** pull as CableStatics says, by default straight springs if longer than their rest length l0, and
-/// are damped along their end's direction by the material's damping time, damping / EA:
+/// **Cables** follow CableStatics, by default straight springs if longer than their rest length l0. The
+/// material's damping time, damping / EA, damps them along the direction of their end:
 ///
 ///     T = max(0, T_e + c (dl/dt - dl0/dt)),   c = (damping / EA) dT_e/dl;
 ///     straight  T_e = k (l - l0) and c = damping / l0 if l > l0, else both 0;   k = EA / l0.
 ///
-/// With a rate, c makes T jump when a slack cable becomes taut. What has mass hangs, pulls harder at its
-/// anchor than at its attachment, and is never without tension; it hangs at rest at every instant: that it
-/// swings itself is not modelled, nor the friction of pulleys, see WinchErrors for that.
+/// The damping makes T jump when a slack cable becomes taut at a nonzero rate. A cable with mass sags, has
+/// more tension at its anchor than at its attachment, and is never without tension. It is in static
+/// equilibrium at every instant. Not modelled: its own oscillation, and the friction of pulleys (see
+/// WinchErrors).
 ///
-/// **Winches.** The motor follows the command u, d T_m/dt = (max(0, u) - T_m) / time constant, u held to what
-/// a differential can give, see DifferentialProperties. What T_m and T make of l0 is in winch.h. On a drum
-/// with layers `cables.length` and `cables.rest_length` are what its turns would be on the radius of the
-/// start. There lengths are told to be `homed_length`, as after homing with a model of the robot.
+/// **Winches.** The motor follows the command u, d T_m/dt = (max(0, u) - T_m) / time constant, u limited by
+/// the differential, see DifferentialProperties. The dynamics of l0 under T_m and T are in winch.h. On a drum
+/// with layers `cables.length` and `cables.rest_length` convert its turns by the radius at the start. The
+/// measured lengths at the start are `homed_length`, as after homing with a model of the robot.
 ///
 /// **Faults.** The drum of a winch that sticks does not turn, dl0/dt = 0, so that T = max(0, k (l - l0) + c
-/// dl/dt); a broken cable has T = 0, whatever its length, and its drum stands, too. The motors go on. In
-/// torque mode a drum that stands forgets its speed, with the motor's time constant.
+/// dl/dt); a broken cable has T = 0 at any length, and its drum does not turn either. The motors are not
+/// affected. In torque mode the speed of a stuck drum decays with the motor's time constant.
 ///
 /// **Payload.** When the signal changes, mass and inertia change at once and exactly while pose and velocity
-/// stay: a mass that joins does so at the speed of the point that takes it. Make the signal change at ticks,
-/// by a sampled source, so that no integration step straddles the change.
+/// stay: an added mass has the velocity of its point of attachment. Use a sampled source, so that the signal
+/// changes at ticks and no integration step straddles the change.
 ///
 /// At the start the cables carry `initial_tension`, straight l0 = l / (1 + T / EA), and so do the motors;
 /// that throws ParameterError where CalcRestLength throws. Not modelled: limits of the winches' speed.
 ///
-/// Throws RunError, where CalcCableStatics does, if a drum is empty, if the command has not one entry per
-/// cable, or the faults neither that nor none, and if the payload's mass is negative.
+/// Throws RunError where CalcCableStatics() does, if a drum is empty, if the command does not have one entry
+/// per cable, if the faults have neither that size nor none, and if the payload's mass is negative.
 class CdprPlant final : public LeafSystem<CdprPlantParams> {
  public:
   using LeafSystem::LeafSystem;
 
-  /// What the cables do, as several calculations need it.
+  /// State of the cables, shared by several calculations.
   struct CableForces {
     CableSignals signals;
     std::vector<CableStatics> statics{};
@@ -93,10 +94,10 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
     double energy = 0;        ///< elastic [J]
     double potential = 0;     ///< of the cables' weight [J]
   };
-  /// What the cables have at the start, and what homing there has put into the encoders.
+  /// Cables and encoder offsets at the start, after homing.
   struct Start {
     Eigen::VectorXd rest_length;                  ///< [m]
-    Eigen::VectorXd length_offset;                ///< true length, and length paid out, minus those told [m]
+    Eigen::VectorXd length_offset;                ///< true minus measured length, and rest length [m]
     std::vector<double> drum_angle, drum_radius;  ///< of drums with layers [rad, m]
     std::vector<int> partner;                     ///< at a differential; -1: none
   };

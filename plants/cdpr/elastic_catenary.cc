@@ -11,10 +11,10 @@ namespace tenon {
 namespace {
 
 constexpr int kMostIterations = 200;
-constexpr double kTolerance = 2e-14;        // of the ends' distance, over length and distance
-constexpr double kLeastHorizontal = 1e-16;  // of H, over the cable's weight: a slack cable hangs in a fold
+constexpr double kTolerance = 2e-14;        // of the ends' distance, relative to length and distance
+constexpr double kLeastHorizontal = 1e-16;  // of H over the cable's weight; below, a slack cable is folded
 
-/// What the forces (H, V_m) make of a cable.
+/// The shape of a cable under the forces (H, V_m).
 struct Hanging {
   double tension_start, tension_end;
   double slope;    // (T_e - T_s) / (w L), the mean of V/T
@@ -26,7 +26,7 @@ struct Hanging {
     tension_start = std::hypot(H, V - half);
     tension_end = std::hypot(H, V + half);
     slope = 2 * V / (tension_start + tension_end);
-    // asinh(V_e/H) - asinh(V_s/H) = log((V_e + T_e) / (V_s + T_s)), seen from the lower end.
+    // asinh(V_e/H) - asinh(V_s/H) = log((V_e + T_e) / (V_s + T_s)), evaluated from the lower end.
     const double v = slope >= 0 ? V - half : -V - half;
     const double t = slope >= 0 ? tension_start : tension_end;
     const double lower = v >= 0 ? v + t : H * H / (t - v);
@@ -46,9 +46,9 @@ struct Hanging {
   }
 };
 
-/// Forces to start from: those of the straight cable if it is taut, else of the parabola of the same length
-/// (Jayaraman and Knudson, A curved element for the analysis of cable structures, Computers & Structures 14,
-/// 1981), but where both meet, those of the tension (EA (w L)^2 / 24)^(1/3), which the sag gives up to there.
+/// Initial forces: those of the straight cable if it is taut, else those of a parabola with the cable's
+/// length (Jayaraman and Knudson, A curved element for the analysis of cable structures, Computers &
+/// Structures 14, 1981), and near the transition those of the tension (EA (w L)^2 / 24)^(1/3).
 Eigen::Vector2d Guess(double L, double w, double EA, double x, double z) {
   const double distance = std::hypot(x, z);
   const double between = std::cbrt(EA * w * w * L * L / 24);
@@ -98,7 +98,7 @@ ElasticCatenary HangCatenary(double rest_length, double weight, double axial_sti
       next[0] = std::max({next[0], 0.1 * force[0], least});
       const Hanging tried(L, w, EA, next[0], next[1]);
       const Eigen::Vector2d left = target - tried.span;
-      // Not past the minimum by more than this step's start was before it.
+      // Limits the overshoot beyond the minimum to the distance before it.
       if (step.dot(left) >= -slope / 2 || part < 1e-3) {
         force = next;
         hanging = tried;

@@ -65,7 +65,7 @@ struct FreeRigidBody::Work {
   Work(const Model& model, const Work& other) : state(other.state) { Find(model); }
 
   SimTK::State state;
-  const SimTK::SpatialInertia* inertia = nullptr;  // where in the state Simbody computes it: there it stays
+  const SimTK::SpatialInertia* inertia = nullptr;  // constant address in the state's cache
 
  private:
   void Find(const Model& model) {
@@ -107,7 +107,7 @@ void FreeRigidBody::Calc(const PlatformState& x, const PlatformWrench& wrench, c
   velocity << x.w_W, x.v_W;
   for (int i = 0; i < 4; ++i) q[i] = x.q_WB[i];
   for (int i = 0; i < 3; ++i) q[4 + i] = x.p_WB[i];
-  // No more than what is read below: whole stages of the System take four times as long.
+  // Realizes only what is read below: whole stages of the System take four times as long.
   model_->matter.realizePositionKinematics(state);
   quaternion_rate_ = QuaternionRate(x.q_WB, x.w_W);
 

@@ -23,12 +23,12 @@ namespace tenon {
 /// Gravity accelerates all masses alike: it is added to a last, as is exact.
 ///
 /// Copies share the Simbody System, which is constant, and have a Simbody State each, so that threads can run
-/// one of them each. That needs a System without force subsystems, which is why forces are arguments here.
-/// Values depend on the arguments of the last Calc alone. Calc does not allocate. Throws ParameterError if
+/// one of them each. This requires a System without force subsystems; forces are therefore arguments.
+/// Values depend only on the arguments of the last Calc. Calc does not allocate. Throws ParameterError if
 /// Simbody refuses the inertia.
 class FreeRigidBody {
  public:
-  /// Not a body yet: good to be assigned to.
+  /// An empty object, to be assigned to.
   FreeRigidBody();
   /// `mass` [kg] and `inertia_B` [kg m^2] about the CoM, which is the origin of B.
   FreeRigidBody(double mass, const Eigen::Matrix3d& inertia_B);
@@ -42,7 +42,7 @@ class FreeRigidBody {
   const PlatformAcceleration& acceleration() const { return acceleration_; }
   /// d q_WB / dt, which leaves the length of the quaternion as it is.
   const Vec<4>& quaternion_rate() const { return quaternion_rate_; }
-  /// Of body and point mass [J].
+  /// Kinetic energy of body and point mass [J].
   double kinetic_energy() const { return kinetic_energy_; }
 
  private:

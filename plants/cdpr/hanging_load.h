@@ -11,16 +11,16 @@ namespace tenon {
 
 struct HangingLoadParams {
   double mass = 1;                       ///< m [kg]
-  double length = 1;                     ///< l_0, of the rope without strain [m]
+  double length = 1;                     ///< l_0, rest length of the rope [m]
   Vec<3> attachment_B = Vec<3>::Zero();  ///< of the rope at the platform, from its CoM [m]
-  double axial_stiffness = 27000;        ///< EA of the rope [N]; 27 kN has a polymer rope of 5 mm
+  double axial_stiffness = 27000;        ///< EA of the rope [N]; default: a polymer rope of 5 mm
   double axial_damping = 135;            ///< EA times the material's damping time [N s]
   Vec<3> p_W = Vec<3>::Zero();           ///< of the load at the start, when it is at rest [m]
   double gravity = kGravity;             ///< [m/s^2]
   void Validate() const;                 ///< throws ParameterError
 };
 
-/// Where a load on a rope is, and how it moves.
+/// Position and velocity of a load on a rope.
 struct HangingLoadState {
   Vec<3> p_W = Vec<3>::Zero();  ///< [m]
   Vec<3> v_W = Vec<3>::Zero();  ///< [m/s]
@@ -30,20 +30,20 @@ struct HangingLoadState {
   }
 };
 
-/// A point mass that hangs from the platform on a rope, and swings. The rope pulls as the cables do, see
-/// CdprPlant: with l its length and e the direction from the attachment to the load,
+/// A point mass that swings on a rope under the platform. The rope is modelled like the cables of CdprPlant:
+/// with its length l and the direction e from the attachment to the load,
 ///
 ///     T = max(0, EA / l_0 (l - l_0) + damping / l_0 dl/dt) if l > l_0, else 0
 ///     m dv/dt = -T e + m g
 ///
-/// and on the platform act T e and the torque of it about the CoM.
+/// The platform receives the force T e at the attachment.
 ///
 ///     ports in   platform
-///                others    another wrench, which is added (optional)
+///                others    a wrench that is added (optional)
 ///     ports out  wrench    on the platform
 ///                load      position and velocity
 ///                tension   of the rope [N]
-///                geometry  what it looks like
+///                geometry  for drawing
 class HangingLoad final : public LeafSystem<HangingLoadParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -51,7 +51,7 @@ class HangingLoad final : public LeafSystem<HangingLoadParams> {
   InputPort<PlatformWrench> others{this, {"others"}, PlatformWrench{}};
   ContinuousState<HangingLoadState> state{this, {"state"}, {params.p_W, Vec<3>::Zero()}};
 
-  /// The rope as it is now.
+  /// State of the rope.
   struct Rope {
     Vec<3> arm_W = Vec<3>::Zero();    ///< from the platform's CoM to the attachment [m]
     Vec<3> force_W = Vec<3>::Zero();  ///< on the platform [N]

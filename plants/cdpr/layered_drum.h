@@ -4,7 +4,7 @@
 
 namespace tenon {
 
-/// How far a drum has turned to wind up a length of cable, and on which radius the cable lies now.
+/// Angle of a drum that has wound up a length of cable, and the radius of its current layer.
 ///
 /// Each layer has N turns; those of the next lie in the grooves between them, so that the radius grows by
 /// sqrt(3)/2 of the cable's diameter D from layer to layer:
@@ -18,7 +18,7 @@ struct DrumTurn {
   double radius = 0;  ///< [m]
 };
 
-/// Of the length `wound` [m], not negative.
+/// Turn of a drum that has wound up the length `wound` >= 0 [m].
 DrumTurn TurnOf(const DrumProperties& drum, double wound);
 
 }  // namespace tenon

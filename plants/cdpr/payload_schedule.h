@@ -15,7 +15,7 @@ struct PayloadScheduleParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Hangs a payload on a platform at one time and lets it go at another:
+/// Attaches a payload to a platform at one time and releases it at another:
 ///
 ///     payload(t) = the payload if attach <= t < release, else none
 ///
@@ -25,7 +25,7 @@ struct PayloadScheduleParams {
 class PayloadSchedule final : public LeafSystem<PayloadScheduleParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<Payload> load{this, {"load"}, params.payload, "what hangs on the platform"};
+  Parameter<Payload> load{this, {"load"}, params.payload, "load on the platform"};
   Parameter<double> attach{this, {"attach", "s"}, params.attach_s, "when it is hung"};
   Parameter<double> release{this, {"release", "s"}, params.release_s, "when it is let go"};
   OutputPort<Payload> payload{this,

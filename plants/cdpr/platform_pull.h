@@ -15,7 +15,7 @@ struct PlatformPullParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Where a PlatformPull holds a platform, and where it pulls.
+/// Grip point and target of a PlatformPull.
 struct PlatformGrip {
   bool on = false;
   Vec<3> p_B = Vec<3>::Zero();       ///< the point, from the CoM in the platform's axes [m]
@@ -28,27 +28,28 @@ struct PlatformGrip {
   }
 };
 
-/// A hand that pulls at a point p = p_WB + R_WB p_B of a platform, by a spring and a damper, no stronger than
-/// F_max:
+/// A spring and a damper that pull the point p = p_WB + R_WB p_B of a platform towards a target, with the
+/// force saturated at F_max:
 ///
 ///     F = k (target - p) - d v,   v = v_WB + w x (p - p_WB),   |F| <= F_max,
 ///
-/// as a wrench about the CoM, beside that of others. Without `on` it adds nothing.
+/// The output is its wrench about the CoM plus `others`. If `on` is false, the force is zero.
 ///
 ///     ports in    platform
-///                 others      a wrench on the platform; none if not connected
-///     port out    wrench      both
+///                 others      a wrench that is added (optional)
+///     port out    wrench      the sum
 ///     parameters  grip
 class PlatformPull final : public LeafSystem<PlatformPullParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<PlatformState> platform{this, {"platform"}};
   InputPort<PlatformWrench> others{this, {"others"}, PlatformWrench{}};
-  Parameter<PlatformGrip> grip{this, {"grip"}, PlatformGrip{}, "what is held, and where it is pulled"};
+  Parameter<PlatformGrip> grip{
+      this, {"grip"}, PlatformGrip{}, "point that is held, and the target it is pulled to"};
   OutputPort<PlatformWrench> wrench{
       this, {"wrench"}, Uses(platform, others, grip), &PlatformPull::CalcWrench};
 
-  /// The force alone [N].
+  /// The force F [N].
   Vec<3> Force(const PlatformState& platform, const PlatformGrip& grip) const;
 
  private:

@@ -7,33 +7,32 @@
 
 namespace tenon {
 
-/// Defaults: without errors.
+/// Parameters of WinchErrors; the defaults have no errors.
 struct WinchErrorsParams {
   int num_cables = 4;
   Rate rate = Hz(1000);           ///< of the commands
-  double gain_deviation = 0;      ///< standard deviation of each winch's torque constant, over the constant
-  double ripple = 0;              ///< standard deviation of the tension over the tension
-  double friction = 0;            ///< mu, dry friction over tension
+  double gain_deviation = 0;      ///< relative standard deviation of the winches' torque constants
+  double ripple = 0;              ///< relative standard deviation of the tension
+  double friction = 0;            ///< mu, coefficient of dry friction
   double friction_speed = 0.005;  ///< v_s [m/s]
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What winches make of the tension that they are asked for: their torque constants are not quite what is
-/// believed, the torque ripples with the motor's angle (white from tick to tick, see DriveErrors), and gear,
-/// drum and pulleys rub against the cable's motion. Of a command u at a cable whose length changes by l' > 0
-/// when it is pulled out,
+/// Errors of winches: gains that deviate from the model, torque ripple (modelled as white from tick to tick,
+/// see DriveErrors), and dry friction of gear, drum and pulleys. The tension for a command u of a cable whose
+/// length changes at l' (positive when it is pulled out) is
 ///
 ///     y = (1 + g) (1 + ripple n) u (1 + mu tanh(l' / v_s)),
 ///
-/// g normal with the gain's deviation, drawn at the start, n normal, anew each tick. The motor's own lag and
-/// the drum are the plant's.
+/// with g normal with the gain's deviation, drawn at the start, and n standard normal, drawn at each tick.
+/// The plant models the motor's lag and the drum.
 ///
 ///     ports in   command  [N], one per cable
-///                cables   for their rates
+///                cables   the rates are used
 ///     port out   tension  sampled [N]
 ///
-/// @throws RunError in a run if one of them has another number of cables.
+/// @throws RunError during a run if an input does not have one entry per cable.
 class WinchErrors final : public LeafSystem<WinchErrorsParams> {
  public:
   using LeafSystem::LeafSystem;

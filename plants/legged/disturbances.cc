@@ -9,16 +9,17 @@ namespace tenon {
 namespace {
 
 void CheckForce(const ExternalForce& force) {
-  Demand(force.body >= 0 && force.body <= kNumJoints,
-         fmt::format("body {} is not there; give 0 for the trunk or 1 to {} for the body that a joint moves",
-                     force.body, kNumJoints));
+  Demand(
+      force.body >= 0 && force.body <= kNumJoints,
+      fmt::format("body {} does not exist; give 0 for the trunk or 1 to {} for the body that a joint moves",
+                  force.body, kNumJoints));
   Demand(internal::IsFinite(force), "point, force and torque must be finite: give m, N and N m");
 }
 
 }  // namespace
 
 ExternalForce PointOnLeg(const QuadrupedDescription& robot, int leg, double height) {
-  Demand(leg >= 0 && leg < kNumLegs, fmt::format("leg {} is not there; give 0 to {}", leg, kNumLegs - 1));
+  Demand(leg >= 0 && leg < kNumLegs, fmt::format("leg {} does not exist; give 0 to {}", leg, kNumLegs - 1));
   Demand(height >= 0 && height <= 1,
          fmt::format("height {} is not on the leg; give 0 for the foot to 1 for the hip", height));
   const LegDescription& at = robot.legs[static_cast<std::size_t>(leg)];
@@ -39,7 +40,7 @@ void SineForceParams::Validate() const {
   Demand(std::isfinite(angular_frequency),
          fmt::format("angular_frequency is {}; give rad/s", angular_frequency));
   Demand(std::isfinite(start) && end >= start,
-         fmt::format("the force ends at {} s but starts at {} s: exchange them", end, start));
+         fmt::format("the force ends at {} s, before its start at {} s: exchange them", end, start));
 }
 
 ExternalForce SineForce::CalcForce(double time, const ExternalForce& amplitude, double angular_frequency,
@@ -60,7 +61,7 @@ void PulseForceParams::Validate() const {
 
 ExternalForce PulseForce::CalcForce(double time, const ExternalForce& push, double start,
                                     double duration) const {
-  // Ticks are exact multiples of the period, the sum of two decimal numbers is not.
+  // Tolerates the rounding of start + duration; ticks are exact multiples of the period.
   const double rounding = 1e-6 * params.rate.period();
   const double since = time - start + rounding;
   return since >= 0 && since < duration ? push : ExternalForce{};
@@ -69,11 +70,11 @@ ExternalForce PulseForce::CalcForce(double time, const ExternalForce& push, doub
 void RandomForceParams::Validate() const {
   Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
   Demand(lower >= 0 && std::isfinite(upper) && upper >= lower,
-         fmt::format("magnitudes from {} to {} N make no sense: give 0 <= lower <= upper", lower, upper));
+         fmt::format("the bounds of the magnitude are {} and {} N: give 0 <= lower <= upper", lower, upper));
 }
 
 ExternalForce RandomForce::CalcForce(bool on_trunk, double lower, double upper, RandomStream& random) const {
-  // As many numbers for the trunk as for a leg, so that the one change does not make another sequence.
+  // Draws equally many numbers for the trunk and for a leg, so that on_trunk does not change the sequence.
   const int leg = static_cast<int>(random.Uniform(0, kNumLegs));
   const double height = random.Uniform();
   const double magnitude = random.Uniform(lower, upper);

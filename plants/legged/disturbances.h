@@ -12,15 +12,15 @@
 namespace tenon {
 
 /// @file
-/// Forces of the surroundings on a quadruped. Each of these blocks puts out one force; a ForceBundle makes
-/// the ExternalForces of them that QuadrupedPlant takes.
+/// External forces on a quadruped. Each block outputs one force; a ForceBundle combines them into the
+/// ExternalForces that QuadrupedPlant reads.
 
-/// A point on a leg, without a force: `height` runs along the leg from 0 at the foot over 0.5 at the knee to
-/// 1 at the hip's pitch joint. Throws ParameterError for a leg or a height that is not there.
+/// An ExternalForce of zero at a point of a leg. `height` is 0 at the foot, 0.5 at the knee and 1 at the hip
+/// pitch joint. Throws ParameterError if `leg` or `height` is out of range.
 ExternalForce PointOnLeg(const QuadrupedDescription& robot, int leg, double height);
 
 struct SineForceParams {
-  ExternalForce amplitude = {};                          ///< where, and how much [N], [N m]
+  ExternalForce amplitude = {};                          ///< point of application and amplitude [N], [N m]
   double angular_frequency = 1;                          ///< w [rad/s]
   double start = 0;                                      ///< [s]
   double end = std::numeric_limits<double>::infinity();  ///< [s]
@@ -28,7 +28,7 @@ struct SineForceParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// f(t) = amplitude sin(w (t - start)) for start <= t < end, else none.
+/// A sinusoidal force: f(t) = amplitude sin(w (t - start)) for start <= t < end, else 0.
 ///
 ///     port out    force
 ///     parameters  amplitude, angular_frequency [rad/s], start, end [s]
@@ -37,9 +37,9 @@ class SineForce final : public LeafSystem<SineForceParams> {
   using LeafSystem::LeafSystem;
   Parameter<ExternalForce> amplitude{this, {"amplitude"}, params.amplitude, "where, and how much"};
   Parameter<double> angular_frequency{
-      this, {"angular_frequency", "rad/s"}, params.angular_frequency, "of the sine"};
-  Parameter<double> start{this, {"start", "s"}, params.start, "when it begins"};
-  Parameter<double> end{this, {"end", "s"}, params.end, "when it ends"};
+      this, {"angular_frequency", "rad/s"}, params.angular_frequency, "angular frequency of the sine"};
+  Parameter<double> start{this, {"start", "s"}, params.start, "start of the force"};
+  Parameter<double> end{this, {"end", "s"}, params.end, "end of the force"};
   OutputPort<ExternalForce> force{
       this, {"force"}, Uses(time, amplitude, angular_frequency, start, end), &SineForce::CalcForce};
   NextJump next_jump{this, "next_jump", Uses(time, start, end), [](double time, double start, double end) {
@@ -52,15 +52,15 @@ class SineForce final : public LeafSystem<SineForceParams> {
 };
 
 struct PulseForceParams {
-  ExternalForce push = {};  ///< where, and how much [N], [N m]
+  ExternalForce push = {};  ///< point of application and force [N], [N m]
   double start = 0;         ///< [s]
-  double duration = 0;      ///< [s]; infinity for a force that stays
-  Rate rate = Hz(1000);     ///< the instants are rounded up to its ticks, which end integration steps
+  double duration = 0;      ///< infinity for a permanent force [s]
+  Rate rate = Hz(1000);     ///< start and end are rounded up to ticks, where integration steps end
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A constant force or torque on any body for part of the run: a push, or a wrench on the trunk.
+/// A constant force and torque on a body for a part of the run.
 ///
 ///     port out    force  sampled
 ///     parameters  push, start, duration [s]
@@ -68,8 +68,8 @@ class PulseForce final : public LeafSystem<PulseForceParams> {
  public:
   using LeafSystem::LeafSystem;
   Parameter<ExternalForce> push{this, {"push"}, params.push, "where, and how much"};
-  Parameter<double> start{this, {"start", "s"}, params.start, "when it begins"};
-  Parameter<double> duration{this, {"duration", "s"}, params.duration, "infinity for a force that stays"};
+  Parameter<double> start{this, {"start", "s"}, params.start, "start of the force"};
+  Parameter<double> duration{this, {"duration", "s"}, params.duration, "infinity for a permanent force"};
   OutputPort<ExternalForce> force{
       this, {"force"}, Sampled{params.rate}, Uses(time, push, start, duration), &PulseForce::CalcForce};
 
@@ -79,16 +79,16 @@ class PulseForce final : public LeafSystem<PulseForceParams> {
 
 struct RandomForceParams {
   QuadrupedDescription robot = {};
-  bool on_trunk = false;  ///< at B's origin instead of a leg
-  double lower = 0;       ///< magnitude, at least [N]
-  double upper = 0;       ///< at most [N]
+  bool on_trunk = false;  ///< acts at B's origin instead of a leg
+  double lower = 0;       ///< lower bound of the magnitude [N]
+  double upper = 0;       ///< upper bound of the magnitude [N]
   Rate period = Hz(0.5);
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A force that changes every period, and stays in between: on a random leg at a random height (or on the
-/// trunk), of random magnitude and direction, all uniformly distributed.
+/// A random force that is constant within each period: on a random leg at a random height (or on the trunk),
+/// with random magnitude and direction, all uniformly distributed.
 ///
 ///     port out    force  sampled
 ///     parameters  on_trunk, lower, upper [N]
@@ -96,8 +96,8 @@ class RandomForce final : public LeafSystem<RandomForceParams> {
  public:
   using LeafSystem::LeafSystem;
   Parameter<bool> on_trunk{this, {"on_trunk"}, params.on_trunk, "at B's origin instead of a leg"};
-  Parameter<double> lower{this, {"lower", "N"}, params.lower, "magnitude, at least"};
-  Parameter<double> upper{this, {"upper", "N"}, params.upper, "magnitude, at most"};
+  Parameter<double> lower{this, {"lower", "N"}, params.lower, "lower bound of the magnitude"};
+  Parameter<double> upper{this, {"upper", "N"}, params.upper, "upper bound of the magnitude"};
   Random random{this, "random"};
   OutputPort<ExternalForce> force{
       this, {"force"}, Sampled{params.period}, Uses(on_trunk, lower, upper, random), &RandomForce::CalcForce};
@@ -107,12 +107,12 @@ class RandomForce final : public LeafSystem<RandomForceParams> {
 };
 
 struct ForceBundleParams {
-  std::size_t count = 0;  ///< of inputs, up to kMaxExternalForces
+  std::size_t count = 0;  ///< number of inputs, up to kMaxExternalForces
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Several forces as one signal.
+/// Combines several forces into one signal.
 ///
 ///     ports in  force_0, force_1, ...
 ///     port out  forces

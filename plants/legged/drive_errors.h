@@ -7,18 +7,17 @@
 
 namespace tenon {
 
-/// Defaults: without errors.
+/// By default there are no errors.
 struct DriveErrorsParams {
   Rate rate = Hz(1000);       ///< of the commands
-  double gain_deviation = 0;  ///< standard deviation of each drive's torque constant, over the constant
-  double ripple = 0;          ///< standard deviation of the torque over the torque
+  double gain_deviation = 0;  ///< relative standard deviation of each drive's torque constant
+  double ripple = 0;          ///< relative standard deviation of the torque
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What drives make of the torque that they are asked for: their torque constants are not quite what is
-/// believed, and the torque ripples with the motor's angle. At walking speeds motor and gear turn by many
-/// teeth and poles within a tick, so ripple is white from tick to tick. Of a command u
+/// Errors of drives: deviations of the torque constants, and torque ripple. At walking speeds motor and gear
+/// rotate by many poles and teeth within a tick, so the ripple is white from tick to tick. A command u yields
 ///
 ///     y = (1 + g) (1 + ripple n) u,   g normal with the gain's deviation, drawn at the start, n normal, anew
 ///     each tick.

@@ -11,17 +11,17 @@ namespace tenon {
 
 struct FallMonitorParams {
   TerrainParams terrain = {};
-  double min_height = 0;   ///< of B's origin above the ground [m]
-  double max_tilt = 1;     ///< of the trunk's z axis from the vertical [rad]
-  double max_height = 10;  ///< as min_height [m]
+  double min_height = 0;   ///< lower bound of the height of B's origin above the ground [m]
+  double max_tilt = 1;     ///< upper bound of the angle between the trunk's z axis and the vertical [rad]
+  double max_height = 10;  ///< upper bound of the height of B's origin above the ground [m]
   Rate rate = Hz(1000);
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Ends the run when a quadruped has fallen: B's origin comes closer to the ground straight below it than
-/// min_height, or the trunk tilts by more than max_tilt. Likewise, by another monitor, when it goes where
-/// none can, higher than max_height. The reason tells which and by how much.
+/// Ends the run when a quadruped has fallen: B's origin is less than min_height above the ground vertically
+/// below it, or the trunk is tilted by more than max_tilt. A second monitor ends the run above max_height.
+/// The reason contains value and bound.
 ///
 ///     port in     state
 ///     parameters  min_height [m], max_tilt [rad], max_height [m]
@@ -30,12 +30,15 @@ class FallMonitor final : public LeafSystem<FallMonitorParams> {
   using LeafSystem::LeafSystem;
   const Terrain terrain{params.terrain};
   InputPort<LeggedState> state{this, {"state"}};
-  Parameter<double> min_height{
-      this, {"min_height", "m"}, params.min_height, "of B's origin above the ground"};
-  Parameter<double> max_tilt{
-      this, {"max_tilt", "rad"}, params.max_tilt, "of the trunk's z axis from the vertical"};
-  Parameter<double> max_height{
-      this, {"max_height", "m"}, params.max_height, "of B's origin above the ground"};
+  Parameter<double> min_height{this,
+                               {"min_height", "m"},
+                               params.min_height,
+                               "lower bound of the height of B's origin above the ground"};
+  Parameter<double> max_tilt{this, {"max_tilt", "rad"}, params.max_tilt, "upper bound of the trunk's tilt"};
+  Parameter<double> max_height{this,
+                               {"max_height", "m"},
+                               params.max_height,
+                               "upper bound of the height of B's origin above the ground"};
   Monitor fall{this, "fall", Sampled{params.rate}, Uses(state, min_height, max_tilt),
                &FallMonitor::CheckFall};
   Monitor flight{this, "flight", Sampled{params.rate}, Uses(state, max_height), &FallMonitor::CheckFlight};

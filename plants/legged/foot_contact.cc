@@ -8,9 +8,9 @@
 namespace tenon {
 namespace {
 
-constexpr double kElastic = 0.7;  // of z_max
+constexpr double kElastic = 0.7;  // fraction of z_max up to which the bristle is elastic
 
-/// 0 below 0, 1 above 1, exactly, with zero slope at both.
+/// Exactly 0 below 0 and 1 above 1, with zero slope at both.
 double SmoothStep(double x) {
   if (x <= 0) return 0;
   if (x >= 1) return 1;
@@ -22,7 +22,7 @@ double Penetration(double depth, double blend) {
   return depth < blend ? depth * depth / (2 * blend) : depth - blend / 2;
 }
 
-/// Two unit vectors across n, by the smallest rotation that takes z to n; n does not point down.
+/// Two unit tangents, images of x and y in the smallest rotation that takes z to n; n must not point down.
 Eigen::Matrix<double, 3, 2> Tangents(const Vec<3>& n) {
   const double s = 1 / (1 + n[2]);
   Eigen::Matrix<double, 3, 2> T;
@@ -37,7 +37,7 @@ FootContact CalcFootContact(const Terrain& terrain, const ContactProperties& con
   FootContact out{Vec<3>::Zero(), foot.p_W, -bristle / contact.release_time, Vec<3>::Zero(), 0, 0};
   const Terrain::Contacts contacts = terrain.Touch(foot.p_W, radius);
   Vec<3> sum = Vec<3>::Zero();
-  double friction = 0, arm = 0;  // means by force; the arm reaches from the centre to the surface
+  double friction = 0, arm = 0;  // force-weighted means; arm is the distance from the centre to the surface
   for (int i = 0; i < contacts.count; ++i) {
     const Terrain::Contact& at = contacts.at[static_cast<std::size_t>(i)];
     const double rate = -at.normal_W.dot(foot.v_W);

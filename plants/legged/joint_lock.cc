@@ -11,7 +11,7 @@ void JointLockParams::Validate() const {
   schedule.Validate();
   for (const int j : joints)
     Demand(j >= 0 && j < kNumJoints,
-           fmt::format("there is no joint {}: give 3 leg + i, from 0 to {}", j, kNumJoints - 1));
+           fmt::format("joint {} does not exist: give 3 leg + i, from 0 to {}", j, kNumJoints - 1));
   Demand(std::isfinite(stiffness) && stiffness > 0,
          fmt::format("stiffness = {} must be positive: give N m/rad", stiffness));
   Demand(std::isfinite(damping) && damping >= 0,

@@ -12,21 +12,21 @@
 namespace tenon {
 
 struct JointLockParams {
-  std::vector<int> joints = {};  ///< that stick, as quadruped_description.h counts them; empty: all
-  FaultSchedule schedule = {};   ///< the whole run, unless given
-  double stiffness = 5000;       ///< [N m/rad]; 60 N m turn a joint that sticks by 0.7 degrees
+  std::vector<int> joints = {};  ///< indices of the locked joints, 3 leg + i; empty: all
+  FaultSchedule schedule = {};   ///< the whole run by default
+  double stiffness = 5000;       ///< a torque of 60 N m turns a locked joint by 0.7 degrees [N m/rad]
   double damping = 20;           ///< [N m s/rad]
   Rate rate = Hz(1000);
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Joints that stick: a jammed gear, or a brake that closed. While the fault acts each of them is held where
-/// it was at its first tick q_0, by
+/// Locks joints, to model a jammed gear or a closed brake. While the fault is active, each joint is held at
+/// its angle q_0 of the first tick by
 ///
 ///     torque = -stiffness (q - q_0) - damping qd
 ///
-/// at the joint, beside the drive, whose limits do not limit it.
+/// in parallel to the drive and without its limits.
 ///
 ///     builder.Connect(loop.world.state, lock.state);
 ///     builder.Connect(lock.locks, loop.world.plant.locks);
@@ -39,14 +39,14 @@ struct JointLockParams {
 ///     | locks     | output, sampled | JointLocks    |          |
 ///     | acting    | output, sampled | bool          |          |
 ///
-/// `locks` are `others`, of another such block, and its own. The fault acts while t is within `schedule` and
-/// `active` is true.
+/// `locks` combines `others`, from another JointLock, with the locks of this block. The fault is active while
+/// t is within `schedule` and `active` is true.
 ///
-/// The numbers are a choice: a link of 0.1 kg m^2 settles at 220 rad/s, damped to 0.45 of critical, which
-/// explicit integration follows with steps of a millisecond; a lock ten times stiffer takes thrice as many
-/// steps. A drive that broke is no lock: a SignalFault of kind loss and size 1 in its torque, after which the
-/// joint swings freely, against its friction. The drive's torque sensor does not see the lock; observers take
-/// it for an external torque.
+/// With the default values a link of 0.1 kg m^2 settles at 220 rad/s with a damping ratio of 0.45, which
+/// explicit integration follows with steps of a millisecond; ten times the stiffness takes three times as
+/// many steps. A broken drive is not a lock: use a SignalFault of kind loss and size 1 in its torque, after
+/// which the joint swings freely against its friction. The drive's torque sensor does not measure the lock;
+/// observers estimate it as an external torque.
 class JointLock final : public LeafSystem<JointLockParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -24,7 +24,7 @@ constexpr int kNumBodies = 1 + kNumJoints;
 SimTK::Vec3 ToSimbody(const Eigen::Vector3d& v) {
   return {v[0], v[1], v[2]};
 }
-template <class Vec3>  // Simbody's, unit or not
+template <class Vec3>  // SimTK::Vec3 or SimTK::UnitVec3
 Vec<3> ToEigen(const Vec3& v) {
   return {v[0], v[1], v[2]};
 }
@@ -34,19 +34,19 @@ Matrix3<double> ToEigen(const SimTK::Rotation& R) {
     for (int column = 0; column < 3; ++column) out(row, column) = R.asMat33()(row, column);
   return out;
 }
-/// Of the body that a leg's i-th joint moves, the trunk being 0.
+/// Index of the body that joint i of a leg moves; the trunk has index 0.
 std::size_t BodyOf(int leg, std::size_t i) {
   return 1 + kJointsPerLeg * static_cast<std::size_t>(leg) + i;
 }
 
-/// One leg's.
+/// The vector of one leg.
 template <int R>
 Eigen::Matrix<double, R, 1> Of(int leg, const Eigen::Matrix<PerLeg, R, 1>& legs) {
   Eigen::Matrix<double, R, 1> out;
   for (int i = 0; i < R; ++i) out[i] = legs[i][leg];
   return out;
 }
-/// Over the legs.
+/// Sum over the legs.
 template <int R, int C>
 Eigen::Matrix<double, R, C> Sum(const Eigen::Matrix<PerLeg, R, C>& of_legs) {
   Eigen::Matrix<double, R, C> sum;
@@ -54,7 +54,7 @@ Eigen::Matrix<double, R, C> Sum(const Eigen::Matrix<PerLeg, R, C>& of_legs) {
   return sum;
 }
 
-/// A force at r from the point that it is wanted about: torque before force.
+/// Wrench about a point of a torque and a force that acts at r from this point: torque before force.
 template <class T>
 Vector6<T> At(const Vector3<T>& r, const Vector3<T>& torque, const Vector3<T>& force) {
   Vector6<T> wrench;
@@ -63,8 +63,7 @@ Vector6<T> At(const Vector3<T>& r, const Vector3<T>& torque, const Vector3<T>& f
   return wrench;
 }
 
-/// How a body moves: its origin's velocities in W, and its accelerations as far as they do not depend on
-/// those of the trunk and the joints.
+/// Motion of a body's origin in W: velocities, and accelerations at zero accelerations of trunk and joints.
 template <class T>
 struct Motion {
   Vector3<T> w, v, alpha, a;
@@ -75,9 +74,9 @@ template <class T>
 struct Inertia {
   T mass;
   Vector3<T> com;
-  Matrix3<T> unit;  // over mass
+  Matrix3<T> unit;  // divided by mass
 
-  /// What its motion takes, about a point that is r before its origin.
+  /// The wrench that the motion requires, about a point with the body's origin at r.
   Vector6<T> Bias(const Vector3<T>& r, const Motion<T>& motion) const {
     const Vector3<T>& w = motion.w;
     const Vector3<T> force = mass * (motion.a + motion.alpha.cross(com) + w.cross(w.cross(com)));
@@ -86,7 +85,7 @@ struct Inertia {
   }
 };
 
-/// From Simbody's numbers, of which `get` applies the given function to whatever T is made of.
+/// Converts Simbody's inertias; `get` applies a function to one SpatialInertia for each component of T.
 template <class T, class Get>
 Inertia<T> MakeInertia(const Get& get) {
   Inertia<T> inertia;
@@ -126,7 +125,7 @@ struct Composite {
     moment += other.moment;
     inertia += other.inertia;
   }
-  /// Of a motion with this velocity about the point, angular before linear.
+  /// Spatial momentum of a motion with this velocity about the point, angular before linear.
   Vector6<T> Momentum(const Vector6<T>& velocity) const {
     const Vector3<T> w = velocity.template head<3>(), v = velocity.template tail<3>();
     Vector6<T> momentum;
@@ -147,7 +146,7 @@ Composite<double> Sum(const Composite<PerLeg>& legs) {
   return {legs.mass.Sum(), Sum(legs.moment), Sum(legs.inertia)};
 }
 
-/// Of a symmetric matrix.
+/// Inverse of a symmetric matrix.
 Matrix3<PerLeg> Inverse(const Matrix3<PerLeg>& M) {
   Matrix3<PerLeg> out;
   const PerLeg a = M(1, 1) * M(2, 2) - M(1, 2) * M(1, 2), b = M(0, 2) * M(1, 2) - M(0, 1) * M(2, 2),
@@ -162,12 +161,12 @@ Matrix3<PerLeg> Inverse(const Matrix3<PerLeg>& M) {
   return out;
 }
 
-/// A frame with its z on an axis, the same for all that are parallel.
+/// A frame with z along the axis, equal for parallel axes.
 SimTK::Rotation Turned(const Eigen::Vector3d& axis) {
   return SimTK::Rotation(SimTK::UnitVec3(ToSimbody(axis)), SimTK::ZAxis);
 }
 
-/// Simbody wants the inertia about the body's origin.
+/// Simbody's mass properties, with the inertia about the body's origin.
 SimTK::MassProperties MassOf(const RigidInertia& body) {
   const Eigen::Matrix3d I = body.inertia + PointInertia(body.mass, body.com);
   return SimTK::MassProperties(body.mass, ToSimbody(body.com),
@@ -220,13 +219,14 @@ struct QuadrupedBody::Model {
   SimTK::MultibodySystem system;
   SimTK::SimbodyMatterSubsystem matter;
   std::array<SimTK::MobilizedBody, kNumBodies> bodies;
-  // Of the bodies here in those of the description: z on the joint's axis, about which a Pin turns; the
-  // trunk's on that of the first hip. Frames of Pins that coincide with their bodies' save Simbody a sixth of
-  // its kinematics, axes that are those of the bodies before as much.
+  // Axes of Simbody's bodies in the frames of the description, with z along the joint's axis, about which a
+  // Pin turns; the trunk's z is along the first hip's axis. Joint frames that coincide with body frames save
+  // a sixth of the time of Simbody's kinematics, and so do axes equal to those of the parent.
   std::array<SimTK::Rotation, kNumBodies> axes;
   Vec<4> trunk_turn;  // axes[0] as a quaternion
   std::array<int, kNumJoints> q_index, u_index;
-  // Of all legs: where the joints are in the frames of the bodies before, and the feet in those of the last.
+  // Positions of all legs' joints in the frames of their parents, and of the feet in the frames of the
+  // shanks.
   std::array<Vector3<PerLeg>, kJointsPerLeg> offsets;
   Vector3<PerLeg> feet;
   double rotor_inertia;
@@ -240,7 +240,8 @@ struct QuadrupedBody::Work {
   Work(const Model& model, const Work& other) : Work(other) { Find(model); }
 
   SimTK::State state;
-  // Where in the state Simbody computes them: there they stay, and each look-up takes it two dynamic casts.
+  // Pointers into the state, where these values stay; each access through Simbody would take two dynamic
+  // casts.
   std::array<const SimTK::Transform*, kNumBodies> poses;
   std::array<const SimTK::SpatialInertia*, kNumBodies> inertias;
   LeggedState x;
@@ -248,12 +249,12 @@ struct QuadrupedBody::Work {
   Vec<3> origin;  // of the trunk
   Vec<3> com;     // of the robot
   std::array<FootMotion, kNumLegs> feet;
-  std::array<Vector6<PerLeg>, kJointsPerLeg> axes;  // velocities that unit joint speeds give
-  Vec<6> trunk_bias;                                // forces that it takes for no accelerations
+  std::array<Vector6<PerLeg>, kJointsPerLeg> axes;  // spatial velocities at unit joint speeds
+  Vec<6> trunk_bias;                                // trunk's rows of the bias force
   Vector3<PerLeg> joint_bias;
   Matrix3<PerLeg> leg_mass_inverse;
-  Eigen::Matrix<PerLeg, 3, 6> legs_per_trunk;  // how legs yield to the trunk
-  Eigen::LLT<Matrix6> trunk_mass;              // felt at the trunk, with yielding legs
+  Eigen::Matrix<PerLeg, 3, 6> legs_per_trunk;  // -(leg accelerations) per trunk acceleration
+  Eigen::LLT<Matrix6> trunk_mass;              // mass matrix of the trunk after the elimination of the legs
 
  private:
   Work(const Work&) = default;
@@ -287,13 +288,13 @@ QuadrupedBody& QuadrupedBody::operator=(const QuadrupedBody& other) {
 void QuadrupedBody::SetState(const LeggedState& x) {
   work_->x = x;
   SimTK::State& state = work_->state;
-  // Raw data, because Simbody as packaged checks every access to an element.
+  // Raw data, since the packaged Simbody checks the bounds of every access.
   double* q = state.updQ().updContiguousScalarData();  // (w, x, y, z), position, joint angles
   const Vec<4> turn = QuaternionProduct(x.q_WB, model_->trunk_turn);
   for (int i = 0; i < 4; ++i) q[i] = turn[i];
   for (int i = 0; i < 3; ++i) q[4 + i] = x.p_WB[i];
   for (std::size_t j = 0; j < kNumJoints; ++j) q[model_->q_index[j]] = x.q[static_cast<Eigen::Index>(j)];
-  // No more than what is read below: whole stages of the System take longer.
+  // Computes only the values that are read below; complete stages of the System take longer.
   model_->matter.realizePositionKinematics(state);
   Factorise();
 }
@@ -342,11 +343,11 @@ void QuadrupedBody::Factorise() {
     work.feet[static_cast<std::size_t>(leg)] = {work.origin + Of(leg, foot), Of(leg, foot_velocity),
                                                 Of(leg, motion.w)};
 
-  // And back.
+  // From the feet to the trunk.
   Composite<PerLeg> carried;
   Vector6<PerLeg> bias = Vector6<PerLeg>::Zero();
   Matrix3<PerLeg> M;
-  Eigen::Matrix<PerLeg, 6, 3> momentum;  // of what each joint carries, at its unit speed
+  Eigen::Matrix<PerLeg, 6, 3> momentum;  // momentum of the bodies that each joint carries, at unit speed
   for (int i = kJointsPerLeg - 1; i >= 0; --i) {
     const auto at = static_cast<std::size_t>(i);
     const Vector6<PerLeg>& axis = work.axes[at];
@@ -363,7 +364,7 @@ void QuadrupedBody::Factorise() {
   work.com = work.origin + all.moment / all.mass;
   work.trunk_bias += Sum(bias);
   Matrix6 mass = MassMatrix(all);
-  for (int k = 0; k < 6; ++k)  // what the Cholesky decomposition reads
+  for (int k = 0; k < 6; ++k)  // the lower triangle, which the Cholesky decomposition reads
     for (int i = k; i < 6; ++i)
       mass(i, k) -= momentum.row(i).transpose().dot(work.legs_per_trunk.col(k)).Sum();
   work.trunk_mass.compute(mass);

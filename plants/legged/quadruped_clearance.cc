@@ -4,11 +4,12 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cstddef>
 
 namespace tenon {
 
-static constexpr double kRounding = 1e-9;  // [m], more than sums and roots round
+static constexpr double kRounding = 1e-9;  // [m], above rounding errors
 
 QuadrupedClearance::QuadrupedClearance(const QuadrupedDescription& robot, const TerrainParams& terrain)
     : robot_(robot), terrain_(terrain), radius_(LinkRadius(robot)) {
@@ -39,15 +40,9 @@ QuadrupedClearance::QuadrupedClearance(const QuadrupedDescription& robot, const 
 QuadrupedClearance::Points QuadrupedClearance::PointsAt(const Vec<kNumJoints>& q) const {
   Points points;
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
-    const LegDescription& of = robot_.legs[leg];
-    Eigen::Vector3d p = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-    for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
-      points[leg][i] = p += R * of.joints[i].p_PJ;
-      R *= Eigen::AngleAxisd(q[static_cast<Eigen::Index>(kJointsPerLeg * leg + i)], of.joints[i].axis)
-               .toRotationMatrix();
-    }
-    points[leg][kJointsPerLeg] = p + R * of.foot_J;
+    const LegPose pose = robot_.PoseOfLeg(static_cast<int>(leg), q);
+    std::copy(pose.p_BJ.begin(), pose.p_BJ.end(), points[leg].begin());
+    points[leg][kJointsPerLeg] = pose.foot_B;
   }
   return points;
 }
@@ -86,7 +81,7 @@ QuadrupedClearances::Gap QuadrupedClearance::Ground(const LeggedState& x, const 
 QuadrupedClearances QuadrupedClearance::At(const LeggedState& x) const {
   const Points points = PointsAt(x.q);
   QuadrupedClearances clear;
-  // What is too far away at its middle cannot be the nearest.
+  // Skips pairs whose midpoints are too far apart to be the nearest.
   const auto middle = [&](Link link) -> Eigen::Vector3d {
     return (points[link.leg][link.index] + points[link.leg][link.index + 1]) / 2;
   };

@@ -10,34 +10,35 @@
 
 namespace tenon {
 
-/// How far the parts of a quadruped are from one another and from the ground; below 0 they meet.
+/// Distances between parts of a quadruped and to the ground; negative if they overlap.
 struct QuadrupedClearances {
   struct Gap {
     double distance = std::numeric_limits<double>::infinity();  ///< between surfaces [m]
-    int leg = -1;    ///< the leg that is nearest, see Leg; -1: the trunk
-    int other = -1;  ///< the leg that it is nearest to, if it is one
+    int leg = -1;                                               ///< nearest leg, see Leg; -1: the trunk
+    int other = -1;                                             ///< second leg; -1: none
   };
-  Gap legs;    ///< of two legs
-  Gap trunk;   ///< of a leg and the trunk
-  Gap ground;  ///< of trunk, hips or knees and the ground below
+  Gap legs;    ///< between two legs
+  Gap trunk;   ///< between a leg and the trunk
+  Gap ground;  ///< between trunk, hips or knees and the ground
 };
 
-/// The bodies of a quadruped as shapes that must not meet, which no force of QuadrupedPlant prevents.
+/// Computes clearances of a quadruped by simple shapes; QuadrupedPlant has no forces that prevent their
+/// overlap.
 ///
-/// Links are capsules as in MakeQuadrupedGeometry, from joint to joint and to the foot. The trunk is the box
-/// that the first joints of the legs span, as high as the uniform box with its mass and moments of inertia.
-/// What meets in the nominal stance is joined there, or the shapes are too coarse for it: it is left out.
-/// A URDF's own collision geometry is not read. Of the links the ends alone are held against the ground,
-/// without the feet, whose contact is the plant's: a shank beside a box may go through its edge.
+/// Links are capsules as in MakeQuadrupedGeometry, from joint to joint and to the foot. The trunk is a box
+/// that spans the first joints of the legs, with the height of the uniform box of its mass and moments of
+/// inertia. Pairs that overlap in the nominal stance are excluded, since they are adjacent or approximated
+/// too coarsely. The collision geometry of a URDF is not read. Only the ends of the links, without the feet,
+/// are compared with the ground: the middle of a shank may cut the edge of a box unnoticed.
 class QuadrupedClearance {
  public:
   QuadrupedClearance(const QuadrupedDescription& robot, const TerrainParams& terrain);
 
-  /// Allocates nothing.
+  /// The clearances at x. Does not allocate.
   QuadrupedClearances At(const LeggedState& x) const;
 
  private:
-  /// The hip, the knee and the foot of each leg between the origins of its joints, in B.
+  /// Origins of the joints of each leg, and centre of its foot, in B [m].
   using Points = std::array<std::array<Eigen::Vector3d, kJointsPerLeg + 1>, kNumLegs>;
   struct Link {
     std::size_t leg, index;
@@ -51,7 +52,7 @@ class QuadrupedClearance {
   QuadrupedDescription robot_;
   Terrain terrain_;
   double radius_;                  // of the links [m]
-  Eigen::Vector3d middle_, half_;  // of the trunk's box, and half its edges, in B [m]
+  Eigen::Vector3d middle_, half_;  // centre and half edges of the trunk's box in B [m]
   std::array<std::array<double, kJointsPerLeg>, kNumLegs> half_lengths_;  // of the links [m]
   std::vector<std::pair<Link, Link>> pairs_;
   std::vector<Link> beside_trunk_;

@@ -10,12 +10,12 @@
 namespace tenon {
 namespace {
 
-constexpr double kPlaneSize = 12;         // [m], of a slope
+constexpr double kPlaneSize = 12;         // edge of the slab of a slope [m]
 constexpr double kPlaneThickness = 0.02;  // [m]
-constexpr double kBoxDepth = 0.01;        // [m], of boxes in the plane, so that no gap shows
+constexpr double kBoxDepth = 0.01;        // depth of boxes below the plane, so that no gap is visible [m]
 constexpr int kNumBodies = 1 + kNumJoints;
 
-// The order of the shapes: these, the links, the feet, their forces, the external forces, the terrain.
+// Indices of the shapes; the terrain follows after kNumMoving.
 enum Index {
   kTrunk,
   kPayload,
@@ -31,7 +31,7 @@ std::size_t At(int index) {
   return static_cast<std::size_t>(index);
 }
 
-/// The trunk: its uniform box, widened to the first joints of the legs if they lie outside.
+/// Edges of the trunk's uniform box, widened to the first joints of the legs [m].
 Vec<3> TrunkEdges(const QuadrupedDescription& robot) {
   Vec<3> edges = UniformBox(robot.trunk);
   for (const LegDescription& leg : robot.legs)
@@ -39,7 +39,7 @@ Vec<3> TrunkEdges(const QuadrupedDescription& robot) {
   return edges;
 }
 
-/// Where a link ends, in its joint's frame: at the next joint, or at the foot.
+/// End of a link in its joint's frame: the next joint, or the foot [m].
 const Eigen::Vector3d& LinkEnd(const QuadrupedDescription& robot, int joint) {
   return joint % kJointsPerLeg == kJointsPerLeg - 1 ? robot.legs[At(joint / kJointsPerLeg)].foot_J
                                                     : robot.joint(joint + 1).p_PJ;
@@ -66,7 +66,7 @@ void AddTerrain(const TerrainParams& params, Geometry* shapes) {
 
 }  // namespace
 
-/// m (b^2 + c^2) / 12 about its first axis, and so on.
+// The moment of inertia about the first axis is m (b^2 + c^2) / 12.
 Eigen::Vector3d UniformBox(const RigidInertia& body) {
   if (body.mass == 0) return Eigen::Vector3d::Zero();
   const Vec<3> I = body.inertia.diagonal();
@@ -110,38 +110,34 @@ void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia
                            const LeggedState& x, const FootForces& feet, const ExternalForces& external,
                            Geometry* geometry) {
   Geometry& shapes = *geometry;
-  std::array<Eigen::Matrix3d, kNumBodies> R_W;
-  std::array<Eigen::Vector3d, kNumBodies> p_W;
-  R_W[0] = x.R_WB();
-  p_W[0] = x.p_WB;
-  shapes[kTrunk].p_W = p_W[0];
+  std::array<Eigen::Matrix3d, kNumBodies> R_W{x.R_WB()};
+  std::array<Eigen::Vector3d, kNumBodies> p_W{x.p_WB};
+  shapes[kTrunk].p_W = x.p_WB;
   if (robot.meshes[0] == nullptr) shapes[kTrunk].p_W += R_W[0] * robot.trunk.com;
-  shapes[kPayload].p_W = p_W[0] + R_W[0] * payload.com;
+  shapes[kPayload].p_W = x.p_WB + R_W[0] * payload.com;
   shapes[kTrunk].q_W = shapes[kPayload].q_W = x.q_WB.normalized();
   shapes[kPath].p_W = x.p_WB;
 
-  for (int j = 0; j < kNumJoints; ++j) {
-    const JointDescription& joint = robot.joint(j);
-    const std::size_t parent = j % kJointsPerLeg == 0 ? 0 : At(j), body = At(j + 1);
-    p_W[body] = p_W[parent] + R_W[parent] * joint.p_PJ;
-    R_W[body] = R_W[parent] * Eigen::AngleAxisd(x.q[j], joint.axis);
-    Shape& link = shapes[At(kFirstLink + j)];
-    if (robot.meshes[body] != nullptr) {
-      link.p_W = p_W[body];
-      link.q_W = QuaternionFromRotation(R_W[body]);
-      continue;
-    }
-    const Eigen::Vector3d along_W = R_W[body] * LinkEnd(robot, j);
-    const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along_W);
-    link.p_W = p_W[body] + along_W / 2;
-    link.q_W = {turn.w(), turn.x(), turn.y(), turn.z()};
-  }
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const std::size_t shank = At(kJointsPerLeg * (leg + 1));
-    Shape& foot = shapes[At(kFirstFoot + leg)];
+    const LegPose pose = robot.PoseOfLeg(leg, x.q);
+    for (int i = 0; i < kJointsPerLeg; ++i) {
+      const int joint = kJointsPerLeg * leg + i;
+      const std::size_t body = At(joint + 1);
+      p_W[body] = x.p_WB + R_W[0] * pose.p_BJ[At(i)];
+      R_W[body] = R_W[0] * pose.R_BJ[At(i)];
+      Shape& link = shapes[At(kFirstLink + joint)];
+      if (robot.meshes[body] != nullptr) {
+        link.p_W = p_W[body];
+        link.q_W = QuaternionFromRotation(R_W[body]);
+        continue;
+      }
+      const Eigen::Vector3d along_W = R_W[body] * LinkEnd(robot, joint);
+      const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along_W);
+      link.p_W = p_W[body] + along_W / 2;
+      link.q_W = {turn.w(), turn.x(), turn.y(), turn.z()};
+    }
     Shape& force = shapes[At(kFirstFootForce + leg)];
-    foot.p_W = p_W[shank] + R_W[shank] * robot.legs[At(leg)].foot_J;
-    force.p_W = foot.p_W;
+    force.p_W = shapes[At(kFirstFoot + leg)].p_W = x.p_WB + R_W[0] * pose.foot_B;
     force.vector_W = feet[leg];
   }
   for (std::size_t i = 0; i < external.size(); ++i) {

@@ -7,25 +7,26 @@
 
 namespace tenon {
 
-/// What a quadruped on terrain looks like: bodies by their meshes; without one the trunk as the uniform box
-/// that has its mass and moments of inertia (wider if the legs are not within), links as capsules; the
-/// payload as a uniform box, feet as spheres, the forces on the feet, forces of the surroundings, the path of
-/// the trunk, and the terrain. An arrow for half the robot's weight is as long as the robot is high.
+/// Geometry of a quadruped on terrain for visualisation. Bodies are drawn by their meshes; without meshes,
+/// the trunk is the uniform box of its mass and moments of inertia (widened to the legs) and links are
+/// capsules. The payload is a uniform box, feet are spheres. Further shapes are the forces on the feet,
+/// external forces, the path of the trunk and the terrain. An arrow for half the robot's weight is as long as
+/// the robot is high.
 ///
-/// A level plane is not among the shapes, for viewers draw one at z = 0; a slope is a slab about the origin.
+/// Viewers draw a level plane at z = 0, so it is not among the shapes; a slope is a slab at the origin.
 Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia& payload,
                                const TerrainParams& terrain);
 
-/// Moves the shapes that MakeQuadrupedGeometry made for the same robot; allocates nothing. Forces on bodies
-/// that are not there are not drawn.
+/// Updates the shapes of MakeQuadrupedGeometry for this robot. Does not allocate. Forces on invalid bodies
+/// are hidden.
 void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia& payload,
                            const LeggedState& x, const FootForces& feet, const ExternalForces& external,
                            Geometry* geometry);
 
-/// The edges of the uniform box with the mass and the moments of inertia of a body [m]; 0 without mass.
+/// Edges of the uniform box with the mass and the moments of inertia of a body [m]; 0 without mass.
 Eigen::Vector3d UniformBox(const RigidInertia& body);
 
-/// Of the capsules that stand for the links [m].
+/// Radius of the capsules that represent the links [m].
 double LinkRadius(const QuadrupedDescription& robot);
 
 }  // namespace tenon

@@ -10,8 +10,8 @@
 namespace tenon {
 namespace {
 
-constexpr double kNormRate = 5;         // [1/s], with which the quaternion's length returns to 1
-constexpr double kFrictionSpeed = 0.1;  // [rad/s], below which Coulomb's friction is smooth
+constexpr double kNormRate = 5;         // decay rate of the error of the quaternion's length [1/s]
+constexpr double kFrictionSpeed = 0.1;  // speed below which Coulomb friction is smoothed [rad/s]
 
 void CheckBody(const ExternalForce& force) {
   if (force.body < 0 || force.body > kNumJoints)
@@ -41,7 +41,7 @@ double DriveTorque(double command, double qd, const JointDescription& joint, con
     upper = std::clamp(joint.torque_limit * (joint.speed_limit - qd) / fall, lower, upper);
     lower = std::clamp(-joint.torque_limit * (joint.speed_limit + qd) / fall, lower, upper);
   }
-  if (command > upper) return upper;  // written so that nan stays nan
+  if (command > upper) return upper;  // propagates NaN
   return command < lower ? lower : command;
 }
 
@@ -59,7 +59,8 @@ void QuadrupedPlantParams::Validate() const {
     throw ParameterError(
         "the initial state has entries that are not finite, or a quaternion of length 0; give "
         "all in SI units and a unit quaternion");
-  if (!std::isfinite(gravity)) throw ParameterError(fmt::format("gravity is {}; give m/s^2", gravity));
+  if (!std::isfinite(gravity))
+    throw ParameterError(fmt::format("gravity is {} but must be finite; give m/s^2", gravity));
   terrain.Validate();
 }
 
@@ -159,7 +160,7 @@ Vec<12> QuadrupedPlant::CalcExternalTorque(const QuadrupedBody& body, const Exte
     CheckBody(force);
     if (force.body == 0) continue;
     const Vec<3> p_W = body.Position(force.body, force.p_B);
-    const int last = force.body - 1;  // the joint that moves the body; those above it in its leg come before
+    const int last = force.body - 1;  // joint of the body, after the other joints between it and the trunk
     for (int j = last - last % kJointsPerLeg; j <= last; ++j) {
       const Vec<3> origin = body.Position(1 + j, Vec<3>::Zero());
       const Vec<3> axis = body.Position(1 + j, params.robot.joint(j).axis) - origin;

@@ -26,18 +26,18 @@ struct QuadrupedPlantParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What a drive gives of a command at a joint's speed qd [N m, rad/s]: see QuadrupedPlant. Not a number stays
-/// not a number.
+/// Torque of a drive for a command [N m] at the joint speed qd [rad/s], see QuadrupedPlant. NaN is
+/// propagated.
 double DriveTorque(double command, double qd, const JointDescription& joint, const DriveProperties& drive,
                    bool limit_speed = true);
 
-/// The bristles of the feet, see foot_contact.h.
+/// Bristle states of the feet, see foot_contact.h.
 struct FootBristles {
   Vec<8> z = Vec<8>::Zero();  ///< two for each leg [m]
   static FieldList Fields() { return {{"z", &FootBristles::z, "m"}}; }
 };
 
-/// How the feet stand on the ground.
+/// Contacts of the feet.
 struct FootContacts {
   std::array<FootContact, kNumLegs> feet;
 };
@@ -52,48 +52,50 @@ struct LeggedEnergy {
   }
 };
 
-/// A quadruped on terrain: rigid bodies in Simbody (quadruped_body.h), feet that stick (foot_contact.h).
+/// A quadruped on terrain: rigid bodies in Simbody (quadruped_body.h), compliant contacts with friction
+/// (foot_contact.h).
 ///
 ///     ports in   torque           command to the joints' drives [N m]
 ///                external         up to eight forces and torques on the robot; none if not connected
-///                locks            joints that are stuck, see joint_lock.h; none if not connected
+///                locks            locked joints, see joint_lock.h; none if not connected
 ///     ports out  state            pose and velocity of the trunk, joint angles and speeds
-///                acceleration     of B's origin and of the joints, as an inertial unit needs it
-///                foot_forces      of the ground on each foot [N]
-///                foot_depths      of each foot in the ground [m]
-///                foot_slips       velocity of each foot's point in contact along the ground [m/s]
-///                joint_torque     what the drives give after their limits [N m]
+///                acceleration     of B's origin and of the joints, for an IMU
+///                foot_forces      ground force on each foot [N]
+///                foot_depths      penetration of each foot [m]
+///                foot_slips       tangential velocity of each foot's contact point [m/s]
+///                joint_torque     torques of the drives within their limits [N m]
 ///                energy           kinetic, potential
-///                external_wrench  of `external` and the payload's weight, about the CoM without payload
-///                external_torque  of `external` on the joints [N m]
-///                geometry         what it looks like, terrain included
+///                external_wrench  `external` plus the payload's weight, about the CoM without payload
+///                external_torque  torques of `external` on the joints [N m]
+///                geometry         shapes of robot and terrain
 ///
-/// **Drives.** The torque is the command within the torque limit. With `limit_speed` it is also below the
-/// torque-speed line of the motor: full torque up to a ratio r of the speed limit w, then falling linearly,
-/// 0 at the limit, and braking above,
+/// **Drives.** The torque is the command limited to the torque limit. With `limit_speed` it is also limited
+/// to the torque-speed line of the motor: full torque up to a fraction r of the speed limit w, then falling
+/// linearly to 0 at the limit, and braking above,
 ///
 ///     tau <= limit min(1, (w - qd) / ((1 - r) w)), not below -limit, and the mirror image for qd < 0.
 ///
-/// Friction is viscous plus Coulomb's, the latter smooth below 0.1 rad/s. End stops push back with
-/// k e max(0, 1 + c e'), e being the angle beyond the range: stops without jumps, which dissipate.
-/// Rotor inertia is seen by the joint alone, not by the trunk as gyroscopic torque.
+/// Friction is viscous plus Coulomb friction, which is smoothed below 0.1 rad/s. End stops apply the torque
+/// k e max(0, 1 + c e') for an angle e beyond the range, a continuous and dissipative model. The rotor
+/// inertia acts on the joint alone, without gyroscopic torque on the trunk.
 ///
-/// The quaternion's length has no meaning for the motion; 5 (1 - |q|^2) q in its derivative brings it to 1.
-/// Only feet touch the ground: a fallen robot sinks into it, so a run should end at a fall.
+/// The length of the quaternion does not affect the motion; the term 5 (1 - |q|^2) q of its derivative brings
+/// it to 1. Only feet have contact with the ground: a fallen robot sinks into it, so a run should end at a
+/// fall (see FallMonitor).
 ///
-/// **Integration.** An explicit method with steps by tolerance, since impacts need short steps. Order 2 with
-/// rtol = 1e-2 and absolute tolerances of 1e-4 m and rad, 1e-2 m/s and rad/s, 1e-6 m for the bristles is
-/// within 0.05 mm of the exact motion in a landing from 10 cm and in a trot under joint PD at 1 kHz (feet's
-/// forces: 0.4 N rms), with 3 and 6 evaluations per ms; standing takes 2. Ten times tighter ones bring no
-/// more there: what is left is the foot that touches down late in a step, unseen. Order 3 with all tolerances
-/// a hundredth of those is within 0.01 mm of the trot, with 14 evaluations per ms. A shank under load decays
-/// at up to 4000 /s, so that stability holds the steps of Method::kErk at half a millisecond in that trot;
-/// kStabilized of order 2, with 1e-3 m, 1e-1 m/s and 1e-5 m, takes one of a millisecond, 3 evaluations, and
-/// is within 0.17 mm. A foot that slides is stiff, at the rate of its speed over z_max, and friction sees
-/// every error of its bristle: sliding at 1 m/s, it comes out 0.3 % too small. z_max has a lower bound, so
-/// that ground may be as slippery as one likes.
+/// **Integration.** Use an explicit method with error control, since impacts need short steps. Order 2 with
+/// rtol = 1e-2 and absolute tolerances of 1e-4 m and rad, 1e-2 m/s and rad/s, and 1e-6 m for the bristles
+/// deviates by less than 0.05 mm from the exact motion in a landing from 10 cm and in a trot under joint PD
+/// at 1 kHz (0.4 N rms in the foot forces), with 3 and 6 evaluations per ms; standing takes 2. Ten times
+/// tighter tolerances are not more accurate, since the error is dominated by feet that touch down late within
+/// a step. Order 3 with one hundredth of these tolerances deviates by less than 0.01 mm in the trot, with 14
+/// evaluations per ms. A loaded shank decays at up to 4000 /s, so stability limits the steps of Method::kErk
+/// to half a millisecond in that trot; kStabilized of order 2 with 1e-3 m, 1e-1 m/s and 1e-5 m takes steps of
+/// one millisecond with 3 evaluations and deviates by less than 0.17 mm. A sliding foot is stiff, with a rate
+/// of its speed over z_max, and its friction depends on the error of the bristle: at 1 m/s it is 0.3 % too
+/// small. z_max has a lower bound, so ground may be arbitrarily slippery.
 ///
-/// Throws RunError for a force on a body that is not there.
+/// Throws RunError for an external force on an invalid body.
 class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
  public:
   using LeafSystem::LeafSystem;

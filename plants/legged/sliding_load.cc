@@ -10,7 +10,7 @@ namespace tenon {
 namespace {
 
 constexpr double kDrawnEdge = 0.12;  // [m]
-constexpr double kFollow = 50;       // [1/s], with which a load that has no mass stays at its place
+constexpr double kFollow = 50;       // rate at which a load without mass follows position_B [1/s]
 
 void DemandPositive(const char* name, double value, const char* unit) {
   Demand(std::isfinite(value) && value > 0,
@@ -33,7 +33,7 @@ void SlidingLoadParams::Validate() const {
          "the sliding load's position and reach must be finite, the reach not negative: give metres");
 }
 
-/// The motion of a point that is fixed to the trunk.
+/// Motion of a point fixed to the trunk.
 static LoadMotion OnTrunk(const LeggedState& robot, const Vec<3>& p_B) {
   const Eigen::Vector3d arm = robot.R_WB() * p_B;
   return {robot.p_WB + arm, robot.v_W + robot.w_W.cross(arm)};

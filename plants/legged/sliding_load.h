@@ -10,22 +10,23 @@
 
 namespace tenon {
 
-/// Defaults: a wooden box on an aluminium plate (dry friction about 0.3), which gives way by 2 mm to 5 kg.
+/// The defaults model a wooden box on an aluminium plate (dry friction about 0.3), which yields by 2 mm under
+/// 5 kg.
 struct SlidingLoadParams {
-  double mass = 0;                       ///< m; 0: it is not there, until the Parameter is set [kg]
-  Vec<3> position_B = Vec<3>::Zero();    ///< of its centre at the start, in the trunk's frame [m]
-  Vec<2> reach = Vec<2>::Constant(0.1);  ///< how far it slides from there to either side along x and y [m]
+  double mass = 0;                       ///< m; 0: no load until the Parameter is set [kg]
+  Vec<3> position_B = Vec<3>::Zero();    ///< initial position of its centre in B [m]
+  Vec<2> reach = Vec<2>::Constant(0.1);  ///< distance of the stops from there along x and y [m]
   double friction = 0.3;                 ///< mu
   double slip_speed = 0.01;              ///< v_s [m/s]
   double stiffness = 25e3;               ///< k of trunk and stops [N/m]
-  double damping_ratio = 0.5;            ///< of the load on this spring
-  LeggedState robot = {};                ///< where the robot starts, and the load with it
+  double damping_ratio = 0.5;            ///< damping ratio of the load on this spring
+  LeggedState robot = {};                ///< initial state of the robot
   double gravity = kGravity;             ///< [m/s^2]
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Where the load is and how it moves, in W.
+/// Motion of the load in W.
 struct LoadMotion {
   Vec<3> p_W = Vec<3>::Zero();  ///< [m]
   Vec<3> v_W = Vec<3>::Zero();  ///< [m/s]
@@ -33,17 +34,17 @@ struct LoadMotion {
   static FieldList Fields() { return {{"p_W", &LoadMotion::p_W, "m"}, {"v_W", &LoadMotion::v_W, "m/s"}}; }
 };
 
-/// A load that lies on a robot's trunk and slides there, up to stops: a point mass m at r in the trunk's
-/// frame, r = position_B at the start, that the trunk presses, rubs and stops,
+/// A load that slides on a robot's trunk between stops: a point mass m at r in B, with r = position_B at the
+/// start and normal force, friction and stop forces from the trunk,
 ///
 ///     m v' = m g + f,      f = n N + t T + stops,
-///     N = max(0, m g - k z - d z')         along the trunk's z, that of r beyond the start's
-///     T = -mu N s / sqrt(|s|^2 + v_s^2)    along the trunk, s the velocity there: dry friction that creeps
-///     stops: max(0, k e + d e'), e > 0     by which it is beyond its reach to a side, back along x or y
+///     N = max(0, m g - k z - d z')         along the trunk's z, with z relative to the start
+///     T = -mu N s / sqrt(|s|^2 + v_s^2)    with the tangential velocity s: regularised dry friction
+///     stops: max(0, k e + d e'), e > 0     excess e over `reach` along x or y
 ///
-/// with d = 2 damping_ratio sqrt(k m). The trunk feels -f where the load is, so that momentum is kept.
-/// Nothing holds it from above: it can be thrown off. Without mass it is not there, and its motion follows
-/// that of position_B: so it lies there when it gets a mass.
+/// with d = 2 damping_ratio sqrt(k m). The force -f acts on the trunk at the load, so momentum is conserved.
+/// The normal force is unilateral, so the load can be thrown off. With mass 0 there is no force and the load
+/// follows position_B, where it starts when its mass is set.
 ///
 ///     port in     robot
 ///     ports out   force     on the trunk: -f at r
@@ -54,10 +55,10 @@ class SlidingLoad final : public LeafSystem<SlidingLoadParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<LeggedState> robot{this, {"robot"}};
-  Parameter<double> mass{this, {"mass", "kg"}, params.mass, "of the load; 0: there is none"};
+  Parameter<double> mass{this, {"mass", "kg"}, params.mass, "mass of the load; 0: no load"};
   Parameter<double> friction{this, {"friction"}, params.friction, "between trunk and load"};
   Parameter<double> slip_speed{
-      this, {"slip_speed", "m/s"}, params.slip_speed, "at which friction has reached 71 % of its bound"};
+      this, {"slip_speed", "m/s"}, params.slip_speed, "speed at which friction is 71 % of its bound"};
   ContinuousState<LoadMotion> motion{this, {"motion"}, Start(params)};
   OutputPort<Vec<3>> place{this, {"place", "m"}, Uses(robot, motion), &SlidingLoad::CalcPlace};
   OutputPort<ExternalForce> force{

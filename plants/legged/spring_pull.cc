@@ -9,7 +9,7 @@
 namespace tenon {
 namespace {
 
-/// A body's frame: its axes, origin and motion in W.
+/// Axes, origin and motion of a body in W.
 struct Frame {
   Eigen::Matrix3d R;
   Eigen::Vector3d p, v, w;
@@ -47,8 +47,8 @@ void SpringPullParams::Validate() const {
   Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
   Demand(std::isfinite(stiffness) && stiffness >= 0 && std::isfinite(damping) && damping >= 0 &&
              std::isfinite(max_force) && max_force >= 0,
-         fmt::format("a pull of {} N/m, {} N s/m and {} N at most: none may be negative", stiffness, damping,
-                     max_force));
+         fmt::format("stiffness = {} N/m, damping = {} N s/m and max_force = {} N must not be negative",
+                     stiffness, damping, max_force));
 }
 
 SpringPullParams SpringPull::Complete(SpringPullParams params) {
@@ -63,10 +63,10 @@ ExternalForce SpringPull::CalcForce(const LeggedState& state, const SpringGrip& 
   ExternalForce force;
   if (!grip.on) return force;
   if (grip.body < 0 || grip.body > kNumJoints)
-    throw RunError(
-        fmt::format("a pull at body {}: give 0 for the trunk or 1 to {} for the body that a joint "
-                    "moves",
-                    grip.body, kNumJoints));
+    throw RunError(fmt::format(
+        "a spring pull acts on body {}: give 0 for the trunk or 1 to {} for the body that a joint "
+        "moves",
+        grip.body, kNumJoints));
   const BodyPoint point = PointOfBody(params.robot, state, grip.body, grip.p_B);
   force.body = grip.body;
   force.p_B = grip.p_B;

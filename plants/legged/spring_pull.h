@@ -10,18 +10,18 @@ namespace tenon {
 
 struct SpringPullParams {
   QuadrupedDescription robot;
-  double stiffness = 0;  ///< k; 0: as much as half the robot's weight for 0.25 m [N/m]
-  double damping = 0;    ///< d; 0: a fifth of what is critical for the whole robot [N s/m]
-  double max_force = 0;  ///< 0: the robot's weight [N]
+  double stiffness = 0;  ///< k; 0: half the robot's weight over 0.25 m [N/m]
+  double damping = 0;    ///< d; 0: a fifth of critical damping of the robot's mass [N s/m]
+  double max_force = 0;  ///< F_max; 0: the robot's weight [N]
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Where a SpringPull holds a robot, and where it pulls.
+/// Point of the robot and target of a SpringPull.
 struct SpringGrip {
   bool on = false;
   int body = 0;                      ///< 0 the trunk, 1 + j the body that joint j moves
-  Vec<3> p_B = Vec<3>::Zero();       ///< the point, in that body's frame [m]
+  Vec<3> p_B = Vec<3>::Zero();       ///< point p in that body's frame [m]
   Vec<3> target_W = Vec<3>::Zero();  ///< [m]
 
   static FieldList Fields() {
@@ -32,22 +32,22 @@ struct SpringGrip {
   }
 };
 
-/// A point of a quadruped's body, in W.
+/// Motion of a point of a quadruped in W.
 struct BodyPoint {
   Vec<3> p_W = Vec<3>::Zero();  ///< [m]
   Vec<3> v_W = Vec<3>::Zero();  ///< [m/s]
 };
-/// Where a point of a body is and how it moves, by the chain of the joints from the trunk:
+/// Motion of a point of a body, by the recursion along the leg's joints:
 /// w_J = w_P + qd R_WJ axis, v_J = v_P + w_P x (p_J - p_P).
 BodyPoint PointOfBody(const QuadrupedDescription& robot, const LeggedState& x, int body, const Vec<3>& p_B);
-/// The inverse for the place: a point in W, in the frame of the body.
+/// A position in W expressed in the frame of a body [m].
 Vec<3> PointInBody(const QuadrupedDescription& robot, const LeggedState& x, int body, const Vec<3>& p_W);
 
-/// A hand that pulls at a point p of a quadruped, by a spring and a damper, no stronger than F_max:
+/// Pulls a point p of a quadruped to a target by a spring and a damper, with a force of at most F_max:
 ///
 ///     F = k (target - p) - d v,   |F| <= F_max,
 ///
-/// v being the point's velocity in W. Without `on` there is no force.
+/// with the point's velocity v in W. The force is 0 unless `on` is set.
 ///
 ///     port in     state
 ///     port out    force
@@ -57,7 +57,8 @@ class SpringPull final : public LeafSystem<SpringPullParams> {
   explicit SpringPull(const SpringPullParams& params) : LeafSystem(Complete(params)) {}
 
   InputPort<LeggedState> state{this, {"state"}};
-  Parameter<SpringGrip> grip{this, {"grip"}, SpringGrip{}, "what is held, and where it is pulled"};
+  Parameter<SpringGrip> grip{
+      this, {"grip"}, SpringGrip{}, "point that is held, and the target it is pulled to"};
   OutputPort<ExternalForce> force{this, {"force"}, Uses(state, grip), &SpringPull::CalcForce};
 
  private:

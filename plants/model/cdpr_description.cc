@@ -102,7 +102,7 @@ void CdprDescription::Validate() const {
   CheckPositive("mass", mass, "kg", "give mass_kg above 0");
   constexpr double kMost = 1e6;  // kg
   if (mass > kMost)
-    throw ParameterError(fmt::format("mass is {:.6g} kg: no platform weighs more than {} kg", mass, kMost));
+    throw ParameterError(fmt::format("mass is {:.6g} kg but must be at most {} kg", mass, kMost));
   CheckInertia(inertia_B);
   CheckCables(cables);
   cable.Validate();

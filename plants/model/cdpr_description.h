@@ -28,13 +28,15 @@ struct CableDescription {
   }
 };
 
-/// What a cable is made of and what it may carry; the same for all cables of a robot.
+/// Properties of all cables of a robot.
 struct CableProperties {
   double axial_stiffness = 0;  ///< EA [N]; the stiffness of a cable of rest length l0 is EA / l0
-  double axial_damping = 0;    ///< EA times the material's damping time [N s]; damping is this over l0
-  double tension_min = 0;      ///< lower bound of the commanded tension [N]
-  double tension_max = 0;      ///< upper bound of the commanded tension [N]
-  double mass_per_length = 0;  ///< without strain [kg/m]; of the plant, controllers take cables as straight
+  double axial_damping =
+      0;  ///< EA times the material's damping time [N s]; the damping of a cable is this over l0
+  double tension_min = 0;  ///< lower bound of the commanded tension [N]
+  double tension_max = 0;  ///< upper bound of the commanded tension [N]
+  double mass_per_length =
+      0;  ///< without strain [kg/m]; only for the plant, controllers assume massless cables
 
   static FieldList Fields() {
     return {Required("axial_stiffness_N", &CableProperties::axial_stiffness),
@@ -48,19 +50,19 @@ struct CableProperties {
 
 enum class WinchMode {
   kTension,  ///< the winch's own controller tracks the commanded tension
-  kTorque,   ///< the command is the motor's torque, given as tension at the drum
+  kTorque,   ///< the command is the motor's torque, as tension at the drum
 };
 
 constexpr auto EnumNames(WinchMode) {
   return std::array{Named{WinchMode::kTension, "tension"}, Named{WinchMode::kTorque, "torque"}};
 }
 
-/// A drum that winds its cable up in layers, see plants/cdpr/layered_drum.h.
+/// A drum with several layers of cable, see plants/cdpr/layered_drum.h.
 struct DrumProperties {
-  double radius = 0;           ///< of the first layer, to the middle of the cable [m]
+  double radius = 0;           ///< radius of the first layer, to the cable's centreline [m]
   double cable_diameter = 0;   ///< [m]
   double turns_per_layer = 0;  ///< the drum's width over the cable's diameter
-  double cable_length = 0;     ///< all that there is, on the drum and paid out [m]
+  double cable_length = 0;     ///< total length, on the drum and paid out [m]
 
   static FieldList Fields() {
     return {Required("radius_m", &DrumProperties::radius),
@@ -75,13 +77,14 @@ struct DrumProperties {
 ///
 ///     w_a = w_i + w_j,   w_b = w_i - w_j,   so by power   T_a = (T_i + T_j) / 2,   T_b = (T_i - T_j) / 2
 ///
-/// with T_a, T_b the motors' torques over the drum's radius. Each motor is held to `motor_tension_max`, which
-/// couples what the two cables can have: any two tensions whose sum is at most twice that. Equal motors
-/// behind it lag, rub and weigh as if there were one per drum (1/2 J (w_a^2 + w_b^2) = J (w_i^2 + w_j^2)).
-/// That actuators are coupled in this way is from Morlando 2023, section 3.5.1, which gives no equations.
+/// with T_a, T_b the motors' torques over the drum's radius. Each motor is limited to `motor_tension_max`,
+/// which couples the tensions of the two cables: their sum is at most twice that. Lag, friction and inertia
+/// of equal motors are those of one motor per drum (1/2 J (w_a^2 + w_b^2) = J (w_i^2 + w_j^2)). The coupling
+/// of actuators is from Morlando 2023, section 3.5.1, which gives no equations.
 struct DifferentialProperties {
-  std::vector<std::array<int, 2>> pairs = {};  ///< of cables, from 0; the others have a motor each
-  double motor_tension_max = 0;                ///< [N]
+  std::vector<std::array<int, 2>> pairs =
+      {};                        ///< pairs of cables, counted from 0; other cables have a motor each
+  double motor_tension_max = 0;  ///< [N]
 
   static FieldList Fields() {
     return {Required("pairs", &DifferentialProperties::pairs),
@@ -90,8 +93,8 @@ struct DifferentialProperties {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// The winch of a cable, reduced to the drum. What has a default is of the plant and not known to
-/// controllers, but for the pulley.
+/// The winch of a cable, reduced to the drum. Except for the pulley, controllers do not use the properties
+/// that have a default.
 struct WinchProperties {
   WinchMode mode = WinchMode::kTension;
   double time_constant = 0;  ///< first-order lag from the command to the motor [s]
@@ -99,8 +102,8 @@ struct WinchProperties {
       0;  ///< tension error per reeling speed in tension mode, friction in torque mode [N s/m]
   double effective_mass =
       0;                     ///< rotor inertia over drum radius squared, gear included [kg]; torque mode only
-  double pulley_radius = 0;  ///< of the pulley that leads the cable at its anchor; 0: a point [m]
-  std::optional<DrumProperties> drum = {};  ///< if not given, of one radius
+  double pulley_radius = 0;  ///< radius of the pulley at the anchor; 0: a point [m]
+  std::optional<DrumProperties> drum = {};  ///< constant radius if not given
   std::optional<DifferentialProperties> differential = {};
 
   static FieldList Fields() {
@@ -117,9 +120,8 @@ struct WinchProperties {
 
 /// A cable-driven parallel robot: one rigid platform, 4 or more cables, one winch each.
 ///
-/// Frames: W is the world, z up; B has its origin at the platform's CoM, so that a file gives attachments
-/// from there. The file's keys are those of Fields(); the inertia is a list of three rows or of the diagonal
-/// alone.
+/// Frames: W is the world, z up; B has its origin at the platform's CoM. The keys of a file are those of
+/// Fields(); the inertia is a list of three rows, or of the diagonal elements.
 struct CdprDescription {
   std::string name;
   double mass = 0;                                      ///< [kg]

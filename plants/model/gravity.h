@@ -2,6 +2,6 @@
 
 namespace tenon {
 
-inline constexpr double kGravity = 9.81;  ///< of the earth, as the thesis rounds it [m/s^2]
+inline constexpr double kGravity = 9.81;  ///< standard gravity, rounded as in Morlando 2023 [m/s^2]
 
 }  // namespace tenon

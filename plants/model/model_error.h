@@ -6,13 +6,13 @@
 
 namespace tenon {
 
-/// How far off a robot may be from what is known of it. Each bound holds for each of the 13 bodies on its
-/// own, in whose two directions errors are drawn evenly.
+/// Bounds of random errors in a model of a robot. Each error is drawn for each of the 13 bodies
+/// independently, from a uniform distribution symmetric about 0.
 struct ModelErrorParams {
-  double mass_ratio = 0;     ///< of a body's mass; its inertia goes along
-  double com_ratio = 0;      ///< of the place of its CoM, along each of its axes, to its length
-  double inertia_ratio = 0;  ///< of its inertia about its CoM, beyond what its mass makes
-  double length_ratio = 0;   ///< of each link of a leg, to its length
+  double mass_ratio = 0;     ///< of a body's mass, which scales its inertia
+  double com_ratio = 0;      ///< of a body's CoM along each axis, over the body's length
+  double inertia_ratio = 0;  ///< of a body's inertia about its CoM, in addition to the mass error
+  double length_ratio = 0;   ///< of the length of each link of a leg
 
   static FieldList Fields() {
     return {{"mass_ratio", &ModelErrorParams::mass_ratio},
@@ -23,10 +23,10 @@ struct ModelErrorParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A robot as someone may believe it to be whose data are off: masses, centres of mass and inertias of all
-/// bodies and lengths of those of the legs, each by an error of its own, drawn from `random`. A body's length
-/// is that to the next joint or to the foot; the trunk's lies between the means of its front and its rear
-/// hips. Joints, drives, feet and the stance's angles stay. Throws ParameterError.
+/// A robot with random errors in the masses, centres of mass and inertias of all bodies and in the lengths of
+/// the legs' links, drawn from `random`. A body's length is the distance to the next joint or to the foot;
+/// the trunk's is the distance between the centres of its front and rear hips. Joint axes, drives, feet and
+/// stance angles are unchanged. Throws ParameterError.
 QuadrupedDescription WithModelError(QuadrupedDescription robot, const ModelErrorParams& error,
                                     RandomStream& random);
 

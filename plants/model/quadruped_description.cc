@@ -18,7 +18,17 @@ void CheckPositive(const char* key, double value, const char* remedy) {
 void CheckNotNegative(const char* key, double value) {
   if (!(value >= 0))
     throw ParameterError(
-        fmt::format("{} is {} but must not be negative; give 0 for none, or more", key, value));
+        fmt::format("{} is {} but must not be negative; give 0 for none, or a positive value", key, value));
+}
+
+/// A point of the leg's body i, given in that body's frame, in the trunk's frame B.
+Eigen::Vector3d PointInTrunk(const LegDescription& leg, int i, Eigen::Vector3d p,
+                             const Vec<kJointsPerLeg>& q) {
+  for (; i >= 0; --i) {
+    const JointDescription& joint = leg.joints[static_cast<std::size_t>(i)];
+    p = joint.p_PJ + Eigen::AngleAxisd(q[i], joint.axis) * p;
+  }
+  return p;
 }
 
 }  // namespace
@@ -29,7 +39,7 @@ void DriveProperties::Validate() const {
   constexpr double kMostDamping = 1e4;  // N m s/rad; with a leg's inertia a time constant of microseconds
   if (damping > kMostDamping)
     throw ParameterError(
-        fmt::format("damping_N_m_s_per_rad is {} but must be at most {}: no joint moves against more",
+        fmt::format("damping_N_m_s_per_rad is {} but must be at most {}: a joint with more does not move",
                     damping, kMostDamping));
   CheckNotNegative("friction_N_m", friction);
   if (!(full_torque_speed_ratio >= 0 && full_torque_speed_ratio < 1))
@@ -43,15 +53,15 @@ void DriveProperties::Validate() const {
 }
 
 void ContactProperties::Validate() const {
-  CheckPositive("stiffness_N_per_m", stiffness, "give the weight on a foot over the depth it may sink in");
+  CheckPositive("stiffness_N_per_m", stiffness, "give the weight on a foot over its static depth");
   CheckNotNegative("dissipation_s_per_m", dissipation);
-  CheckPositive("blend_m", blend, "give a tenth of the static depth or so");
+  CheckPositive("blend_m", blend, "give about a tenth of the static depth");
   CheckPositive("bristle_stiffness_per_m", bristle_stiffness,
                 "give the friction coefficient over the deflection before sliding");
   CheckNotNegative("bristle_damping_s_per_m", bristle_damping);
-  CheckPositive("bristle_friction", bristle_friction, "give 0.2, or less than ground has that matters");
-  CheckPositive("full_friction_N", full_friction, "give a small part of the weight on a foot");
-  CheckPositive("release_time_s", release_time, "give some milliseconds");
+  CheckPositive("bristle_friction", bristle_friction, "give 0.2, or the lowest friction of interest");
+  CheckPositive("full_friction_N", full_friction, "give a small fraction of the weight on a foot");
+  CheckPositive("release_time_s", release_time, "give a few milliseconds");
 }
 
 double QuadrupedDescription::mass() const {
@@ -62,8 +72,8 @@ double QuadrupedDescription::mass() const {
 }
 
 Eigen::Vector3d QuadrupedDescription::HipPosition(int leg, const Vec<kNumJoints>& q) const {
-  const auto& joints = legs[static_cast<std::size_t>(leg)].joints;
-  return joints[0].p_PJ + Eigen::AngleAxisd(q[kJointsPerLeg * leg], joints[0].axis) * joints[1].p_PJ;
+  const LegDescription& at = legs[static_cast<std::size_t>(leg)];
+  return PointInTrunk(at, 0, at.joints[1].p_PJ, q.segment<kJointsPerLeg>(kJointsPerLeg * leg));
 }
 
 double QuadrupedDescription::LegLength(int leg) const {
@@ -73,20 +83,23 @@ double QuadrupedDescription::LegLength(int leg) const {
 
 Eigen::Vector3d QuadrupedDescription::FootPosition(int leg, const Vec<kNumJoints>& q) const {
   const LegDescription& at = legs[static_cast<std::size_t>(leg)];
-  Eigen::Vector3d p = at.foot_J;
-  for (int i = kJointsPerLeg - 1; i >= 0; --i) {
-    const JointDescription& joint = at.joints[static_cast<std::size_t>(i)];
-    p = joint.p_PJ + Eigen::AngleAxisd(q[kJointsPerLeg * leg + i], joint.axis) * p;
-  }
-  return p;
+  return PointInTrunk(at, kJointsPerLeg - 1, at.foot_J, q.segment<kJointsPerLeg>(kJointsPerLeg * leg));
 }
 
-Eigen::Matrix3d QuadrupedDescription::ShankRotation(int leg, const Vec<kNumJoints>& q) const {
+LegPose QuadrupedDescription::PoseOfLeg(int leg, const Vec<kNumJoints>& q) const {
   const LegDescription& at = legs[static_cast<std::size_t>(leg)];
-  Eigen::Matrix3d R_BJ = Eigen::Matrix3d::Identity();
-  for (int i = 0; i < kJointsPerLeg; ++i)
-    R_BJ = R_BJ * Eigen::AngleAxisd(q[kJointsPerLeg * leg + i], at.joints[static_cast<std::size_t>(i)].axis);
-  return R_BJ;
+  LegPose pose;
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
+    const JointDescription& joint = at.joints[i];
+    p += R * joint.p_PJ;
+    R = R * Eigen::AngleAxisd(q[kJointsPerLeg * leg + static_cast<int>(i)], joint.axis);
+    pose.p_BJ[i] = p;
+    pose.R_BJ[i] = R;
+  }
+  pose.foot_B = p + R * at.foot_J;
+  return pose;
 }
 
 double QuadrupedDescription::StanceHeight() const {
@@ -97,15 +110,16 @@ double QuadrupedDescription::StanceHeight() const {
 
 QuadrupedDescription WithPayload(QuadrupedDescription robot, const RigidInertia& payload) {
   if (!(payload.mass >= 0))
-    throw ParameterError(fmt::format("a payload of {} kg makes no sense; give 0 for none", payload.mass));
+    throw ParameterError(
+        fmt::format("the payload's mass is {} kg but must not be negative; give 0 for none", payload.mass));
   if (payload.mass > 0) robot.trunk = robot.trunk + payload;
   return robot;
 }
 
 QuadrupedDescription WithMassFactor(QuadrupedDescription robot, double factor) {
   if (!(std::isfinite(factor) && factor > 0))
-    throw ParameterError(
-        fmt::format("a mass factor of {}: it must be positive, 1 for the robot as it is", factor));
+    throw ParameterError(fmt::format(
+        "the mass factor is {} but must be finite and positive; 1 keeps the robot's masses", factor));
   const auto scale = [factor](RigidInertia& body) {
     body.mass *= factor;
     body.inertia *= factor;

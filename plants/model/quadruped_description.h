@@ -25,19 +25,27 @@ struct JointDescription {
   double speed_limit = 0;                           ///< [rad/s]
 };
 
-/// Abduction (about x), hip pitch (about y), knee pitch (about y), and the bodies that they move.
+/// A leg: the joints abduction (about x), hip pitch (about y) and knee pitch (about y), and the bodies they
+/// move.
 struct LegDescription {
   std::array<JointDescription, kJointsPerLeg> joints;
   std::array<RigidInertia, kJointsPerLeg> bodies;    ///< in the joint's frame J
   Eigen::Vector3d foot_J = Eigen::Vector3d::Zero();  ///< centre of the foot's sphere in the last J [m]
 };
 
-/// Motor, gear and end stops of a joint; the same for all.
+/// Pose of a leg in the trunk's frame B.
+struct LegPose {
+  std::array<Eigen::Matrix3d, kJointsPerLeg> R_BJ;  ///< axes of the bodies
+  std::array<Eigen::Vector3d, kJointsPerLeg> p_BJ;  ///< origins of the joints [m]
+  Eigen::Vector3d foot_B;                           ///< centre of the foot's sphere [m]
+};
+
+/// Motor, gear and end stops, equal for all joints.
 struct DriveProperties {
-  double rotor_inertia = 0;            ///< seen at the joint, times gear ratio squared [kg m^2]
-  double damping = 0;                  ///< [N m s/rad]
-  double friction = 0;                 ///< Coulomb's [N m]
-  double full_torque_speed_ratio = 0;  ///< full torque up to this part of the speed limit, see QuadrupedPlant
+  double rotor_inertia = 0;            ///< at the joint, i.e. times gear ratio squared [kg m^2]
+  double damping = 0;                  ///< viscous friction [N m s/rad]
+  double friction = 0;                 ///< Coulomb friction [N m]
+  double full_torque_speed_ratio = 0;  ///< fraction of the speed limit with full torque, see QuadrupedPlant
   double stop_stiffness = 0;           ///< of the end stops [N m/rad]
   double stop_dissipation = 0;         ///< see QuadrupedPlant [s/rad]
 
@@ -52,14 +60,14 @@ struct DriveProperties {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A foot against the ground; what the numbers do is told in foot_contact.h.
+/// Contact model of the feet, see foot_contact.h.
 struct ContactProperties {
   double stiffness = 0;           ///< k [N/m]
   double dissipation = 0;         ///< c [s/m]
-  double blend = 0;               ///< depth over which the normal force sets in [m]
+  double blend = 0;               ///< b, depth over which the stiffness rises [m]
   double bristle_stiffness = 0;   ///< sigma_0 [1/m]
   double bristle_damping = 0;     ///< sigma_1 [s/m]
-  double bristle_friction = 0.2;  ///< mu_0, the least coefficient that has a bristle of its own
+  double bristle_friction = 0.2;  ///< mu_0, lower bound of the friction that sets the bristle's deflection
   double full_friction = 0;       ///< N_0 [N]
   double release_time = 0;        ///< tau [s]
 
@@ -78,17 +86,17 @@ struct ContactProperties {
 
 /// A quadruped: a trunk and four legs of three revolute joints. x forward, y left, z up.
 ///
-/// Links that fixed joints connect are one body here; a massless root link is the trunk's frame B.
+/// Links connected by fixed joints are one body; a massless root link is the trunk's frame B.
 struct QuadrupedDescription {
   std::string name;
   RigidInertia trunk;  ///< in B
   std::array<LegDescription, kNumLegs> legs;
   double foot_radius = 0;                           ///< [m]
-  Eigen::Vector3d imu_B = Eigen::Vector3d::Zero();  ///< where the inertial unit is, its axes along B's [m]
-  Vec<kNumJoints> stance = Vec<12>::Zero();         ///< joint angles at which it stands [rad]
+  Eigen::Vector3d imu_B = Eigen::Vector3d::Zero();  ///< position of the IMU, whose axes are those of B [m]
+  Vec<kNumJoints> stance = Vec<12>::Zero();         ///< joint angles of the nominal stance [rad]
   DriveProperties drive;
   ContactProperties contact;
-  /// How trunk and links look, each in its body's frame; none where the URDF has no mesh that can be read.
+  /// Visual meshes of trunk and links, each in its body's frame; null if the URDF has no readable mesh.
   std::array<std::shared_ptr<const TriangleMesh>, 1 + kNumJoints> meshes;
 
   double mass() const;
@@ -96,24 +104,24 @@ struct QuadrupedDescription {
     return legs[static_cast<std::size_t>(j / kJointsPerLeg)]
         .joints[static_cast<std::size_t>(j % kJointsPerLeg)];
   }
-  /// The second joint of the leg, from which it is stretched, in B at the joint angles q [m].
+  /// Origin of the leg's hip pitch joint in B at the joint angles q [m].
   Eigen::Vector3d HipPosition(int leg, const Vec<kNumJoints>& q) const;
-  /// From there to the centre of the foot's sphere when the leg is straight [m].
+  /// Distance from the hip pitch joint to the centre of the foot's sphere with a straight leg [m].
   double LegLength(int leg) const;
   /// Centre of the foot's sphere in B at the joint angles q [m].
   Eigen::Vector3d FootPosition(int leg, const Vec<kNumJoints>& q) const;
-  /// The axes of the leg's last body, R_BJ, at the joint angles q.
-  Eigen::Matrix3d ShankRotation(int leg, const Vec<kNumJoints>& q) const;
-  /// Height of B's origin over level ground that the feet touch in the stance: the mean over the feet [m].
+  /// Pose of the leg's three bodies at the joint angles q [rad].
+  LegPose PoseOfLeg(int leg, const Vec<kNumJoints>& q) const;
+  /// Height of B's origin above level ground in the nominal stance, as the mean over the feet [m].
   double StanceHeight() const;
 };
 
-/// The robot with a rigid body fixed to its trunk, given in B; exact. Controllers may keep the robot without.
-/// Throws ParameterError unless the payload's mass is 0 or more.
+/// The robot with a rigid body fixed to its trunk, given in B. Throws ParameterError unless the payload's
+/// mass is at least 0.
 QuadrupedDescription WithPayload(QuadrupedDescription robot, const RigidInertia& payload);
 
-/// The robot with masses and inertias times a factor: what a controller believes that does not know better.
-/// Throws ParameterError unless the factor is positive.
+/// The robot with all masses and inertias multiplied by a factor, to model a wrong mass in a controller.
+/// Throws ParameterError unless the factor is finite and positive.
 QuadrupedDescription WithMassFactor(QuadrupedDescription robot, double factor);
 
 }  // namespace tenon

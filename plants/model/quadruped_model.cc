@@ -4,26 +4,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
-#include <cmath>
-
 namespace tenon {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// exp(angle axis x), by Rodrigues.
-Matrix3d Rotation(double angle, const Vector3d& axis) {
-  const double s = std::sin(angle), c = std::cos(angle);
-  const Vector3d b = (1 - c) * axis;
-  Matrix3d R;
-  R << b[0] * axis[0] + c, b[0] * axis[1] - s * axis[2], b[0] * axis[2] + s * axis[1],
-      b[1] * axis[0] + s * axis[2], b[1] * axis[1] + c, b[1] * axis[2] - s * axis[0],
-      b[2] * axis[0] - s * axis[1], b[2] * axis[1] + s * axis[0], b[2] * axis[2] + c;
-  return R;
-}
-
-/// PointInertia, written by entries: it runs for each body at each evaluation.
+/// PointInertia by entries, faster in the inner loop and equal up to rounding.
 Matrix3d FastPointInertia(double mass, const Vector3d& c) {
   const Vector3d mc = mass * c;
   Matrix3d J;
@@ -39,21 +26,21 @@ Matrix3d FastPointInertia(double mass, const Vector3d& c) {
 /// Pose, velocity, and acceleration at nu' = 0 of a body.
 struct Frame {
   Matrix3d R;
-  Vector3d p;         // of its origin, from B's
-  Vector3d w, v;      // angular; of its origin
-  Vector3d alpha, a;  // the same, of the acceleration
+  Vector3d p;         // of its origin, relative to B's origin
+  Vector3d w, v;      // angular velocity; velocity of its origin
+  Vector3d alpha, a;  // angular acceleration; acceleration of its origin
 
   Vector3d Velocity(const Vector3d& arm) const { return v + w.cross(arm); }
   Vector3d Acceleration(const Vector3d& arm) const { return a + alpha.cross(arm) + w.cross(w.cross(arm)); }
 };
 
-/// What a body and all that it carries sum up to, about B's origin, in W.
+/// Sums over a body and all bodies that it carries, about B's origin, in W.
 struct Composite {
   double mass = 0;
   Vector3d moment = Vector3d::Zero();  // mass times CoM
   Matrix3d inertia = Matrix3d::Zero();
   Vector3d linear = Vector3d::Zero(), angular = Vector3d::Zero();  // momentum
-  Vector3d force = Vector3d::Zero(), torque = Vector3d::Zero();    // its rate at nu' = 0
+  Vector3d force = Vector3d::Zero(), torque = Vector3d::Zero();    // rate of momentum at nu' = 0
 
   void Add(const Frame& frame, double body_mass, const Vector3d& com, const Matrix3d& body_inertia) {
     const Vector3d arm = frame.R * com;
@@ -134,7 +121,7 @@ void QuadrupedModel::Calc(const LeggedState& x, QuadrupedDynamics* out) const {
 
   for (int leg = 0; leg < kNumLegs; ++leg) {
     std::array<Frame, kJointsPerLeg> frames;
-    std::array<Vector3d, kJointsPerLeg> axis, spin;  // motion vectors (axis, spin) about B's origin
+    std::array<Vector3d, kJointsPerLeg> axis, spin;  // motion vectors (angular, linear) about B's origin
     const Frame* parent = &base;
     for (int i = 0; i < kJointsPerLeg; ++i) {
       const int j = kJointsPerLeg * leg + i;
@@ -142,7 +129,7 @@ void QuadrupedModel::Calc(const LeggedState& x, QuadrupedDynamics* out) const {
       Frame& frame = frames[static_cast<std::size_t>(i)];
       const Vector3d arm = parent->R * body.p_PJ;
       const Vector3d a = parent->R * body.axis;
-      frame.R = parent->R * Rotation(x.q[j], body.axis);
+      frame.R = parent->R * Eigen::AngleAxisd(x.q[j], body.axis).toRotationMatrix();
       frame.p = parent->p + arm;
       frame.v = parent->Velocity(arm);
       frame.a = parent->Acceleration(arm);
@@ -164,7 +151,7 @@ void QuadrupedModel::Calc(const LeggedState& x, QuadrupedDynamics* out) const {
     foot.turn_bias = parent->alpha;
     foot.J_leg = out->LegJacobian(leg, foot.p_W);
 
-    Composite carried;  // by joint i
+    Composite carried;  // the bodies that joint i moves
     for (int i = kJointsPerLeg - 1; i >= 0; --i) {
       const auto at = static_cast<std::size_t>(i);
       const int j = kJointsPerLeg * leg + i;
@@ -173,7 +160,7 @@ void QuadrupedModel::Calc(const LeggedState& x, QuadrupedDynamics* out) const {
       carried.Add(frame, body.mass, body.com, body.inertia);
       const Vector3d &a = axis[at], &s = spin[at];
 
-      // Momentum of what it carries per unit of its speed, projected on it and on the joints above.
+      // The momentum of these bodies at unit joint speed, projected on this joint and those above it.
       const Vector3d linear = carried.mass * s + a.cross(carried.moment);
       const Vector3d angular = carried.inertia * a + carried.moment.cross(s);
       out->M.block<3, 1>(0, 6 + j) = linear;
@@ -225,7 +212,7 @@ void QuadrupedModel::CalcDecoupled(const LeggedState& x, const QuadrupedDynamics
   const auto& M = dynamics.M;
   const Eigen::Matrix<double, 6, 12> M_bj = M.block<6, 12>(0, 6);
   const Eigen::LLT<Eigen::Matrix<double, 6, 6>> M_bb(M.block<6, 6>(0, 0));
-  const Eigen::Matrix<double, 6, 12> X = M_bb.solve(M_bj);  // the trunk moves with -X qd as the legs move
+  const Eigen::Matrix<double, 6, 12> X = M_bb.solve(M_bj);
   out->M_q = M.block<12, 12>(6, 6);
   out->M_q.noalias() -= M_bj.transpose() * X;
   out->coriolis = dynamics.coriolis.tail<12>() - X.transpose() * dynamics.coriolis.head<6>();
@@ -235,83 +222,18 @@ void QuadrupedModel::CalcDecoupled(const LeggedState& x, const QuadrupedDynamics
     out->J_q.middleRows<3>(3 * leg) = J.rightCols<12>();
     out->J_q.middleRows<3>(3 * leg).noalias() -= J.leftCols<6>() * X;
   }
-  Vec<18> nu_star;  // M_q qd is the joints' part of M nu_star, whose trunk's part is zero
-  nu_star << -X * x.qd, x.qd;
-  const Vec<18> rate = MassRateTimes(x, dynamics, nu_star);
-  out->momentum_rate = rate.tail<12>() - X.transpose() * rate.head<6>() - out->coriolis;
-}
 
-Vec<18> QuadrupedModel::MassRateTimes(const LeggedState& x, const QuadrupedDynamics& dynamics,
-                                      const Vec<18>& nu_star) const {
-  // The bodies' velocities at nu_star, and how these change as the robot moves with x's velocities.
-  struct Moving {
-    Matrix3d R;
-    Vector3d p, p_rate, w;  // from B's origin; w of x
-    Vector3d w_star, v_star, w_star_rate, v_star_rate;
-  };
-  struct Momentum {
-    Vector3d linear = Vector3d::Zero(), angular = Vector3d::Zero();
-    Vector3d linear_rate = Vector3d::Zero(), angular_rate = Vector3d::Zero();
-    void Add(const Moving& body, double mass, const Vector3d& com, const Matrix3d& inertia) {
-      const Vector3d arm = body.R * com, arm_rate = body.w.cross(arm);
-      const Vector3d c = body.p + arm, c_rate = body.p_rate + arm_rate;
-      const Matrix3d I = body.R * inertia * body.R.transpose();
-      const Vector3d l = mass * (body.v_star + body.w_star.cross(arm));
-      const Vector3d l_rate =
-          mass * (body.v_star_rate + body.w_star_rate.cross(arm) + body.w_star.cross(arm_rate));
-      const Vector3d k_rate =
-          body.w.cross(I * body.w_star) - I * body.w.cross(body.w_star) + I * body.w_star_rate;
-      linear += l;
-      angular += I * body.w_star + c.cross(l);
-      linear_rate += l_rate;
-      angular_rate += k_rate + c_rate.cross(l) + c.cross(l_rate);
-    }
-  };
-  Vec<18> out;
-  const Moving base{x.R_WB(),          Vector3d::Zero(), Vector3d::Zero(), x.w_W, nu_star.segment<3>(3),
-                    nu_star.head<3>(), Vector3d::Zero(), Vector3d::Zero()};
-  Momentum robot;
-  robot.Add(base, trunk_.mass, trunk_.com, trunk_.inertia);
-  for (int leg = 0; leg < kNumLegs; ++leg) {
-    std::array<Moving, kJointsPerLeg> frames;
-    const Moving* parent = &base;
-    for (int i = 0; i < kJointsPerLeg; ++i) {
-      const int j = kJointsPerLeg * leg + i;
-      const Body& body = bodies_[static_cast<std::size_t>(j)];
-      Moving& frame = frames[static_cast<std::size_t>(i)];
-      const Vector3d arm = parent->R * body.p_PJ, arm_rate = parent->w.cross(arm);
-      const Vector3d& a = dynamics.axis_W[static_cast<std::size_t>(j)];
-      frame.R = parent->R * Rotation(x.q[j], body.axis);
-      frame.p = parent->p + arm;
-      frame.p_rate = parent->p_rate + arm_rate;
-      frame.w = parent->w + x.qd[j] * a;
-      frame.w_star = parent->w_star + nu_star[6 + j] * a;
-      frame.w_star_rate = parent->w_star_rate + nu_star[6 + j] * parent->w.cross(a);
-      frame.v_star = parent->v_star + parent->w_star.cross(arm);
-      frame.v_star_rate =
-          parent->v_star_rate + parent->w_star_rate.cross(arm) + parent->w_star.cross(arm_rate);
-      parent = &frame;
-    }
-    Momentum carried;
-    for (int i = kJointsPerLeg - 1; i >= 0; --i) {
-      const int j = kJointsPerLeg * leg + i;
-      const Body& body = bodies_[static_cast<std::size_t>(j)];
-      const Moving& frame = frames[static_cast<std::size_t>(i)];
-      carried.Add(frame, body.mass, body.com, body.inertia);
-      const Vector3d& a = dynamics.axis_W[static_cast<std::size_t>(j)];
-      const Vector3d a_rate = frame.w.cross(a);
-      const Vector3d s = frame.p.cross(a), s_rate = frame.p_rate.cross(a) + frame.p.cross(a_rate);
-      out[6 + j] = a_rate.dot(carried.angular) + a.dot(carried.angular_rate) + s_rate.dot(carried.linear) +
-                   s.dot(carried.linear_rate);
-    }
-    robot.linear += carried.linear;
-    robot.angular += carried.angular;
-    robot.linear_rate += carried.linear_rate;
-    robot.angular_rate += carried.angular_rate;
-  }
-  out.head<3>() = robot.linear_rate;
-  out.segment<3>(3) = robot.angular_rate;
-  return out;
+  // M_q depends on the joint angles alone, so M_q' qd can be evaluated for any motion of the trunk. In the
+  // motion nu_0 = (-X qd, qd) the robot has no momentum, so M_q qd are the joints' rows p of M nu_0, and at
+  // constant qd p' = C^T nu_0 + C_q nu_0 (joints' rows).
+  LeggedState without_momentum = x;
+  const Vec<6> trunk = -X * x.qd;
+  without_momentum.v_W = trunk.head<3>();
+  without_momentum.w_W = trunk.tail<3>();
+  QuadrupedDynamics at;
+  Calc(without_momentum, &at);
+  out->momentum_rate =
+      at.leg_momentum_rate + at.coriolis.tail<12>() - X.transpose() * at.coriolis.head<6>() - out->coriolis;
 }
 
 }  // namespace tenon

@@ -9,7 +9,7 @@
 namespace tenon {
 namespace {
 
-/// Relative to the largest entry; files give inertias with a few digits.
+/// Tolerance relative to the largest entry, for inertias given with few digits.
 constexpr double kInertiaTolerance = 1e-9;
 
 }  // namespace
@@ -53,7 +53,7 @@ void CheckInertia(const Eigen::Matrix3d& inertia) {
                     moments));
   if (principal[0] + principal[1] < principal[2] - tolerance)
     throw ParameterError(fmt::format(
-        "inertia of no rigid body: its principal moments are {}, the largest above the sum of the "
+        "no rigid body has this inertia: its principal moments are {}, the largest above the sum of the "
         "other two; check the values and that they are about the CoM",
         moments));
 }

@@ -10,14 +10,14 @@ struct RigidInertia {
   Eigen::Vector3d com = Eigen::Vector3d::Zero();      ///< from the frame's origin [m]
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the CoM, in the frame's axes [kg m^2]
 
-  /// The same body in a frame in which this one has the origin p and the axes R.
+  /// This body expressed in a frame in which the present frame has origin p and axes R.
   RigidInertia In(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) const;
 };
 
-/// Inertia of a point mass [kg] at r [m] about the origin: mass (|r|^2 1 - r r^T), Steiner's term.
+/// Inertia of a point mass [kg] at r [m] about the origin: mass (|r|^2 1 - r r^T), the parallel axis term.
 Eigen::Matrix3d PointInertia(double mass, const Eigen::Vector3d& r);
 
-/// Two bodies of one frame as one, by Steiner's theorem.
+/// The union of two bodies given in one frame, by the parallel axis theorem.
 RigidInertia operator+(const RigidInertia& a, const RigidInertia& b);
 
 /// Throws ParameterError if no rigid body has this inertia about its CoM [kg m^2]: not finite, not symmetric,

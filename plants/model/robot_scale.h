@@ -5,12 +5,11 @@
 
 namespace tenon {
 
-/// The units in which robots of all sizes walk alike: mass m, leg length l and gravity g, and what follows
-/// from them. Two robots whose motions agree in these units are dynamically similar, as Alexander (1984, The
-/// gaits of bipedal and quadrupedal animals) has it of animals; a gain that is given in them fits both.
+/// Scales for dynamically similar robots (Alexander 1984, The gaits of bipedal and quadrupedal animals): mass
+/// m, leg length l, gravity g and derived units. Gains given in these units suit robots of all sizes.
 struct RobotScale {
   double mass = 1;            ///< m [kg]
-  double length = 1;          ///< l: mean over the legs, from hip to foot when straight [m]
+  double length = 1;          ///< l: mean length of the straight legs, from hip to foot [m]
   double gravity = kGravity;  ///< g [m/s^2]
 
   double Weight() const { return mass * gravity; }  ///< m g [N]

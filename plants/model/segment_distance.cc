@@ -6,7 +6,7 @@ namespace tenon {
 
 double SegmentDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const Eigen::Vector3d& q,
                        const Eigen::Vector3d& v) {
-  // Nearest points p + s u and q + t v: both inside, or at least one at an end.
+  // The nearest points are p + s u and q + t v: both inside their segments, or at least one at an end.
   const Eigen::Vector3d w = p - q;
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
   const double determinant = uu * vv - uv * uv;
@@ -18,7 +18,7 @@ double SegmentDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const
 }
 
 double SegmentBoxDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const Eigen::Vector3d& half) {
-  // The distance is convex along the segment, so that the sign of its slope leads to the least.
+  // The distance is convex along the segment, so bisection on the sign of its slope finds the minimum.
   const auto beyond = [&](double s) -> Eigen::Vector3d {
     const Eigen::Vector3d x = p + s * u;
     return x - x.cwiseMax(-half).cwiseMin(half);
@@ -30,7 +30,7 @@ double SegmentBoxDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, co
     const double middle = (low + high) / 2;
     (beyond(middle).dot(u) < 0 ? low : high) = middle;
   }
-  return beyond(high).norm();  // within the box where they meet
+  return beyond(high).norm();  // 0 inside the box
 }
 
 }  // namespace tenon

@@ -8,8 +8,8 @@ namespace tenon {
 double SegmentDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const Eigen::Vector3d& q,
                        const Eigen::Vector3d& v);
 
-/// The distance of the segment [p, p + u] from the solid box about the origin, along the axes, of half the
-/// edges `half`; 0 if they meet.
+/// The distance between the segment [p, p + u] and the solid axis-aligned box about the origin with half
+/// edges `half`; 0 if they intersect.
 double SegmentBoxDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const Eigen::Vector3d& half);
 
 }  // namespace tenon

@@ -14,7 +14,7 @@
 namespace tenon {
 namespace {
 
-/// The first that is; kNumJoints if none is.
+/// The first joint that is out of its range, or kNumJoints.
 int JointBeyondItsRange(const QuadrupedDescription& robot, const Vec<12>& q) {
   int j = 0;
   while (j < kNumJoints && q[j] >= robot.joint(j).lower && q[j] <= robot.joint(j).upper) ++j;
@@ -41,20 +41,21 @@ LeggedState StandingOn(const QuadrupedDescription& robot, const GroundPlane& gro
   const Eigen::Vector3d com_W = above(com_B, robot.StanceHeight() + com_B[2]);
   x.p_WB = com_W - R_WB * com_B;
   x.q_WB = QuaternionFromRotation(R_WB);
-  const double center_height = robot.foot_radius / ground.Normal()[2];  // of a sphere that touches the plane
+  const double center_height =
+      robot.foot_radius / ground.Normal()[2];  // of a foot's sphere that touches the plane
   std::array<Eigen::Vector3d, kNumLegs> target;
   for (std::size_t i = 0; i < kNumLegs; ++i) target[i] = above(dynamics.feet[i].p_W, center_height);
 
   const auto refuse = [&](std::ptrdiff_t leg) {
     throw ParameterError(fmt::format(
         "the {} leg of '{}' does not reach ground of slope ({}, {}) from its nominal stance within the "
-        "ranges of its joints; give gentler ground, or bend the knees of nominal_stance",
+        "ranges of its joints; reduce the slope, or bend the knees of nominal_stance",
         kLegNames[static_cast<std::size_t>(leg)], robot.name, ground.slope[0], ground.slope[1]));
   };
-  // Newton's method leg by leg; legs that move take the CoM along, so that the trunk follows.
+  // Newton's method for each leg; the trunk is moved to keep the CoM at its target.
   constexpr int kMostSteps = 100;
   constexpr double kTolerance = 1e-9;                    // m
-  constexpr double kLongestStep = std::numbers::pi / 8;  // of a joint [rad]
+  constexpr double kLongestStep = std::numbers::pi / 8;  // of a joint angle [rad]
   std::array<double, kNumLegs> error{};
   for (int step = 0; step < kMostSteps; ++step) {
     model.Calc(x, &dynamics);

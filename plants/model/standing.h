@@ -6,10 +6,11 @@
 
 namespace tenon {
 
-/// A robot at rest on a plane, B's origin near its point p_W: the trunk is parallel to it, with this heading
-/// [rad]; seen from above, the feet are where they are below the trunk in the nominal stance, and the CoM as
-/// high over the ground. So legs hang vertically on a slope too, and the CoM stays over the middle of the
-/// feet. Throws ParameterError if a leg does not reach the ground.
+/// A robot at rest on a plane, with B's origin near the plane's point p_W, the trunk parallel to the plane,
+/// and this heading [rad]. Seen from above, the feet have their positions of the nominal stance relative to
+/// the trunk, and the CoM its nominal height: on a slope, too, the legs are vertical and the CoM is above the
+/// centre of the feet. Throws ParameterError if a leg does not reach the ground within the ranges of its
+/// joints.
 LeggedState StandingOn(const QuadrupedDescription& robot, const GroundPlane& ground, double yaw = 0);
 
 }  // namespace tenon

@@ -26,7 +26,7 @@ struct PerLeg {
   }
 };
 
-/// A joint that is no leg's, or one too many in a leg.
+/// A movable joint that does not belong to a leg, or an additional joint in a leg, with its fixed angle.
 struct LockedJoint {
   std::string joint;
   double angle = 0;  ///< [rad]
@@ -35,7 +35,7 @@ struct LockedJoint {
   }
 };
 
-/// Instead of what the URDF says of the joints, the same for all legs.
+/// Limits of the joints of all legs, which replace those in the URDF.
 struct LimitsOfJoints {
   internal::JointLimits abduction, hip_pitch, knee;
   static FieldList Fields() {
@@ -45,7 +45,7 @@ struct LimitsOfJoints {
   }
 };
 
-/// The YAML file.
+/// The contents of a robot's YAML file.
 struct RobotFile {
   std::string name;
   std::string urdf;
@@ -80,11 +80,11 @@ struct RobotFile {
                       foot_radius));
     if (foot_radius > 0.1)
       throw ParameterError(fmt::format(
-          "foot_radius_m is {:.6g} m but must be at most 0.1: terrain takes no larger feet", foot_radius));
+          "foot_radius_m is {:.6g} m but must be at most 0.1, the limit of the terrain model", foot_radius));
   }
 };
 
-/// Refuses legs in another order and a stance out of reach.
+/// Checks the order of the legs and the angles of the nominal stance. Throws ParameterError.
 void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& feet,
                  const YamlDocument& document) {
   for (int leg = 0; leg < kNumLegs; ++leg) {
@@ -151,7 +151,7 @@ QuadrupedDescription LoadQuadruped(const std::string& path) {
 static YamlDocument LoadRobot(const YamlFile& what) {
   if (const std::string file = ResourceMap(what).Text("file"); file.ends_with(".urdf"))
     throw ParameterError(
-        fmt::format("'{0}' is a URDF, and a robot is a YAML file beside it: make one by tenon-robot {0}",
+        fmt::format("'{0}' is a URDF, but a robot needs a YAML file: make one by tenon-robot {0}",
                     internal::Excerpt(file)));
   return LoadResource("robots", what, "urdf");
 }

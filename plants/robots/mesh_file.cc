@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kLargestFile = 200'000'000;  // [bytes]
-constexpr float kNicely = 0.02F;  // of the mesh's extent: the error up to which its topology is kept
+constexpr float kNicely = 0.02F;  // error up to which the topology is kept, relative to the mesh's extent
 
 TriangleMesh Import(const fs::path& file) {
   const auto fail = [&](const std::string& why) {
@@ -30,7 +30,7 @@ TriangleMesh Import(const fs::path& file) {
   };
   std::error_code error;
   if (!fs::is_regular_file(file, error)) fail("there is no such file");
-  if (fs::file_size(file, error) > kLargestFile) fail("it has more than 200 MB");
+  if (fs::file_size(file, error) > kLargestFile) fail("it is larger than 200 MB");
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -57,7 +57,7 @@ TriangleMesh Import(const fs::path& file) {
   return mesh;
 }
 
-/// Corners that no triangle has are left out, those at one place become one.
+/// Merges equal corners and removes unused ones.
 TriangleMesh Joined(const TriangleMesh& mesh) {
   const std::size_t indices = 3 * mesh.triangles.size(), corners = mesh.corners.size();
   std::vector<std::uint32_t> remap(corners);

@@ -7,38 +7,38 @@
 
 namespace tenon {
 
-/// Defaults: without errors, rates that are measured.
+/// By default there are no errors, and rates are measured.
 struct CableSensorsParams {
   int num_cables = 4;
   Rate rate = Hz(1000);
-  double resolution = 0;      ///< between two lengths that are told apart; 0: all are [m]
-  double length_offset = 0;   ///< standard deviation, by cable: as it was homed [m]
-  double rate_bandwidth = 0;  ///< of the differences that stand for rates; 0: rates are measured [Hz]
-  double tension_noise = 0;   ///< standard deviation over tension
-  double tension_offset = 0;  ///< standard deviation, by load cell [N]
+  double resolution = 0;      ///< resolution of the lengths; 0: unlimited [m]
+  double length_offset = 0;   ///< standard deviation of each cable's homing error [m]
+  double rate_bandwidth = 0;  ///< cut-off frequency of differentiated lengths; 0: rates are measured [Hz]
+  double tension_noise = 0;   ///< standard deviation relative to the tension
+  double tension_offset = 0;  ///< standard deviation of each load cell's offset [N]
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// The lengths of cables by encoders on the drums, their tensions by load cells, at a rate. What a cable
-/// stretches by the drum does not see; it is taken as compensated exactly by the tension.
+/// Measures the lengths of cables by encoders on the drums and their tensions by load cells. The strain of
+/// the cables is assumed to be compensated exactly by the tension.
 ///
-///     length   the true one and an offset of its own, rounded to the resolution
+///     length   true length plus offset, rounded to the resolution
 ///     rate     r[k] = a r[k - 1] + (1 - a) / h (l[k] - l[k - 1]),   a = exp(-2 pi bandwidth h)
-///     tension  T (1 + noise n) and an offset of its own, not below 0
+///     tension  T (1 + noise n) plus offset, at least 0
 ///
-/// Offsets are normal, drawn at the start, n normal, anew at each sample. What is paid out, rest_length, has
-/// the length's errors.
+/// Offsets are normal and drawn at the start; n is normal and drawn at each sample. rest_length has the
+/// errors of the length.
 ///
 ///     port in   cables
 ///     port out  measured  sampled
 ///
-/// @throws RunError in the loop if the signals are those of another number of cables.
+/// @throws RunError during the run if the number of cables of the input differs.
 class CableSensors final : public LeafSystem<CableSensorsParams> {
  public:
   using LeafSystem::LeafSystem;
 
-  /// What the sensors of one robot have.
+  /// Offsets of the sensors of a robot.
   struct Offsets {
     CableVector length;   ///< [m]
     CableVector tension;  ///< [N]
@@ -46,7 +46,7 @@ class CableSensors final : public LeafSystem<CableSensorsParams> {
       return {{"length", &Offsets::length, "m"}, {"tension", &Offsets::tension, "N"}};
     }
   };
-  /// Of the sample before.
+  /// Values of the last sample.
   struct Memory {
     bool started = false;
     CableVector length;  ///< [m]

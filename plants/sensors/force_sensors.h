@@ -9,26 +9,26 @@
 
 namespace tenon {
 
-/// Defaults: without errors.
+/// By default there are no errors.
 struct ForceSensorParams {
   Rate rate = Hz(1000);
-  SensorError error = {};  ///< [N m] or [N]; `relative` is to each component
+  SensorError error = {};  ///< error of each component [N m] or [N]
 
   void Validate() const { error.Validate("the force sensor"); }  ///< throws ParameterError
 };
 
-/// Defaults: without errors.
+/// By default there are no errors.
 struct FootForceSensorParams {
   Rate rate = Hz(1000);
-  SensorError error = {};  ///< of each component [N]
-  double threshold = 0;    ///< a foot whose measured force is smaller counts as being in the air [N]
+  SensorError error = {};  ///< error of each component [N]
+  double threshold = 0;    ///< measured forces below this are set to 0 [N]
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Measures the torques of all drives at a rate, each with an error (sensor_noise.h).
+/// Measures the torques of all drives, each with an error (sensor_noise.h).
 ///
-///     port in   torque    what the drives give [N m]
+///     port in   torque    true torques of the drives [N m]
 ///     port out  measured  sampled [N m]
 ///     parameter error     SensorError [N m]
 class JointTorqueSensor final : public LeafSystem<ForceSensorParams> {
@@ -47,10 +47,10 @@ class JointTorqueSensor final : public LeafSystem<ForceSensorParams> {
   Vec<12> CalcMeasured(const Vec<12>& torque, const SensorError& error, RandomStream& noise) const;
 };
 
-/// Measures the forces on all feet at a rate, every component with an error (sensor_noise.h), in the axes in
-/// which they come. What is measured below the threshold is 0.
+/// Measures the forces on all feet, each component with an error (sensor_noise.h), in the axes of the input.
+/// Measured forces below the threshold are set to 0.
 ///
-///     port in   forces    of the ground on the feet
+///     port in   forces    true ground forces
 ///     port out  measured  sampled
 ///     parameter error     SensorError [N]
 class FootForceSensor final : public LeafSystem<FootForceSensorParams> {

@@ -11,10 +11,11 @@
 
 namespace tenon {
 
-/// Defaults: a small industrial unit without bias.
+/// The defaults model a small industrial IMU without bias.
 struct ImuParams {
   Rate rate = Hz(1000);
-  Vec<3> p_B = Vec<3>::Zero();  ///< where it is; QuadrupedWorld takes the robot's, CdprEstimator 0 [m]
+  Vec<3> p_B =
+      Vec<3>::Zero();  ///< position in B; QuadrupedWorld uses imu_B of the robot, CdprEstimator 0 [m]
   Vec<3> angular_velocity_noise = Vec<3>::Constant(0.005);  ///< standard deviation per axis [rad/s]
   Vec<3> specific_force_noise = Vec<3>::Constant(0.05);     ///< standard deviation per axis [m/s^2]
   Vec<3> angular_velocity_bias = Vec<3>::Zero();            ///< added to all samples [rad/s]
@@ -24,13 +25,13 @@ struct ImuParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// An inertial measurement unit at the point p of B, aligned with B, with constant bias and white noise:
+/// An inertial measurement unit at the point p_B, aligned with B, with constant bias and white noise:
 ///
 ///     angular velocity = R_WB^T w_W + b_w + n_w,
 ///     specific force   = R_WB^T (a_W + alpha_W x r + w_W x (w_W x r) - g) + b_f + n_f,
 ///
 /// with r = R_WB p_B and g = (0, 0, -gravity).
-/// At rest the specific force points up and is 9.81 m/s^2; in free fall it is 0.
+/// The specific force is 9.81 m/s^2 upwards at rest and 0 in free fall.
 ///
 ///     ports in  body          the true state
 ///               acceleration  the true acceleration

@@ -11,7 +11,8 @@ namespace tenon {
 void ImuErrorsParams::Validate() const {
   const auto check = [](const char* name, double value) {
     Demand(std::isfinite(value) && value >= 0,
-           fmt::format("{} = {} is a standard deviation: finite and not negative, 0 for none", name, value));
+           fmt::format("{} = {} must be finite and not negative; it is a standard deviation, 0 for none",
+                       name, value));
   };
   check("misalignment", misalignment);
   check("angular_velocity_bias", angular_velocity_bias);

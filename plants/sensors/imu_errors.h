@@ -7,24 +7,25 @@
 
 namespace tenon {
 
-/// Standard deviations per axis. Defaults: without errors.
+/// Standard deviations per axis. By default there are no errors.
 struct ImuErrorsParams {
-  Rate rate = Hz(1000);              ///< of the samples that pass
-  double misalignment = 0;           ///< of the unit's axes, as it is mounted, about each axis of B [rad]
-  double angular_velocity_bias = 0;  ///< at the start [rad/s]
-  double specific_force_bias = 0;    ///< at the start [m/s^2]
-  double angular_velocity_walk = 0;  ///< of its bias [rad/s/sqrt(s)]
-  double specific_force_walk = 0;    ///< of its bias [m/s^2/sqrt(s)]
+  Rate rate = Hz(1000);              ///< of the samples
+  double misalignment = 0;           ///< of the mounting, about each axis of B [rad]
+  double angular_velocity_bias = 0;  ///< initial bias [rad/s]
+  double specific_force_bias = 0;    ///< initial bias [m/s^2]
+  double angular_velocity_walk = 0;  ///< random walk of the bias [rad/s/sqrt(s)]
+  double specific_force_walk = 0;    ///< random walk of the bias [m/s^2/sqrt(s)]
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What makes one inertial unit other than the next of its kind, put between a unit and its users: how it
-/// sits in the robot, and biases, which walk. In the unit's frame I, which is B turned by a small angle e,
+/// Misalignment and drifting biases of an individual IMU, connected between an Imu and the blocks that read
+/// it. In the IMU's frame I, which is B rotated by a small angle e,
 ///
 ///     out = R_IB in + b,   R_IB = exp(-[e] x),   b[n + 1] = b[n] + walk sqrt(h) n,
 ///
-/// e and b[0] drawn at the start with their deviations. Users take I for B. White noise is the unit's own.
+/// with e and b[0] drawn at the start. The blocks that read it assume that I is B. White noise is part of
+/// Imu.
 ///
 ///     port in   measurement  in B
 ///     port out  measured     in I, sampled
@@ -32,7 +33,7 @@ class ImuErrors final : public LeafSystem<ImuErrorsParams> {
  public:
   using LeafSystem::LeafSystem;
 
-  /// What one unit has.
+  /// Errors of an individual IMU.
   struct Unit {
     Vec<3> turn_B = Vec<3>::Zero();                 ///< e [rad]
     Vec<3> angular_velocity_bias = Vec<3>::Zero();  ///< [rad/s]

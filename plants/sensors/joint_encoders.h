@@ -9,31 +9,29 @@
 
 namespace tenon {
 
-/// Defaults: without errors.
+/// By default there are no errors.
 struct JointEncodersParams {
   Rate rate = Hz(1000);
   SensorError angle = {};  ///< [rad]
   SensorError speed = {};  ///< [rad/s]
-  double resolution = 0;   ///< between two angles that the encoders tell apart; 0: all [rad]
+  double resolution = 0;   ///< resolution of the angles; 0: unlimited [rad]
   double offset_deviation =
-      0;  ///< of the angle that each joint's calibration is off; drawn at the start [rad]
-  double speed_bandwidth =
-      0;  ///< of the low-pass that speeds are differenced through; 0: see JointEncoders [Hz]
+      0;  ///< standard deviation of each joint's calibration error, drawn at the start [rad]
+  double speed_bandwidth = 0;  ///< cut-off frequency f of differentiated angles; 0: speeds are measured [Hz]
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Measures angle and speed of all joints at a rate, each with an error of its own (sensor_noise.h). An angle
-/// q is measured as
+/// Measures angle and speed of all joints with errors (sensor_noise.h). An angle q is measured as
 ///
 ///     resolution round((q + offset + error) / resolution).
 ///
-/// Without a bandwidth the speed is the drive's, with its error. With one, f, it is found from the angles
-/// that were measured: their differences over the period h through a low-pass of first order,
+/// Without a bandwidth the speed is the true speed with its error. With a bandwidth f it is computed from the
+/// measured angles, by their differences over the period h and a first-order low-pass filter,
 ///
 ///     qd[n] = a qd[n - 1] + (1 - a) (q[n] - q[n - 1]) / h,   a = exp(-2 pi f h),
 ///
-/// which lags by some 1 / (2 pi f), and carries the resolution as noise.
+/// which lags by about 1 / (2 pi f) and contains the quantisation noise of the angles.
 ///
 ///     port in   state   the true state
 ///     port out  joints  sampled
@@ -43,7 +41,7 @@ class JointEncoders final : public LeafSystem<JointEncodersParams> {
  public:
   using LeafSystem::LeafSystem;
 
-  /// What speeds are differenced from.
+  /// Memory of the differentiation.
   struct Memory {
     bool started = false;
     JointMotion last;

@@ -8,18 +8,18 @@
 
 namespace tenon {
 
-/// Defaults: a motion capture system at some distance.
+/// The defaults model a distant motion capture system.
 struct PoseSensorParams {
   Rate rate = Hz(200);
   Vec<3> position_noise = Vec<3>::Constant(0.005);  ///< standard deviation along x, y, z of W [m]
   Vec<3> attitude_noise = Vec<3>::Constant(0.01);   ///< standard deviation about x, y, z of B [rad]
-  double position_offset = 0;  ///< of the calibration, standard deviation along each axis of W [m]
-  double attitude_offset = 0;  ///< of the calibration, standard deviation about each axis of B [rad]
+  double position_offset = 0;  ///< standard deviation of the calibration error along each axis of W [m]
+  double attitude_offset = 0;  ///< standard deviation of the calibration error about each axis of B [rad]
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Measures position and attitude at a rate, with white noise and with what a calibration leaves:
+/// Measures position and attitude with white noise and calibration errors:
 ///
 ///     p = p_WB + o_p + n_p,   q = q_WB * exp((o_a + n_a) / 2),
 ///
@@ -34,7 +34,7 @@ class PoseSensor final : public LeafSystem<PoseSensorParams> {
  public:
   using LeafSystem::LeafSystem;
 
-  /// What the calibration left.
+  /// Calibration errors.
   struct Offset {
     Vec<3> position = Vec<3>::Zero();  ///< o_p [m]
     Vec<3> turn = Vec<3>::Zero();      ///< o_a [rad]

@@ -17,13 +17,13 @@ inline Vec<3> NormalVector(RandomStream& noise, const Vec<3>& deviation) {
   return n;
 }
 
-/// What is wrong with a sensor: a constant, and white noise with a part that grows with the signal. A signal
+/// Error of a sensor: a constant bias, and white noise with a component proportional to the signal. A signal
 /// x is measured as
 ///
-///     x + bias + (absolute + relative |x|) n,   n normal with deviation 1, anew at each sample.
+///     x + bias + (absolute + relative |x|) n,   n standard normal, drawn at each sample.
 struct SensorError {
   double absolute = 0;  ///< standard deviation [unit of the signal]
-  double relative = 0;  ///< standard deviation over signal: 0.1 is 10 %
+  double relative = 0;  ///< standard deviation relative to the signal: 0.1 is 10 %
   double bias = 0;      ///< [unit of the signal]
 
   static FieldList Fields() {
@@ -32,12 +32,12 @@ struct SensorError {
             {"bias", &SensorError::bias}};
   }
 
-  /// Without noise no number is drawn.
+  /// The measured value. Draws no random number if there is no noise.
   double Measure(double x, RandomStream& noise) const {
     if (absolute == 0 && relative == 0) return x + bias;
     return x + bias + (absolute + relative * std::abs(x)) * noise.Normal();
   }
-  /// Every element by itself.
+  /// The measured vector, with independent elements.
   template <int N>
   Vec<N> Measure(const Vec<N>& x, RandomStream& noise) const {
     Vec<N> y;
@@ -48,7 +48,7 @@ struct SensorError {
   void Validate(const char* signal) const;
 };
 
-/// Throws ParameterError unless `value` is one of a sensor's flaws: finite and not negative.
+/// Throws ParameterError unless `value` is finite and not negative.
 inline void CheckNotNegative(const char* name, double value, const char* unit) {
   if (std::isfinite(value) && value >= 0) return;
   std::ostringstream text;
@@ -56,7 +56,7 @@ inline void CheckNotNegative(const char* name, double value, const char* unit) {
   throw ParameterError(text.str());
 }
 
-/// Throws ParameterError unless `deviation` can be one.
+/// Throws ParameterError unless `deviation` is finite and not negative.
 inline void CheckDeviation(const char* name, const Vec<3>& deviation) {
   if (deviation.allFinite() && deviation.minCoeff() >= 0) return;
   std::ostringstream text;

@@ -6,7 +6,8 @@ FootForces ShankForces::CalcShank(const LeggedState& x, const FootForces& forces
   const Eigen::Matrix3d R_WB = x.R_WB();
   FootForces forces_J;
   for (int leg = 0; leg < kNumLegs; ++leg)
-    forces_J[leg] = (R_WB * params.robot.ShankRotation(leg, x.q)).transpose() * forces_W[leg];
+    forces_J[leg] =
+        (R_WB * params.robot.PoseOfLeg(leg, x.q).R_BJ[kJointsPerLeg - 1]).transpose() * forces_W[leg];
   return forces_J;
 }
 

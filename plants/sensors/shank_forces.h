@@ -11,12 +11,12 @@ struct ShankForcesParams {
   QuadrupedDescription robot;
 };
 
-/// Turns the forces on the feet from the world's axes into those of the shank that each foot is fixed to, in
-/// which its sensor measures: f_J = R_WJ^T f_W. FootForceEstimate turns them back, by what a robot knows.
+/// Transforms the ground forces from W to the axes of the shanks, in which the foot sensors measure: f_J =
+/// R_WJ^T f_W. FootForceEstimate computes the inverse from estimated states.
 ///
-///     ports in  state   the true one
-///               forces  of the ground on the feet, in W
-///     port out  shank   the same, each in the axes of its leg's last body
+///     ports in  state   true state of the robot
+///               forces  ground forces in W
+///     port out  shank   ground forces, each in the axes of its leg's last body
 class ShankForces final : public LeafSystem<ShankForcesParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -6,11 +6,10 @@
 
 namespace tenon {
 
-/// One value per cable, as many as the robot has. Assigning to a vector of the same
-/// size does not allocate.
+/// One value for each cable of the robot. Assigning a vector of equal size does not allocate.
 using CableVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign>;
 
-/// Throws RunError if `num`, the number of cables in the signals that block `who` reads, is not `num_cables`.
+/// Throws RunError if `num`, the number of cables in the input of the block `who`, is not `num_cables`.
 void CheckNumCables(int num_cables, Eigen::Index num, const char* who);
 
 }  // namespace tenon

@@ -8,7 +8,7 @@
 namespace tenon {
 
 /// @file
-/// What the ports of a cable-driven parallel robot carry. W is the world, z up; B is fixed to the platform
+/// Signals of a cable-driven parallel robot. W is the world, z up; B is fixed to the platform
 /// with its origin at the platform's CoM. SI units.
 
 /// Pose and velocity of the platform.
@@ -51,27 +51,27 @@ struct PlatformWrench {
 /// A point mass fixed to the platform; none if the mass is 0.
 struct Payload {
   double mass = 0;              ///< [kg]
-  Vec<3> p_B = Vec<3>::Zero();  ///< where, from the CoM of the empty platform [m]
+  Vec<3> p_B = Vec<3>::Zero();  ///< position from the CoM of the empty platform [m]
 
   static FieldList Fields() { return {{"mass", &Payload::mass, "kg"}, {"p_B", &Payload::p_B, "m"}}; }
 };
 
-/// What a platform carries, as an estimator sees it: a point mass, and what else acts on it.
+/// Estimated load of a platform: a point mass, and the remaining external wrench.
 struct LoadEstimate {
   Payload payload;
   PlatformWrench rest;
 
-  /// Whether there is one.
+  /// True if there is a load.
   bool any() const { return payload.mass != 0 || !rest.force_W.isZero(0) || !rest.torque_W.isZero(0); }
   static FieldList Fields() { return {{"payload", &LoadEstimate::payload}, {"rest", &LoadEstimate::rest}}; }
 };
 
-/// The cables, one entry each, as ideal winches tell them.
+/// Cables as measured by ideal winches, one entry each.
 struct CableSignals {
   CableVector length;       ///< along the cable from attachment to anchor, under strain [m]
   CableVector length_rate;  ///< how fast the attachment draws cable [m/s]
   CableVector tension;      ///< at the anchor, not negative; 0 if slack without weight [N]
-  CableVector rest_length;  ///< what the winch has paid out, without strain [m]
+  CableVector rest_length;  ///< unstrained length paid out by the winch [m]
 
   static CableSignals Zero(int num_cables) {
     const CableVector zero = CableVector::Zero(num_cables);
@@ -85,11 +85,10 @@ struct CableSignals {
   }
 };
 
-/// What is wrong with the cables and their winches, one entry each: 1 if so, else 0. Without entries all are
-/// sound.
+/// Faults of the cables and their winches, one entry each: 1 if faulty, else 0. Empty vectors mean no faults.
 struct CableFaults {
   CableVector stuck;   ///< the winch's drum does not turn
-  CableVector broken;  ///< the cable does not pull, nor does its drum turn
+  CableVector broken;  ///< the cable has no tension, and its drum does not turn
 
   bool is_stuck(Eigen::Index cable) const { return Holds(stuck, cable) || is_broken(cable); }
   bool is_broken(Eigen::Index cable) const { return Holds(broken, cable); }
@@ -101,7 +100,7 @@ struct CableFaults {
   }
 };
 
-/// What a motion capture system reports of the platform.
+/// Pose of the platform measured by a motion capture system.
 struct PoseMeasurement {
   Vec<3> p_WB = Vec<3>::Zero();  ///< CoM [m]
   Vec<4> q_WB{1, 0, 0, 0};       ///< attitude, (w, x, y, z)

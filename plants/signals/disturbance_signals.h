@@ -4,7 +4,7 @@
 
 namespace tenon {
 
-/// The net wrench of all forces on the robot but gravity and the ground's, as an observer estimates it.
+/// Estimated net wrench of all external forces except gravity and ground forces.
 struct WrenchEstimate {
   Vec<3> force_W = Vec<3>::Zero();   ///< [N]
   Vec<3> torque_W = Vec<3>::Zero();  ///< about the CoM [N m]
@@ -14,7 +14,7 @@ struct WrenchEstimate {
   }
 };
 
-/// What such forces do to the legs: at the joints, and as forces on the feet that would do the same there.
+/// Estimated effect of external forces on the legs: joint torques, and equivalent forces on the feet.
 struct LegForceEstimate {
   Vec<12> joint_torque = Vec<12>::Zero();  ///< [N m]
   FootForces foot_force;                   ///< in W [N]

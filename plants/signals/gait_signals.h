@@ -9,29 +9,29 @@
 
 namespace tenon {
 
-/// Legs that swing together: none, one after the other, diagonal pairs, lateral pairs, front and rear pairs.
+/// Gaits, by the legs that swing together: none, single legs, diagonal, lateral, front and rear pairs.
 enum class Gait { kStand, kCrawl, kTrot, kPace, kGallop };
 constexpr auto EnumNames(Gait) {
   return std::array{Named{Gait::kStand, "stand"}, Named{Gait::kCrawl, "crawl"}, Named{Gait::kTrot, "trot"},
                     Named{Gait::kPace, "pace"}, Named{Gait::kGallop, "gallop"}};
 }
 
-/// What a leg does.
+/// Contact state of a leg.
 enum class ContactState {
-  kStance,     ///< stands: carries weight, its foot does not move
+  kStance,     ///< on the ground, the foot does not move
   kSwing,      ///< in the air, on the way to its foothold
-  kLate,       ///< the swing is over but the ground was not found: lowers, and the gait clock waits
-  kSearching,  ///< should stand but feels no ground: lowers, and no leg lifts off meanwhile
+  kLate,       ///< no contact at the end of the swing: the foot is lowered and the gait clock waits
+  kSearching,  ///< no contact in stance: the foot is lowered and no leg lifts off
 };
 constexpr auto EnumNames(ContactState) {
   return std::array{Named{ContactState::kStance, "stance"}, Named{ContactState::kSwing, "swing"},
                     Named{ContactState::kLate, "late"}, Named{ContactState::kSearching, "searching"}};
 }
 
-/// One leg in the schedule.
+/// Contact state and timing of a leg.
 struct LegContact {
   ContactState state = ContactState::kStance;
-  double phase = 0;             ///< of the planned stance or swing that it is in, 0 to 1 [1]
+  double phase = 0;             ///< of the present stance or swing, 0 to 1
   double time_to_lift_off = 0;  ///< until the next planned lift-off; 0 if none is planned [s]
   double time_to_touchdown =
       0;  ///< until the next planned touchdown; 0 while late or searching, or if none is planned [s]
@@ -49,21 +49,14 @@ struct LegContact {
 /// seconds, then the legs of that step swing for `swing` seconds. Standing has no steps.
 struct GaitTiming {
   int num_steps = 0;
-  std::array<int, kNumLegs> step{};  ///< in which step of the cycle each leg swings
-  double stance = 0;                 ///< of all four feet, before each swing [s]
-  double swing = 0;                  ///< [s]
+  std::array<int, kNumLegs> step{};  ///< step of the cycle in which each leg swings
+  double stance = 0;                 ///< duration of the stance of all feet before each swing [s]
+  double swing = 0;                  ///< duration of a swing [s]
 
   double step_duration() const { return stance + swing; }
   double cycle() const { return num_steps * step_duration(); }
-  /// How long a foot stands between its touchdown and its lift-off [s].
+  /// Duration of a foot's stance from touchdown to lift-off [s].
   double leg_stance() const { return cycle() - swing; }
-  /// The part of the cycle in which a foot stands; 1 if the robot stands.
-  double duty() const { return num_steps == 0 ? 1 : leg_stance() / cycle(); }
-  /// The part of the cycle after which a leg lifts off.
-  double lift_off_phase(int leg) const {
-    if (num_steps == 0) return 0;
-    return (step[static_cast<std::size_t>(leg)] * step_duration() + stance) / cycle();
-  }
   static FieldList Fields() {
     return {{"num_steps", &GaitTiming::num_steps},
             {"step", &GaitTiming::step, "", kLegElements},
@@ -72,14 +65,15 @@ struct GaitTiming {
   }
 };
 
-/// Which feet stand, now and next. Planned times are those of the gait clock, which waits for late feet.
+/// Contact states and planned events of the feet. Planned times refer to the gait clock, which waits for late
+/// feet.
 struct ContactSchedule {
   std::array<LegContact, kNumLegs> legs;
   Gait gait = Gait::kStand;
   GaitTiming timing;
-  int step = 0;          ///< of the cycle
-  double step_time = 0;  ///< gait clock since the beginning of the step [s]
-  int footsteps = 0;     ///< counts the beginnings of steps and the changes of gait: planners replan on it
+  int step = 0;          ///< present step of the cycle
+  double step_time = 0;  ///< gait clock since the start of the step [s]
+  int footsteps = 0;     ///< number of steps and gait changes; planners replan when it changes
 
   int num_stance() const {
     int count = 0;
@@ -96,7 +90,7 @@ struct ContactSchedule {
   }
 };
 
-/// How the user wants the robot to go, in the frame of its heading.
+/// User command of a walk, in the frame of the heading.
 struct WalkCommand {
   Gait gait = Gait::kStand;
   double forward = 0;              ///< [m/s]

@@ -32,7 +32,7 @@ Eigen::Vector3d EulerRateOnSlope(const Eigen::Vector2d& slope, const Eigen::Vect
   const Eigen::Vector2d s = InHeading(slope, yaw);
   const Eigen::Vector2d rate = InHeading(slope_rate, yaw) + yaw_rate * Eigen::Vector2d(s[1], -s[0]);
   const double forward = 1 + s[0] * s[0], square = 1 + s.squaredNorm();
-  // Of sin(roll), over cos(roll) = sqrt(forward / square).
+  // Rate of sin(roll), divided by cos(roll) = sqrt(forward / square).
   const double roll_rate = (rate[1] - s[1] * s.dot(rate) / square) / std::sqrt(forward);
   return {roll_rate, -rate[0] / forward, yaw_rate};
 }

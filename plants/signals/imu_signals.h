@@ -5,7 +5,7 @@
 
 namespace tenon {
 
-/// What an inertial measurement unit on a body reports, in the body's frame B.
+/// Measurement of an IMU, in the body's frame B.
 struct ImuMeasurement {
   Vec<3> angular_velocity_B = Vec<3>::Zero();  ///< [rad/s]
   Vec<3> specific_force_B = Vec<3>::Zero();    ///< acceleration minus gravity: 9.81 upwards at rest [m/s^2]

@@ -6,13 +6,13 @@
 namespace tenon {
 
 /// @file
-/// What a person on a leash and the leash put out. W is the world, z up. SI units.
+/// Signals of a leash and the person who holds it. W is the world, z up. SI units.
 
-/// Where a person is and goes. Floors are level: z is 0 but for the hand.
+/// Motion of a person on a level floor: z is 0 except for the hand.
 struct PersonState {
   Vec<3> p_W = Vec<3>::Zero();     ///< [m]
   Vec<3> v_W = Vec<3>::Zero();     ///< [m/s]
-  Vec<3> hand_W = Vec<3>::Zero();  ///< that holds the leash, and moves with v_W [m]
+  Vec<3> hand_W = Vec<3>::Zero();  ///< hand that holds the leash, moving with v_W [m]
 
   static FieldList Fields() {
     return {{"p_W", &PersonState::p_W, "m"},
@@ -21,13 +21,12 @@ struct PersonState {
   }
 };
 
-/// A leash between the hand of a person and a robot. It pulls the hand by tension * direction_W, the robot by
-/// the opposite.
+/// State of a leash between a person's hand and a robot. The force on the hand is tension * direction_W, that
+/// on the robot its opposite.
 struct LeashState {
-  double length = 0;   ///< between its ends [m]
-  double tension = 0;  ///< 0 or more [N]
-  Vec<3> direction_W =
-      Vec<3>::Zero();  ///< unit vector from the hand to the robot; 0 if they are in one place
+  double length = 0;                    ///< between its ends [m]
+  double tension = 0;                   ///< at least 0 [N]
+  Vec<3> direction_W = Vec<3>::Zero();  ///< unit vector from the hand to the robot; 0 if they coincide
 
   static FieldList Fields() {
     return {{"length", &LeashState::length, "m"},

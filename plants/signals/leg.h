@@ -6,14 +6,13 @@ namespace tenon {
 
 inline constexpr int kNumLegs = 4;
 inline constexpr int kJointsPerLeg = 3;
-inline constexpr int kNumJoints = kNumLegs * kJointsPerLeg;  ///< joint 3 leg + i is the leg's i-th
+inline constexpr int kNumJoints = kNumLegs * kJointsPerLeg;  ///< joint 3 leg + i is joint i of the leg
 
-/// Index of a leg, everywhere.
+/// Index of a leg.
 enum Leg { kFrontLeft, kFrontRight, kRearLeft, kRearRight };
 inline constexpr std::array<const char*, kNumLegs> kLegNames{"front_left", "front_right", "rear_left",
                                                              "rear_right"};
-/// The same as names of a signal's elements, and those of the joints; a robot's own names are in
-/// JointDescription.
+/// Names of legs and joints as elements of signals; the names of a robot's joints are in JointDescription.
 inline constexpr const char* kLegElements = "front_left,front_right,rear_left,rear_right";
 inline constexpr const char* kJointElements =
     "front_left_abduction,front_left_hip_pitch,front_left_knee,"

@@ -10,7 +10,7 @@
 namespace tenon {
 
 /// @file
-/// What the ports of a quadruped carry. W is the world, z up; B is fixed to the trunk, x forward, y left.
+/// Signals of a quadruped. W is the world, z up; B is fixed to the trunk, x forward, y left.
 /// Joints and legs in the order of leg.h. SI units.
 
 /// Pose and velocity of the trunk, joint angles and speeds.
@@ -46,7 +46,7 @@ struct LeggedAcceleration {
   }
 };
 
-/// Joint angles and speeds, as encoders give them.
+/// Measured joint angles and speeds.
 struct JointMotion {
   Vec<12> q = Vec<12>::Zero();   ///< [rad]
   Vec<12> qd = Vec<12>::Zero();  ///< [rad/s]
@@ -56,7 +56,7 @@ struct JointMotion {
   }
 };
 
-/// The force of the ground on each foot [N].
+/// Ground force on each foot [N].
 struct FootForces {
   Vec<3> front_left = Vec<3>::Zero();
   Vec<3> front_right = Vec<3>::Zero();
@@ -78,8 +78,8 @@ struct FootForces {
 inline constexpr std::array<Vec<3> FootForces::*, kNumLegs> FootForces::kMembers{
     &FootForces::front_left, &FootForces::front_right, &FootForces::rear_left, &FootForces::rear_right};
 
-/// Joints that are held by a spring and a damper beside their drive: torque -stiffness (q - angle) - damping
-/// qd. A stiffness of 0 leaves a joint free.
+/// Joints held by a spring and a damper in parallel to their drive: torque -stiffness (q - angle) - damping
+/// qd. Joints with stiffness 0 are free.
 struct JointLocks {
   Vec<12> angle = Vec<12>::Zero();      ///< [rad]
   Vec<12> stiffness = Vec<12>::Zero();  ///< [N m/rad]
@@ -92,10 +92,10 @@ struct JointLocks {
   }
 };
 
-/// A force on a point of the robot, and a torque.
+/// Force on a point of the robot, and torque.
 struct ExternalForce {
   int body = 0;                      ///< 0 the trunk, 1 + j the body that joint j moves
-  Vec<3> p_B = Vec<3>::Zero();       ///< where, in that body's frame [m]
+  Vec<3> p_B = Vec<3>::Zero();       ///< point of application, in that body's frame [m]
   Vec<3> force_W = Vec<3>::Zero();   ///< [N]
   Vec<3> torque_W = Vec<3>::Zero();  ///< [N m]
 
@@ -108,7 +108,7 @@ struct ExternalForce {
 };
 
 inline constexpr int kMaxExternalForces = 8;
-/// Entries that are left as they are do nothing.
+/// Default entries are zero forces.
 using ExternalForces = std::array<ExternalForce, kMaxExternalForces>;
 
 }  // namespace tenon

@@ -8,7 +8,7 @@
 
 namespace tenon {
 
-/// Where CoM and trunk should be. W is the world, z up; B is fixed to the trunk.
+/// Reference of CoM and trunk. W is the world, z up; B is fixed to the trunk.
 struct BodyReference {
   Vec<3> com_W = Vec<3>::Zero();               ///< centre of mass [m]
   Vec<3> com_velocity_W = Vec<3>::Zero();      ///< [m/s]
@@ -27,7 +27,7 @@ struct BodyReference {
   }
 };
 
-/// Where one foot, the centre of its sphere, should be.
+/// Reference of the centre of a foot's sphere.
 struct FootReference {
   Vec<3> p_W = Vec<3>::Zero();  ///< [m]
   Vec<3> v_W = Vec<3>::Zero();  ///< [m/s]
@@ -40,7 +40,7 @@ struct FootReference {
   }
 };
 
-/// All feet: those in the air move, those in stance rest where they touched down.
+/// References of all feet; stance feet rest at their touchdown position.
 struct FeetReference {
   std::array<FootReference, kNumLegs> feet;
 
@@ -49,15 +49,15 @@ struct FeetReference {
   static FieldList Fields() { return {{"feet", &FeetReference::feet, "", kLegElements}}; }
 };
 
-/// The path over ground as it is planned: a pose in the plane at the present time and the twist with which it
-/// goes on, constant in the frame of the heading.
+/// Planned path over ground: the present pose in the plane and the twist, constant in the frame of the
+/// heading.
 struct PlanarPath {
   Vec<2> position_W = Vec<2>::Zero();  ///< [m]
   double yaw = 0;                      ///< [rad]
   Vec<2> velocity = Vec<2>::Zero();    ///< forward and left [m/s]
   double yaw_rate = 0;                 ///< [rad/s]
 
-  /// The path `t` seconds on, back if negative: a line or an arc, in closed form.
+  /// The path at `t` seconds from now, which may be negative: a line or an arc, in closed form.
   PlanarPath At(double t) const;
   Eigen::Matrix2d Heading() const;  ///< rotation from the frame of the heading to W
   Eigen::Vector2d VelocityW() const { return Heading() * velocity; }

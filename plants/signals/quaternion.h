@@ -7,25 +7,25 @@
 namespace tenon {
 
 /// @file
-/// Unit quaternions (w, x, y, z) as signals carry them. q_WB takes components in B to components in W; q and
-/// -q are the same attitude.
+/// Unit quaternions (w, x, y, z) of signals. q_WB transforms components in B to components in W; q and -q are
+/// equivalent.
 
-/// The rotation of a quaternion of any length but zero.
+/// Rotation matrix of a quaternion of any non-zero length.
 Eigen::Matrix3d RotationFromQuaternion(const Vec<4>& q);
 
-/// One of the two unit quaternions of a rotation.
+/// One of the two unit quaternions of a rotation matrix.
 Vec<4> QuaternionFromRotation(const Eigen::Matrix3d& R);
 
-/// The rotation by |v| [rad] about v.
+/// Quaternion of the rotation by |v| [rad] about v.
 Vec<4> QuaternionFromRotationVector(const Eigen::Vector3d& v);
 
-/// The rotation of ZYX Euler angles, see euler.h; continuous in them.
+/// Quaternion of ZYX Euler angles, see euler.h; continuous in the angles.
 Vec<4> QuaternionFromEuler(const Eigen::Vector3d& euler);
 
-/// First b, then a: R(a b) = R(a) R(b).
+/// Product with R(a b) = R(a) R(b).
 Vec<4> QuaternionProduct(const Vec<4>& a, const Vec<4>& b);
 
-/// dq/dt = (0, w) q / 2 for a body that turns with the angular velocity `w_W` [rad/s]; leaves |q| as it is.
+/// dq/dt = (0, w) q / 2 of a body with the angular velocity `w_W` [rad/s]; |q| is constant.
 Vec<4> QuaternionRate(const Vec<4>& q_WB, const Vec<3>& w_W);
 
 }  // namespace tenon

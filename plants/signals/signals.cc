@@ -1,4 +1,4 @@
-// The types of signals that ports carry are described here once for all libraries.
+// Type information of the signals, instantiated once for all libraries.
 #include <tenon/plants/signals/cable_vector.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/signals/disturbance_signals.h>
@@ -16,8 +16,9 @@ namespace tenon {
 
 void CheckNumCables(int num_cables, Eigen::Index num, const char* who) {
   if (num == num_cables) return;
-  throw RunError(fmt::format("{} gets signals of {} cables, but its robot has {}: give both the same robot",
-                             who, num, num_cables));
+  throw RunError(
+      fmt::format("{} reads signals of {} cables, but its robot has {}: give both blocks the same robot", who,
+                  num, num_cables));
 }
 
 }  // namespace tenon

@@ -11,10 +11,10 @@ namespace tenon {
 
 /// Defaults: a light elastic leash in a hanging arm, see docs/guide_dog.md.
 struct LeashParams {
-  double nominal_length = 1.5;         ///< above it the leash pulls [m]
+  double nominal_length = 1.5;         ///< l0, length above which the leash is taut [m]
   double stiffness = 200;              ///< of leash and arm in series [N/m]
   double dissipation = 0.33;           ///< damping over tension [s/m]
-  Vec<3> attachment_B{-0.25, 0, 0.1};  ///< to the trunk, in its frame [m]
+  Vec<3> attachment_B{-0.25, 0, 0.1};  ///< attachment on the trunk, in B [m]
 
   static FieldList Fields() {
     return {{"nominal_length_m", &LeashParams::nominal_length},
@@ -25,16 +25,15 @@ struct LeashParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A leash between the hand of a person and the trunk of a robot: Morlando 2023, eq. (2.48), a spring that
-/// pulls only, with some damping. With e = l - l0 the elongation beyond the nominal length,
+/// A leash between a person's hand and a robot's trunk: a unilateral spring (Morlando 2023, eq. (2.48)) with
+/// damping. With the elongation e = l - l0,
 ///
 ///     T = k e max(0, 1 + d e')   if e > 0, else 0.
 ///
-/// The damping k e d grows with the tension, so that T does not jump when the leash becomes taut; the leash
-/// has no mass and does not sag. What is between hand and shoulder gives way as the leash does: k is that of
-/// both in series.
+/// The damping k e d grows with the tension, so T is continuous when the leash becomes taut. The leash has no
+/// mass and does not sag. k is the stiffness of leash and arm in series.
 ///
-///     ports in   robot     its trunk holds the other end
+///     ports in   robot     state of the robot
 ///                person
 ///     ports out  leash     length, tension, direction from the hand to the robot
 ///                force     on the trunk: -T direction at the attachment
@@ -46,8 +45,9 @@ class Leash final : public LeafSystem<LeashParams> {
   InputPort<LeggedState> robot{this, {"robot"}};
   InputPort<PersonState> person{this, {"person"}};
   Parameter<double> nominal_length{
-      this, {"nominal_length", "m"}, params.nominal_length, "above it the leash pulls"};
-  Parameter<double> stiffness{this, {"stiffness", "N/m"}, params.stiffness, "of leash and arm in series"};
+      this, {"nominal_length", "m"}, params.nominal_length, "length above which the leash is taut"};
+  Parameter<double> stiffness{
+      this, {"stiffness", "N/m"}, params.stiffness, "stiffness of leash and arm in series"};
   Parameter<double> dissipation{this, {"dissipation", "s/m"}, params.dissipation, "damping over tension"};
   OutputPort<LeashState> leash{
       this, {"leash"}, Uses(robot, person, nominal_length, stiffness, dissipation), &Leash::CalcLeash};

@@ -13,7 +13,7 @@ namespace tenon {
 /// A pillar.
 struct Obstacle {
   Vec<2> centre = Vec<2>::Zero();  ///< in W [m]
-  double radius = 0;               ///< of the pillar [m]
+  double radius = 0;               ///< radius [m]
 
   static FieldList Fields() {
     return {Required("centre_m", &Obstacle::centre), Required("radius_m", &Obstacle::radius)};
@@ -22,8 +22,8 @@ struct Obstacle {
 
 struct ObstacleDetectorParams {
   std::vector<Obstacle> obstacles;
-  double range = 1.2;       ///< ahead of B's origin [m]
-  double half_width = 0.4;  ///< of the robot's way [m]
+  double range = 1.2;       ///< detection range ahead of B's origin [m]
+  double half_width = 0.4;  ///< half width of the strip ahead [m]
 
   static FieldList Fields() {
     return {{"obstacles", &ObstacleDetectorParams::obstacles},
@@ -33,9 +33,9 @@ struct ObstacleDetectorParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Tells whether an obstacle is on a robot's way: whether a pillar's nearest point is less than `range` ahead
-/// of B's origin and the pillar reaches into the strip of half_width to both sides of the heading. It stands
-/// for whatever sees; nothing collides with the pillars.
+/// Detects obstacles ahead of a robot: true if a pillar's nearest point is less than `range` ahead of B's
+/// origin and the pillar overlaps the strip of half_width to both sides of the heading. It models an ideal
+/// vision sensor; the pillars do not collide with the robot.
 ///
 ///     port in    state
 ///     ports out  obstacle
@@ -45,9 +45,8 @@ class ObstacleDetector final : public LeafSystem<ObstacleDetectorParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<LeggedState> state{this, {"state"}};
-  Parameter<double> range{this, {"range", "m"}, params.range, "ahead of B's origin"};
-  Parameter<double> half_width{
-      this, {"half_width", "m"}, params.half_width, "of the strip, to both sides of the heading"};
+  Parameter<double> range{this, {"range", "m"}, params.range, "detection range ahead of B's origin"};
+  Parameter<double> half_width{this, {"half_width", "m"}, params.half_width, "half width of the strip ahead"};
   OutputPort<bool> obstacle{
       this, {"obstacle"}, Uses(state, range, half_width), &ObstacleDetector::CalcObstacle};
   OutputPort<Geometry> geometry{this, {"geometry"}, MakeGeometry(params), Uses(), [](Geometry*) {}};

@@ -8,10 +8,10 @@
 namespace tenon {
 namespace {
 
-// What a person looks like [m].
+// Dimensions of the drawn person [m].
 constexpr double kBodyRadius = 0.15, kBodyHeight = 1.5;
 constexpr double kHeadRadius = 0.12, kHeadHeight = 1.6;
-constexpr double kArrival = 1;  // time in which a person slows down [s]
+constexpr double kArrival = 1;  // duration of the deceleration at a destination [s]
 enum Index { kBody, kHead, kPath };
 
 void CheckPhase(std::size_t i, const PersonPhase& phase) {
@@ -59,7 +59,7 @@ PersonIntent Person::CalcIntent(double time, const std::vector<PersonPhase>& pha
     if (distance > 0) intent.direction_W = way / distance;
     return intent;
   }
-  // Ticks are exact multiples of the period, sums of decimal numbers are not.
+  // Tolerates the rounding of summed durations; ticks are exact multiples of the period.
   double since = time + 1e-6 * params.rate.period();
   for (const PersonPhase& phase : phases) {
     if (since < phase.duration) {

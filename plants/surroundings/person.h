@@ -14,25 +14,25 @@
 namespace tenon {
 
 enum class Activity {
-  kFollow,  ///< walks with a speed where the leash leads, if it is taut
-  kWalk,    ///< walks with a speed in a direction; with none stands
-  kPull,    ///< leans with a force in a direction
+  kFollow,  ///< walks along the taut leash at a given speed
+  kWalk,    ///< walks in a given direction; stands at speed 0
+  kPull,    ///< pulls with a given force in a given direction
 };
 constexpr auto EnumNames(Activity) {
   return std::array{Named{Activity::kFollow, "follow"}, Named{Activity::kWalk, "walk"},
                     Named{Activity::kPull, "pull"}};
 }
 
-/// What a person does for a while. The speed is speed + speed_amplitude sin(angular_frequency t), t counting
-/// from the beginning of the phase.
+/// Phase of a person's motion. The speed is speed + speed_amplitude sin(angular_frequency t), with t from the
+/// start of the phase.
 struct PersonPhase {
-  Activity activity = Activity::kWalk;  ///< what the person does
-  double duration = 0;                  ///< how long [s]
-  double speed = 0;                     ///< of following and walking, its mean [m/s]
-  double speed_amplitude = 0;           ///< of a sine about that, at most as large [m/s]
-  double angular_frequency = 0;         ///< of that sine [rad/s]
-  double direction = 0;                 ///< of walking and pulling, in W, from x towards y [rad]
-  double force = 0;                     ///< of pulling [N]
+  Activity activity = Activity::kWalk;
+  double duration = 0;           ///< [s]
+  double speed = 0;              ///< mean speed of kFollow and kWalk [m/s]
+  double speed_amplitude = 0;    ///< amplitude of the speed, at most `speed` [m/s]
+  double angular_frequency = 0;  ///< frequency of the speed [rad/s]
+  double direction = 0;          ///< direction of kWalk and kPull in W, from x towards y [rad]
+  double force = 0;              ///< force of kPull [N]
 
   static FieldList Fields() {
     return {Required("activity", &PersonPhase::activity),
@@ -45,16 +45,16 @@ struct PersonPhase {
   }
 };
 
-/// Defaults: an adult who walks slowly and gives way by 5 cm to 30 N, see docs/guide_dog.md.
+/// The defaults model an adult who walks slowly and yields by 5 cm to 30 N, see docs/guide_dog.md.
 struct PersonParams {
   double mass = 70;                 ///< m [kg]
   double damping = 420;             ///< C [N s/m]
   double stiffness = 630;           ///< K [N/m]
-  double felt_tension = 5;          ///< of the leash, from which the person follows at full speed [N]
-  double hand_height = 0.75;        ///< where the hand holds the leash, over the ground [m]
-  Vec<2> start = Vec<2>::Zero();    ///< where the person stands at the start, in W [m]
-  std::vector<PersonPhase> phases;  ///< one after the other, from t = 0 on; then stands
-  Rate rate = Hz(100);              ///< at which the person changes intent
+  double felt_tension = 5;          ///< tension of the leash at which the person follows at full speed [N]
+  double hand_height = 0.75;        ///< height of the hand above the ground [m]
+  Vec<2> start = Vec<2>::Zero();    ///< initial position in W [m]
+  std::vector<PersonPhase> phases;  ///< consecutive phases from t = 0; afterwards the person stands
+  Rate rate = Hz(100);              ///< rate at which the intent is updated
 
   static FieldList Fields() {
     return {{"mass_kg", &PersonParams::mass},
@@ -69,11 +69,11 @@ struct PersonParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What the person is about at present.
+/// Present intent of a person.
 struct PersonIntent {
   Activity activity = Activity::kWalk;
   double speed = 0;                     ///< [m/s]
-  Vec<2> direction_W = Vec<2>::Zero();  ///< unit vector, unless following
+  Vec<2> direction_W = Vec<2>::Zero();  ///< unit vector; 0 for kFollow
   double force = 0;                     ///< [N]
 
   static FieldList Fields() {
@@ -84,11 +84,11 @@ struct PersonIntent {
   }
 };
 
-/// A place to which the person goes, instead of what the phases say.
+/// Destination that overrides the phases.
 struct PersonGoal {
   bool on = false;
   Vec<2> place = Vec<2>::Zero();  ///< [m]
-  double speed = 0.5;             ///< at most [m/s]
+  double speed = 0.5;             ///< largest speed [m/s]
 
   static FieldList Fields() {
     return {
@@ -96,11 +96,11 @@ struct PersonGoal {
   }
 };
 
-/// Where the person is and wants to be.
+/// Position of the person and of its equilibrium.
 struct PersonMotion {
   Vec<2> x = Vec<2>::Zero();       ///< [m]
   Vec<2> v = Vec<2>::Zero();       ///< [m/s]
-  Vec<2> wanted = Vec<2>::Zero();  ///< w [m]
+  Vec<2> wanted = Vec<2>::Zero();  ///< w, equilibrium position [m]
 
   static FieldList Fields() {
     return {
@@ -108,46 +108,46 @@ struct PersonMotion {
   }
 };
 
-/// A person on a leash: a point that moves over ground, Morlando 2023, eq. (2.47) in the plane,
+/// A person on a leash, as a point that moves in the plane (Morlando 2023, eq. (2.47)):
 ///
 ///     m v' + C v = f_ext + f,
 ///
-/// f being the horizontal part of the leash's pull; the ground carries the rest and the weight.
-/// The force f_ext with which the person pushes off the ground makes of it a mass, spring and damper about
-/// the place w where the person wants to be:
+/// with the horizontal part f of the leash's force; the ground carries its vertical part and the weight. The
+/// ground reaction f_ext of the person yields a mass, spring and damper about the equilibrium position w:
 ///
 ///     f_ext = C u + K (w - x),   w' = u,                 when walking with the wanted velocity u,
 ///     f_ext = F d,               w' = v + K/C (x - w),   when pulling with the force F in direction d.
 ///
-/// So a person who is led gives way to the leash, K^-1 f, but keeps the wanted speed in the mean; and who
-/// pulls forgets about the place. Following, u points where the leash leads over ground and has the wanted
-/// speed, less below felt_tension, |u| = speed min(1, T / felt_tension): nobody follows a slack leash.
+/// A person who walks yields to the leash by f / K and keeps the desired mean speed; the equilibrium of a
+/// person who pulls moves along. For kFollow, u has the horizontal direction of the leash and the desired
+/// speed, reduced below felt_tension: |u| = speed min(1, T / felt_tension), 0 for a slack leash.
 ///
-///     ports in   leash     pulls the hand by tension * direction
+///     ports in   leash     force on the hand is tension * direction
 ///     ports out  person    position, velocity, hand
 ///                intent    sampled
 ///                geometry  a body, its path over ground
 ///     parameters mass [kg], damping [N s/m], stiffness [N/m], felt_tension [N]
 ///                phases    list of PersonPhase
-///                goal      a place to go to instead: straight there, slower within the last 1 s
+///                goal      destination that overrides the phases, with a deceleration in the last second
 ///
-/// The person has no width and walks through the robot.
+/// The person is a point and does not collide with the robot.
 class Person final : public LeafSystem<PersonParams> {
  public:
   using LeafSystem::LeafSystem;
 
   InputPort<LeashState> leash{this, {"leash"}};
-  Parameter<double> mass{this, {"mass", "kg"}, params.mass, "of the body, m"};
-  Parameter<double> damping{this, {"damping", "N s/m"}, params.damping, "of the motion over ground, C"};
+  Parameter<double> mass{this, {"mass", "kg"}, params.mass, "mass m of the body"};
+  Parameter<double> damping{
+      this, {"damping", "N s/m"}, params.damping, "damping C of the motion over ground"};
   Parameter<double> stiffness{
-      this, {"stiffness", "N/m"}, params.stiffness, "with which the person holds the wanted place, K"};
+      this, {"stiffness", "N/m"}, params.stiffness, "stiffness K towards the equilibrium position"};
   Parameter<double> felt_tension{this,
                                  {"felt_tension", "N"},
                                  params.felt_tension,
-                                 "of the leash, from which the person follows at full speed"};
+                                 "tension of the leash at which the person follows at full speed"};
   Parameter<std::vector<PersonPhase>> phases{
-      this, {"phases"}, params.phases, "what the person does from t = 0 on, one after the other"};
-  Parameter<PersonGoal> goal{this, {"goal"}, PersonGoal{}, "a place to go to, instead of the phases"};
+      this, {"phases"}, params.phases, "consecutive phases from t = 0"};
+  Parameter<PersonGoal> goal{this, {"goal"}, PersonGoal{}, "destination that overrides the phases"};
   ContinuousState<PersonMotion> motion{this, {"motion"}, {params.start, Vec<2>::Zero(), params.start}};
   OutputPort<PersonIntent> intent{
       this, {"intent"}, Sampled{params.rate}, Uses(time, phases, goal, motion), &Person::CalcIntent};

@@ -40,7 +40,7 @@ void CheckSize(const Vec<2>& size) {
 
 void CheckPlace(const char* key, const Vec<2>& place) {
   if (!(place.cwiseAbs().maxCoeff() <= kMaxExtent))
-    throw ParameterError(fmt::format("{} is ({}, {}) m; no terrain reaches farther than {} m", key, place[0],
+    throw ParameterError(fmt::format("{} is ({}, {}) m, but coordinates must be at most {} m", key, place[0],
                                      place[1], kMaxExtent));
 }
 
@@ -57,7 +57,7 @@ bool TouchBox(const TerrainBox& box, const Vec<3>& p, double radius, Vec<3>* nor
     *depth = radius - distance;
     return true;
   }
-  // Inside: out by the nearest face.
+  // A centre inside the box leaves by the nearest face.
   const double to_x = half[0] - std::abs(dx), to_y = half[1] - std::abs(dy), to_top = -dz;
   const double out = std::min({to_x, to_y, to_top});
   *normal = out == to_top ? Vec<3>(0, 0, 1)
@@ -124,7 +124,7 @@ std::vector<TerrainBox> BoxField::Boxes() const {
       lower + size / 2 - Vec<2>(random.Uniform(0, 1) * pitch[0], random.Uniform(0, 1) * pitch[1]);
   for (Vec<2> centre = first; centre[0] + size[0] / 2 <= upper[0]; centre[0] += pitch[0]) {
     for (centre[1] = first[1]; centre[1] + size[1] / 2 <= upper[1]; centre[1] += pitch[1]) {
-      // Two numbers for every place, used or not, so that one place does not depend on another.
+      // Draws two numbers for every cell, so that cells do not depend on each other.
       const bool taken = random.Uniform(0, 1) < coverage;
       const double which = random.Uniform(0, static_cast<double>(kinds.size()));
       if (!taken || (centre - size / 2 - lower).minCoeff() < 0) continue;
@@ -136,7 +136,7 @@ std::vector<TerrainBox> BoxField::Boxes() const {
 }
 
 void TerrainParams::Validate() const {
-  constexpr double kSteepest = 1000;  // of a wall
+  constexpr double kSteepest = 1000;  // slope of a nearly vertical plane
   if (!(grade.cwiseAbs().array() <= kSteepest).all())
     throw ParameterError(fmt::format("grade is ({}, {}); give two finite slopes dz/dx, dz/dy, up to {}",
                                      grade[0], grade[1], kSteepest));

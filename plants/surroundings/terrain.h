@@ -10,7 +10,7 @@
 
 namespace tenon {
 
-/// A box on the ground, sides along x and y.
+/// Box on the ground with sides along x and y.
 struct TerrainBox {
   Vec<2> centre = Vec<2>::Zero();  ///< of its footprint [m]
   Vec<2> size = Vec<2>::Zero();    ///< of its footprint [m]
@@ -24,7 +24,7 @@ struct TerrainBox {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What a field of boxes is made of.
+/// Kind of boxes in a field.
 struct BoxKind {
   double height = 0;    ///< of its top above the plane [m]
   double friction = 0;  ///< coefficient, 0 to 10
@@ -34,15 +34,15 @@ struct BoxKind {
   }
 };
 
-/// Boxes of one size on a grid: each place is taken with the probability `coverage`, by any kind alike, and
-/// the grid as a whole lies anywhere. The same seed gives the same boxes.
+/// Boxes of equal size on a grid with a random offset. Each cell has a box with the probability `coverage`,
+/// of a random kind. Equal seeds yield equal boxes.
 struct BoxField {
-  Vec<2> lower = Vec<2>::Zero(), upper = Vec<2>::Zero();  ///< corners of the area that is filled [m]
+  Vec<2> lower = Vec<2>::Zero(), upper = Vec<2>::Zero();  ///< corners of the field [m]
   Vec<2> size{0.3, 0.3};                                  ///< of a box [m]
-  double gap = 0.1;       ///< between neighbours [m]; narrower than a foot it is a trap
-  double coverage = 0.5;  ///< how likely a place has a box, 0 to 1
+  double gap = 0.1;       ///< between neighbours; feet get stuck in gaps narrower than a foot [m]
+  double coverage = 0.5;  ///< probability of a box in a cell, 0 to 1
   std::vector<BoxKind> kinds;
-  std::uint64_t seed = 1;  ///< of the layout; the run's seed is added
+  std::uint64_t seed = 1;  ///< seed of the layout, added to the run's seed
 
   static FieldList Fields() {
     return {Required("lower_m", &BoxField::lower),
@@ -74,17 +74,17 @@ struct TerrainParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// The ground under feet: a plane and boxes on it, all solid downwards without end.
+/// Ground for feet: a plane with boxes, solid without limit downwards.
 ///
-/// A foot is a sphere. It may touch several faces and edges at once (the plane and the side of a box, say),
-/// each at the nearest point of the plane or of a box, so that it rolls over edges without a jump; boxes that
-/// adjoin, or overlap, count each, so that the seam between them is stiffer than a single box. Boxes are kept
-/// in a grid: a query takes the same time however many there are.
+/// A foot is a sphere. It may have several contacts at once (the plane and the side of a box, for example),
+/// each at the nearest point of the plane or of a box, so contact is continuous when it rolls over an edge.
+/// Adjoining or overlapping boxes have a contact each, so their seam is stiffer than a single box. Boxes are
+/// stored in a grid: the time of a query does not depend on their number.
 class Terrain {
  public:
-  /// Where a sphere touches a solid.
+  /// Contact of a sphere with a solid.
   struct Contact {
-    Vec<3> normal_W;  ///< of the surface, from it to the sphere's centre
+    Vec<3> normal_W;  ///< unit normal of the surface, towards the sphere's centre
     double depth;     ///< of the sphere in the surface [m]
     double friction;
   };
@@ -97,7 +97,7 @@ class Terrain {
   /// The surface straight below or above a point.
   struct Surface {
     double height;    ///< [m]
-    Vec<3> normal_W;  ///< of the face; edges have none of their own here
+    Vec<3> normal_W;  ///< unit normal of the face
     double friction;
   };
 
@@ -107,13 +107,13 @@ class Terrain {
   /// For spheres of up to kMaxRadius.
   Contacts Touch(const Vec<3>& centre_W, double radius) const;
   const std::vector<TerrainBox>& boxes() const { return boxes_; }
-  /// The plane's axes, in which boxes are given: its normal is the last.
+  /// Axes of the plane, in which boxes are given; its normal is the last column.
   const Eigen::Matrix3d& R_WS() const { return R_WS_; }
 
   static constexpr double kMaxRadius = 0.1;  ///< [m]
 
  private:
-  /// The boxes that may matter at a place of the plane.
+  /// The boxes near a point of the plane.
   struct Range {
     const int* begin_;
     const int* end_;

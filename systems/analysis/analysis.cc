@@ -12,7 +12,7 @@
 namespace tenon {
 namespace {
 
-/// Continuous states and the real numbers of chosen inputs as one vector.
+/// The continuous states and the real numbers of the chosen inputs as one vector.
 class Variables {
  public:
   Variables(Context& context, std::vector<const Source*> inputs)
@@ -41,18 +41,18 @@ double Step(double value) {
   return 1e-6 * (1 + std::abs(value));
 }
 
-/// Difference quotients of all derivatives and outputs: over a step up, a step down, and both.
+/// Difference quotients of all derivatives and outputs for a step up, a step down, and both.
 struct Slopes {
   double step;
   Eigen::VectorXd above, below, central;
 
-  /// Whether the sides differ by more than rounding errors, which come with the scale of the values.
+  /// Returns whether the one-sided slopes differ by more than rounding errors, which scale with the values.
   bool Differ(Eigen::Index row, double scale) const {
     const double difference = std::abs(above[row] - below[row]);
     return difference > 1e-3 * std::max(std::abs(above[row]), std::abs(below[row])) &&
            difference > 1e-6 * scale;
   }
-  /// Whether the change over the step is large for a value, as in a jump, and more than rounding errors.
+  /// Returns whether a value changes over the step as in a jump, and by more than rounding errors.
   bool MayJump(Eigen::Index row, double value, double scale) const {
     return std::abs(central[row]) * step > 1e-3 * std::abs(value) && std::abs(central[row]) > 1e-3 * scale;
   }
@@ -60,13 +60,13 @@ struct Slopes {
 
 enum class Smoothness { kSmooth, kKink, kJump };
 
-/// With a tenth of the step, the difference of the slopes that comes from curvature is a tenth; that of a
-/// kink stays, and that of a kink which lies inside the longer step alone is gone. The slope at a jump grows.
+/// With a tenth of the step, a difference of the slopes due to curvature decreases to a tenth, while that of
+/// a kink remains, and that of a kink inside the longer step vanishes. The slope at a jump increases.
 Smoothness Judge(const Slopes& slopes, const Slopes& nearer, Eigen::Index row, double value, double scale) {
   if (slopes.MayJump(row, value, scale) && std::abs(nearer.central[row]) > 2 * std::abs(slopes.central[row]))
     return Smoothness::kJump;
   const double ratio = (nearer.above[row] - nearer.below[row]) / (slopes.above[row] - slopes.below[row]);
-  const bool kink = std::abs(ratio) < 0.02 || (ratio > 0.5 && ratio < 2);  // or else values are noisy
+  const bool kink = std::abs(ratio) < 0.02 || (ratio > 0.5 && ratio < 2);  // otherwise the values are noisy
   return kink && slopes.Differ(row, scale) ? Smoothness::kKink : Smoothness::kSmooth;
 }
 
@@ -76,8 +76,9 @@ LinearModel Linearize(const Context& original, const std::vector<const Source*>&
                       const std::vector<const Source*>& outputs) {
   if (original.diagram().num_continuous_states() == 0 && original.diagram().has_samples()) {
     throw RunError(
-        "Linearize: this diagram has no continuous state, and what is sampled is held: nothing would be left "
-        "of its dynamics; use LinearizeDiscrete, or linearise the plant that it belongs to");
+        "Linearize: this diagram has samples but no continuous state, so that it has no continuous dynamics; "
+        "use "
+        "LinearizeDiscrete, or linearise its plant");
   }
   const std::unique_ptr<Context> context = original.Clone();
   Variables variables(*context, inputs);
@@ -171,7 +172,7 @@ void FindEquilibrium(Context& context, const EquilibriumOptions& options) {
       }
       return 0;
     }
-    // The method wants at least as many equations as unknowns: trim adds equations 0 = 0.
+    // The method requires at least as many equations as unknowns, so trim adds equations 0 = 0.
     int values() const { return inputs(); }
     int inputs() const { return static_cast<int>(variables.Get().size()); }
   };

@@ -11,12 +11,13 @@ namespace tenon {
 namespace internal {
 namespace {
 
-/// above - below; 0 where a number is not finite in both.
+/// Returns above - below, 0 for a number that is not finite in both.
 Eigen::VectorXd Difference(const Eigen::VectorXd& above, const Eigen::VectorXd& below) {
   if (above.size() != below.size()) {
-    throw RunError(fmt::format(
-        "the outputs hold {} numbers in one run and {} in another: what changes its size has no derivative",
-        above.size(), below.size()));
+    throw RunError(
+        fmt::format("the outputs hold {} numbers in one run and {} in another: signals of variable size have "
+                    "no derivative",
+                    above.size(), below.size()));
   }
   Eigen::VectorXd difference = above - below;
   for (Eigen::Index i = 0; i < difference.size(); ++i) {
@@ -88,7 +89,7 @@ DiscreteLinearModel LinearizePeriod(
   }
   if (map.options().refuse_flips && !model.flips.empty()) {
     throw RunError(
-        fmt::format("the map jumps: '{}' turns over when '{}' moves; move less, or choose another time",
+        fmt::format("the map jumps: '{}' changes when '{}' is varied; use a smaller step or another time",
                     model.flips.front().signal, model.flips.front().moved));
   }
   model.A = slopes.topLeftCorner(n, n);

@@ -20,7 +20,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// What a design is called when it fails; that of a filter is the dual of a feedback's.
+/// Words for messages of a design; a filter is the dual of a feedback.
 struct Words {
   const char* function;
   bool discrete;
@@ -28,10 +28,10 @@ struct Words {
   const char* unweighted;  ///< not (A, Q) detectable
 };
 
-constexpr const char* kNotSteered = "B does not reach it: (A, B) is not stabilisable";
-constexpr const char* kNotWeighed = "Q does not weigh it: (A, Q) is not detectable";
-constexpr const char* kNotSeen = "C does not show it: (A, C) is not detectable";
-constexpr const char* kNotDriven = "Q does not move it: (A, Q) is not stabilisable";
+constexpr const char* kNotSteered = "is not controllable by B: (A, B) is not stabilisable";
+constexpr const char* kNotWeighed = "has no weight in Q: (A, Q) is not detectable";
+constexpr const char* kNotSeen = "is not observable by C: (A, C) is not detectable";
+constexpr const char* kNotDriven = "is not excited by Q: (A, Q) is not stabilisable";
 
 [[noreturn]] void Fail(const Words& words, const std::string& text) {
   throw ParameterError(fmt::format("{}: {}", words.function, text));
@@ -45,14 +45,14 @@ void CheckSize(const Words& words, const char* name, const MatrixXd& matrix, Ind
   if (!matrix.allFinite()) Fail(words, fmt::format("{} holds numbers that are not finite", name));
 }
 
-/// Throws unless the matrix is symmetric and its eigenvalues are above (`definite`) or not below 0.
+/// Throws unless the matrix is symmetric and positive definite (`definite`) or semidefinite.
 void CheckDefinite(const Words& words, const char* name, const MatrixXd& matrix, bool definite) {
   const double size = matrix.cwiseAbs().maxCoeff();
   const double asymmetry = (matrix - matrix.transpose()).cwiseAbs().maxCoeff();
   if (asymmetry > 1e-10 * size) {
     Fail(words, fmt::format("{} is not symmetric: two of its elements differ by {:.3g}", name, asymmetry));
   }
-  // Whatever the units of its rows are.
+  // The tolerance does not depend on the units of the rows.
   const Eigen::VectorXd units =
       matrix.diagonal().unaryExpr([](double own) { return own == 0 ? 1 : 1 / std::sqrt(std::abs(own)); });
   const auto smallest = [](const MatrixXd& symmetric) {
@@ -64,8 +64,8 @@ void CheckDefinite(const Words& words, const char* name, const MatrixXd& matrix,
                           definite ? "definite" : "semidefinite", smallest(matrix)));
 }
 
-/// The mode of A that does not decay and is nearest to being out of reach of B, by the test of Popov,
-/// Belevitch and Hautus: [A - λ I, B] loses rank.
+/// Finds the undamped or unstable mode of A that is nearest to being uncontrollable by B, by the test of
+/// Popov, Belevitch and Hautus: [A - λ I, B] loses rank.
 struct Mode {
   std::complex<double> eigenvalue;
   double reach = std::numeric_limits<double>::infinity();  ///< smallest singular value, relative
@@ -79,7 +79,7 @@ Mode WorstMode(const MatrixXd& A, const MatrixXd& B, bool discrete) {
   for (const std::complex<double>& eigenvalue : A.eigenvalues()) {
     const double growth = discrete ? std::abs(eigenvalue) - 1 : eigenvalue.real();
     if (growth < -1e-8 * (discrete ? 1 : size)) continue;
-    // The complex matrix as a real one, [Re -Im; Im Re], has each of its singular values twice.
+    // The real form [Re -Im; Im Re] of the complex matrix has each singular value twice.
     MatrixXd test = MatrixXd::Zero(2 * n, 2 * (n + B.cols()));
     for (const Index half : {Index{0}, n}) {
       test.block(half, half, n, n) = A - eigenvalue.real() * MatrixXd::Identity(n, n);
@@ -98,17 +98,17 @@ Mode WorstMode(const MatrixXd& A, const MatrixXd& B, bool discrete) {
   const std::string value = z.imag() == 0 ? fmt::format("{:.6g}", z.real())
                                           : fmt::format("{:.6g} {} {:.6g} i", z.real(),
                                                         z.imag() < 0 ? '-' : '+', std::abs(z.imag()));
-  Fail(words, fmt::format("the mode with eigenvalue {} does not decay, and {}", value, what));
+  Fail(words, fmt::format("the mode with eigenvalue {} does not decay and {}", value, what));
 }
 
-/// Units of the states, x = diag(d) z, in which the Hamiltonian matrix is balanced: a state's row and column
-/// have one norm (P. Benner, SIAM J. Sci. Comput. 22, 2001).
+/// Returns scales d of the states, x = diag(d) z, that balance the Hamiltonian matrix, so that the row and
+/// column of a state have equal norms (P. Benner, SIAM J. Sci. Comput. 22, 2001).
 Eigen::VectorXd Balance(const MatrixXd& A, const MatrixXd& G, const MatrixXd& Q) {
   const Index n = A.rows();
   Eigen::VectorXd d = Eigen::VectorXd::Ones(n);
   for (int sweep = 0; sweep < 20; ++sweep) {
     for (Index i = 0; i < n; ++i) {
-      double row = 0, column = 0;  // squares of what gets smaller and larger with d[i]
+      double row = 0, column = 0;  // squared norms that decrease and increase with d[i]
       for (Index j = 0; j < n; ++j) {
         if (j != i) {
           row += std::pow(A(i, j) * d[j] / d[i], 2);
@@ -120,12 +120,12 @@ Eigen::VectorXd Balance(const MatrixXd& A, const MatrixXd& G, const MatrixXd& Q)
       if (row > 0 && column > 0) d[i] *= std::pow(row / column, 0.25);
     }
   }
-  // Powers of two: nothing is rounded.
+  // Powers of two avoid rounding errors.
   return d.unaryExpr([](double scale) { return std::exp2(std::round(std::log2(scale))); });
 }
 
-/// S of A'S + S A - S G S + Q = 0 for which A - G S is stable: [I; S] spans what the sign function of the
-/// Hamiltonian matrix takes to its negative.
+/// Solves A'S + S A - S G S + Q = 0 for the S with stable A - G S: [I; S] spans the eigenspace of the
+/// Hamiltonian matrix's sign function for the eigenvalue -1.
 MatrixXd SolveContinuous(const MatrixXd& A, const MatrixXd& G, const MatrixXd& Q) {
   const Index n = A.rows();
   MatrixXd Z(2 * n, 2 * n);
@@ -139,7 +139,7 @@ MatrixXd SolveContinuous(const MatrixXd& A, const MatrixXd& G, const MatrixXd& Q
     const MatrixXd next = 0.5 * (c * Z + lu.inverse() / c);
     const double change = (next - Z).norm() / next.norm();
     Z = next;
-    // Near the end convergence is quadratic, until rounding errors stop it.
+    // Convergence is finally quadratic until rounding errors dominate.
     if (change < 1e-2) scaling = false;
     if (change < 1e-15 || (change < 1e-8 && change >= last)) break;
     last = change;
@@ -152,7 +152,7 @@ MatrixXd SolveContinuous(const MatrixXd& A, const MatrixXd& G, const MatrixXd& Q
   return 0.5 * (S + S.transpose());
 }
 
-/// S of S = A'S (I + G S)⁻¹ A + Q for which (I + G S)⁻¹ A is stable. Step i of the doubling covers 2^i
+/// Solves S = A'S (I + G S)⁻¹ A + Q for the S with stable (I + G S)⁻¹ A. Step i of the doubling covers 2^i
 /// periods.
 MatrixXd SolveDiscrete(MatrixXd A, MatrixXd G, const MatrixXd& Q) {
   const Index n = A.rows();
@@ -173,7 +173,7 @@ MatrixXd SolveDiscrete(MatrixXd A, MatrixXd G, const MatrixXd& Q) {
 LqrDesign Design(const Words& words, const MatrixXd& A, const MatrixXd& B, const MatrixXd& Q,
                  const MatrixXd& R, const MatrixXd& N) {
   const Eigen::LLT<MatrixXd> cholesky(R);
-  // With v = u + R⁻¹ N'x there is no cross term.
+  // The input v = u + R⁻¹ N'x eliminates the cross term.
   MatrixXd free = A, weight = Q;
   if (N.size() > 0) {
     free -= B * cholesky.solve(N.transpose());

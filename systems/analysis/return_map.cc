@@ -13,7 +13,7 @@
 namespace tenon {
 namespace {
 
-/// Numbers by the names of states as a vector.
+/// Converts numbers given by the names of states to a vector.
 Eigen::VectorXd ByName(const std::map<std::string, double>& values, const std::vector<std::string>& names) {
   Eigen::VectorXd vector = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(names.size()));
   for (const auto& [name, value] : values) {
@@ -47,7 +47,7 @@ ReturnMapResult ReturnMap(const Context& context, const ReturnMapOptions& option
   const std::vector<std::string>& names = map.states().names();
   const Eigen::VectorXd advance = ByName(options.advance, names);
 
-  // As columns, each state in its scale.
+  // The directions as columns, each state divided by its scale.
   std::vector<Eigen::VectorXd> directions;
   for (const auto& direction : options.neutral) directions.push_back(ByName(direction, names));
   if (options.time_is_neutral) directions.push_back(map.Rates());
@@ -61,7 +61,7 @@ ReturnMapResult ReturnMap(const Context& context, const ReturnMapOptions& option
   if (k > 0) {
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(neutral);
     if (qr.rank() < k) {
-      throw ParameterError("the neutral directions are zero or depend linearly on each other");
+      throw ParameterError("the neutral directions are zero or linearly dependent; remove some");
     }
     basis = qr.householderQ();
   }

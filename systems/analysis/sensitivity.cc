@@ -16,8 +16,7 @@ SensitivityResult Sensitivity(const Context& context, const std::vector<const So
   }
   for (const Source* source : sources) {
     if (internal::RealNumbers(context, {source}).size() > 0) continue;
-    throw RunError(
-        fmt::format("'{}' holds no real number: there is no derivative with respect to it", source->path()));
+    throw RunError(fmt::format("'{}' holds no real number and has no derivative; omit it", source->path()));
   }
   const internal::RealNumbers numbers(context, sources);
   const Eigen::VectorXd origin = numbers.Get(*context.Clone());

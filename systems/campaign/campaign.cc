@@ -11,7 +11,8 @@
 namespace tenon {
 
 void ForEachRun(std::size_t count, int jobs, const std::function<void(std::size_t)>& work) {
-  if (jobs < 1) throw ParameterError(fmt::format("jobs = {}: give how many runs at a time, 1 or more", jobs));
+  if (jobs < 1)
+    throw ParameterError(fmt::format("jobs = {} must be positive: set the number of parallel runs", jobs));
   std::atomic<std::size_t> next = 0;
   std::atomic<bool> failed = false;
   std::mutex mutex;

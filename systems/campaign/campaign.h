@@ -15,21 +15,21 @@
 
 namespace tenon {
 
-/// What became of one run of a campaign: its figures, or why it has none.
+/// The figures of one run of a campaign, or the reason why it failed.
 template <class Figures>
 struct CampaignRun {
   std::uint64_t seed = 0;
   std::optional<Figures> figures{};
-  std::string failure{};  ///< what() of what the run threw
+  std::string failure{};  ///< message of the exception that the run threw
 };
 
-/// Calls work(k) for k = 0 … count - 1, in `jobs` threads at a time; whoever is free takes the next. The
-/// first exception that `work` throws ends it: what runs is finished, the rest is left, and it is thrown.
-/// Throws ParameterError unless jobs is positive.
+/// Calls work(k) for k = 0 … count - 1 in `jobs` threads, each of which takes the next k when it is free.
+/// After an exception of `work`, running calls are finished, no others are started, and the first exception
+/// is rethrown. Throws ParameterError unless jobs is positive.
 void ForEachRun(std::size_t count, int jobs, const std::function<void(std::size_t)>& work);
 
-/// Runs one diagram `count` times, each time in a context of its own, `jobs` at a time. What a run computes
-/// follows from its index alone, so the result is the same for any number of jobs:
+/// Runs one diagram `count` times in separate contexts, `jobs` at a time. The result of a run depends only on
+/// its index, not on the number of jobs:
 ///
 ///     const auto runs = RunCampaign(
 ///         *diagram, 1000, 2,
@@ -42,9 +42,9 @@ void ForEachRun(std::size_t count, int jobs, const std::function<void(std::size_
 ///           return simulator.context().Eval(cart.position);
 ///         });
 ///
-/// `vary` makes of a fresh context that of a run: it sets parameters, inputs, states. `figures` runs it and
-/// returns what is to be known of it. Both are called by several threads at once. The seed of run k is
-/// options.seed + k (1 + k without one). What a run throws is kept in its place, the others go on.
+/// `vary` sets parameters, inputs and states of a run's new context. `figures` runs it and returns its
+/// figures. Both are called by several threads at once. The seed of run k is options.seed + k (1 + k without
+/// one). If a run throws, its entry holds the message and the other runs continue.
 template <class Vary, class Figures>
 auto RunCampaign(const Diagram& diagram, std::size_t count, int jobs, const Vary& vary,
                  const Figures& figures, const SimulatorOptions& options = {}) {

@@ -35,10 +35,10 @@ std::vector<std::vector<double>> Sobol(std::size_t count, std::size_t dimensions
       for (auto& coordinate : points)
         coordinate[k] = static_cast<double>(engine() >> 11) * std::ldexp(1.0, -53);
   } catch (const std::invalid_argument&) {
-    throw ParameterError(
-        fmt::format("Sobol's sequence in {} dimensions: there are not that many direction numbers; draw some "
-                    "of them by latin_hypercube",
-                    dimensions));
+    throw ParameterError(fmt::format(
+        "Sobol's sequence in {} dimensions exceeds the available direction numbers; draw some keys by "
+        "latin_hypercube",
+        dimensions));
   }
   return points;
 }

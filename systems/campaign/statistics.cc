@@ -14,9 +14,9 @@ namespace tenon {
 Interval WilsonInterval(std::size_t successes, std::size_t trials, double confidence) {
   if (successes > trials)
     throw ParameterError(
-        fmt::format("{} successes of {} trials: there cannot be more than trials", successes, trials));
+        fmt::format("{} successes of {} trials: successes must not exceed trials", successes, trials));
   if (!(confidence > 0 && confidence < 1))
-    throw ParameterError(fmt::format("confidence = {} must lie between 0 and 1, say 0.95", confidence));
+    throw ParameterError(fmt::format("confidence = {} must lie between 0 and 1, as in 0.95", confidence));
   if (trials == 0) return {0, 1};
   const double z = boost::math::quantile(boost::math::normal(), (1 + confidence) / 2);
   const auto n = static_cast<double>(trials);
@@ -28,7 +28,7 @@ Interval WilsonInterval(std::size_t successes, std::size_t trials, double confid
 
 namespace {
 
-/// Ranks from 0; equal values share the mean of theirs.
+/// Returns ranks from 0; equal values have the mean of their ranks.
 std::vector<double> Ranks(std::span<const double> values) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

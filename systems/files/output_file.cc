@@ -16,18 +16,18 @@ namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void Fail(const fs::path& file, int error) {
-  throw OutputError(fmt::format("cannot write '{}': {}; make room there, or name another place",
+  throw OutputError(fmt::format("cannot write '{}': {}; free disk space, or choose another path",
                                 file.string(), std::strerror(error)));
 }
 
-/// A new file, or an old one, emptied unless `how` is 0; `wanted` is what an error names.
+/// Opens or creates a file, emptied unless `how` is 0. Errors name `wanted`.
 int Open(const fs::path& file, const fs::path& wanted, int how = O_TRUNC) {
   const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | how | O_CLOEXEC, 0666);
   if (descriptor < 0) Fail(wanted, errno);
   return descriptor;
 }
 
-/// Returns 0, or why not all was written.
+/// Returns 0, or the errno of a failed write.
 int WriteAll(int descriptor, std::string_view text) {
   while (!text.empty()) {
     const ::ssize_t written = ::write(descriptor, text.data(), text.size());
@@ -68,7 +68,7 @@ void GrowingFile::Append(std::string_view text) {
   if (const int error = WriteAll(descriptor_, text); error != 0) {
     const bool taken_back =
         ::ftruncate(descriptor_, static_cast<::off_t>(size_)) == 0 && ::lseek(descriptor_, 0, SEEK_END) >= 0;
-    static_cast<void>(taken_back);  // what is no regular file keeps what it has
+    static_cast<void>(taken_back);  // fails unless the file is regular
     Fail(path_, error);
   }
   size_ += text.size();
@@ -81,8 +81,8 @@ void GrowingFile::Truncate(std::size_t size) {
 }
 
 void GrowingFile::Sync() const {
-  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS)
-    Fail(path_, errno);  // no disk behind it
+  const bool failed = ::fsync(descriptor_) != 0;
+  if (failed && errno != EINVAL && errno != EROFS) Fail(path_, errno);  // these mean: not a file on a disk
 }
 
 }  // namespace tenon

@@ -8,36 +8,34 @@
 
 namespace tenon {
 
-/// What is to be kept cannot be written: the disk is full, the place is not there or belongs to others.
+/// A file cannot be written, because the disk is full, the path does not exist or permission is missing.
 class OutputError : public RunError {
  public:
   using RunError::RunError;
 };
 
-/// Writes a file as a whole: the text goes into a file beside it, `.NAME.PID.part`, which then takes its
-/// name. So a reader, or who comes after a kill, finds what was there before or all of the new. What is no
-/// regular file, "/dev/stdout", is written as it is. Throws OutputError, and leaves nothing behind.
+/// Writes a file atomically: writes the text to `.NAME.PID.part` beside it and renames that file. Even if the
+/// process is killed, the file holds either its old or its new contents. Files that are not regular, such as
+/// "/dev/stdout", are written directly. Throws OutputError and then removes the temporary file.
 void WriteFile(const std::filesystem::path& file, std::string_view text);
 
-/// A file that grows by whole texts: what the disk does not take as a whole is taken back. Only a SIGKILL
-/// within Append, which ends a write between two pages, leaves a part of one.
+/// A file that grows by whole texts: if the disk does not take a whole text, its beginning is removed again.
+/// Only a SIGKILL during Append can leave a partial text.
 class GrowingFile {
  public:
   enum class Start { kEmpty, kKeep };
-  /// An empty file, whatever was there; or what was there, if it is to be kept. Throws OutputError if it
-  /// cannot be opened.
+  /// Opens the file and keeps or discards its contents. Throws OutputError if it cannot be opened.
   explicit GrowingFile(std::filesystem::path path, Start start = Start::kEmpty);
   ~GrowingFile();
   GrowingFile(const GrowingFile&) = delete;
   GrowingFile& operator=(const GrowingFile&) = delete;
 
-  /// Writes at its end. Throws OutputError with the cause; then the file is as it was before.
+  /// Writes at the end. On failure, throws OutputError and leaves the file unchanged.
   void Append(std::string_view text);
-  /// Takes back all behind the first `size` bytes. Throws OutputError if that is not possible: a pipe keeps
-  /// what it has.
+  /// Keeps only the first `size` bytes. Throws OutputError if that is not possible, as for a pipe.
   void Truncate(std::size_t size);
   std::size_t size() const { return size_; }  ///< [bytes]
-  /// Waits until all of it is on the disk, so that a power failure does not take it. Throws OutputError.
+  /// Waits until the file is on the disk and safe from a power failure. Throws OutputError.
   void Sync() const;
   const std::filesystem::path& path() const { return path_; }
 

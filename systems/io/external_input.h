@@ -12,29 +12,29 @@ namespace tenon {
 
 template <class T = double>
 struct ExternalInputParams {
-  T initial = internal::Zeroed<T>();  ///< y until something is put in [unit]
-  Rate rate = Hz(1000);               ///< of taking over
+  T initial = internal::Zeroed<T>();  ///< y until the first Put [unit]
+  Rate rate = Hz(1000);               ///< rate at which y takes over values
   std::string unit = "";
-  bool record = false;       ///< keeps what was taken over, with its ticks
-  Recording<T> replay = {};  ///< if not empty: what is taken over, whatever is put in
+  bool record = false;       ///< records the values and the times at which y took them over
+  Recording<T> replay = {};  ///< if not empty, y follows this recording and ignores Put
 };
 
-/// The door for values from other threads: from a window, a joystick, a planner that takes its time.
+/// An input for values from other threads: from a window, a joystick, or a slow planner.
 ///
 ///     auto& speed = builder.Add<ExternalInput<double>>("speed", {.rate = Hz(100), .record = true});
 ///     …
-///     speed.Put(0.3);                                  // in any thread, at any time
-///     context.Eval(speed.taken).recording;             // what was taken over, and when
+///     speed.Put(0.3);                                  // from any thread, at any time
+///     context.Eval(speed.taken).recording;             // the values and their times
 ///     builder.Add<ExternalInput<double>>("speed", {.rate = Hz(100), .replay = recording});
 ///
-/// At each of its ticks the last value that was put in is taken over, and held until the next. A run with the
-/// recording as `replay` is the recorded one, bit for bit.
+/// At each tick, y takes over the value of the last Put and holds it until the next tick. A run with the
+/// recording as `replay` repeats the recorded run bit for bit.
 ///
 ///     | port | kind            | size | unit |
 ///     | y    | output, sampled | T    | unit |
 ///
-/// The recording lies in the context: a context that goes back to a snapshot has that of the snapshot. Put is
-/// for all contexts of the diagram. Taking over allocates nothing, unless it records.
+/// The recording is part of the context and of its snapshots. Put affects all contexts of the diagram. A tick
+/// does not allocate unless it records.
 template <class T = double>
 class ExternalInput final : public LeafSystem<ExternalInputParams<T>> {
   using Base = LeafSystem<ExternalInputParams<T>>;
@@ -51,7 +51,7 @@ class ExternalInput final : public LeafSystem<ExternalInputParams<T>> {
                     Uses(this->time, taken),
                     &ExternalInput::TakeOver};
 
-  /// From any thread: what the next tick takes over.
+  /// Sets the value that the next tick takes over. Any thread may call it.
   void Put(const T& value) {
     const std::lock_guard lock(mutex_);
     latest_ = value;

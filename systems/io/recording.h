@@ -8,7 +8,7 @@
 
 namespace tenon {
 
-/// What came from outside, and at which tick the diagram took it over.
+/// A value from outside the diagram and the time of the tick that took it over.
 template <class T>
 struct Recorded {
   double time = 0;  ///< [s]
@@ -18,13 +18,13 @@ struct Recorded {
 template <class T>
 using Recording = std::vector<Recorded<T>>;
 
-/// What a block that takes values from outside keeps of them in the context, so that a context that was saved
-/// or cloned goes on with the same.
+/// The state of a block that takes over values from outside. It is part of the context, so that saved and
+/// cloned contexts continue with the same values.
 template <class T>
 struct TakenOver {
   T value = internal::Zeroed<T>();
-  std::uint64_t number = 0;  ///< of the last one, as the block counts them
-  Recording<T> recording;    ///< those of the run so far, if asked for
+  std::uint64_t number = 0;  ///< number of the last value, counted by the block
+  Recording<T> recording;    ///< values of the run so far, if recorded
   static FieldList Fields() {
     return {
         {"value", &TakenOver::value}, {"number", &TakenOver::number}, {"recording", &TakenOver::recording}};
@@ -35,7 +35,7 @@ struct TakenOver {
     ++number;
     if (record) recording.push_back({time, taken});
   }
-  /// Goes on in a recording to `time` [s].
+  /// Takes over the values of a recording up to `time` [s].
   void Replay(const Recording<T>& replay, double time) {
     for (; number < replay.size() && replay[number].time <= time; ++number) value = replay[number].value;
   }

@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr int kFormat = 1;  // of the file; another number for each change that Read cannot read
+constexpr int kFormat = 1;  // version of the file; it changes whenever Read cannot read earlier files
 
 double FiniteTime(const Json& json, double least) {
   const double time = json.get<double>();
@@ -56,7 +56,7 @@ LiveRecording LiveRecording::Read(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in)
     throw ParameterError(
-        fmt::format("cannot read the recording '{}': name the live.jsonl of a live run", file.string()));
+        fmt::format("cannot read the recording '{}': give the live.jsonl of a live run", file.string()));
   LiveRecording recording;
   std::string line;
   int number = 0;
@@ -65,10 +65,10 @@ LiveRecording LiveRecording::Read(const std::filesystem::path& file) {
     try {
       ReadLine(Json::parse(line), number == 1, recording);
     } catch (const std::exception&) {
-      if (in.eof() && number > 1 && !recording.end) break;  // of a run that was killed while it wrote
+      if (in.eof() && number > 1 && !recording.end) break;  // the run was killed while writing
       throw ParameterError(
-          fmt::format("{}:{}: {} is no line of a recording: give the live.jsonl of a live run", file.string(),
-                      number, internal::Excerpt(line)));
+          fmt::format("{}:{}: {} is not a line of a recording: give the live.jsonl of a live run",
+                      file.string(), number, internal::Excerpt(line)));
     }
   }
   if (number == 0) throw ParameterError(fmt::format("the recording '{}' is empty", file.string()));
@@ -91,8 +91,7 @@ RunStatus Replay(Simulator& simulator, const LiveRecording& recording, std::opti
   if (status.ended) return status;
   if (duration && !(recording.end && *recording.end < *duration)) return simulator.AdvanceTo(*duration);
   if (!recording.end)
-    throw ParameterError(
-        "the recording has no end, as of a run that was killed: say how long, by a duration");
+    throw ParameterError("the recording has no end, because the run was killed: give a duration");
   return recording.end_tick ? simulator.AdvanceTo(*recording.end) : simulator.AdvanceToBefore(*recording.end);
 }
 
@@ -118,8 +117,7 @@ void LiveFile::Line(const std::string& text) {
   if (file_.empty()) return;
   out_ << text << std::endl;
   if (!out_)
-    throw OutputError(
-        fmt::format("cannot write '{}': is the disk full, the directory gone?", file_.string()));
+    throw OutputError(fmt::format("cannot write '{}': check the disk and the directory", file_.string()));
 }
 
 void LiveFile::Add(LiveEntry entry) {

@@ -11,13 +11,13 @@
 
 namespace tenon {
 
-/// A Parameter or state that is set from outside, by its path, and the numbers that it gets.
+/// The path of a Parameter or state that is set from outside, and its numbers.
 struct LiveSet {
   std::string path;
   std::vector<double> values;
 };
 
-/// What sets a Parameter or a state to `value`.
+/// Returns the LiveSet of a Parameter or state with the given value.
 template <class S>
 LiveSet SetTo(const S& source, const typename S::Value& value) {
   const internal::TypeInfo& type = internal::TypeInfoOf<typename S::Value>();
@@ -26,33 +26,33 @@ LiveSet SetTo(const S& source, const typename S::Value& value) {
   return set;
 }
 
-/// What was set between two ticks of a live run, and when.
+/// The values that were set between two ticks of a live run.
 struct LiveEntry {
-  double time = 0;  ///< of the run; the tick there has yet to happen [s]
+  double time = 0;  ///< time of the run, before its tick [s]
   std::vector<LiveSet> sets;
 };
 
-/// All that reached a live run from outside, as live.jsonl holds it: a line of JSON for the run, one for each
-/// instant at which something was set, and one for the end.
+/// All inputs of a live run. The file live.jsonl has a line of JSON for the run, for each time at which
+/// values were set, and for the end:
 ///
 ///     {"tenon_live": 1, "seed": 1}
 ///     {"time": 1.25, "set": {"loop_drive.velocity": [0.3, 0, 0]}}
 ///     {"end": 12.5, "tick": false}
 ///
-/// Replayed, they make the same run again, bit for bit.
+/// A replay repeats the run bit for bit.
 struct LiveRecording {
-  std::uint64_t seed = 0;  ///< of the run's random streams
+  std::uint64_t seed = 0;  ///< seed of the run's random streams
   std::vector<LiveEntry> entries;
-  std::optional<double> end;  ///< [s]; none of a run that was killed
+  std::optional<double> end;  ///< end of the run [s]; empty if the run was killed
   bool end_tick = false;      ///< whether the tick at the end belongs to the run
 
-  /// Throws ParameterError that names the file, the line and what is wrong there.
+  /// Reads a file. Throws ParameterError with the file, the line and the error.
   static LiveRecording Read(const std::filesystem::path& file);
 };
 
-/// Runs what was recorded, to its end or, if that comes first or there is none, to `duration` [s]. Nothing is
-/// paced to the clock. Throws ParameterError that names the file's entry if this diagram has no such path or
-/// does not take the value, and what Simulator::AdvanceTo throws.
+/// Repeats a recorded run until its end or `duration` [s], whichever is earlier, as fast as possible. Throws
+/// ParameterError that names the entry if the diagram has no such path or refuses the value, and as
+/// Simulator::AdvanceTo does.
 RunStatus Replay(Simulator& simulator, const LiveRecording& recording, std::optional<double> duration = {});
 
 }  // namespace tenon

@@ -12,7 +12,7 @@ struct LiveServer::Impl {
   LiveOptions options;
   internal::LiveChannel channel{options.history};
   internal::LiveHttp http{options.address, options.port, channel};
-  internal::LiveRun* run = nullptr;  ///< while there is one
+  internal::LiveRun* run = nullptr;  ///< the current run; null between runs
   std::optional<std::uint64_t> reset_seed{};
   LiveStatus last{};
 };

@@ -18,14 +18,15 @@
 
 namespace tenon {
 
-/// What a command sets; it is made by the thread of the run, between two ticks.
+/// The values that a command sets. The thread of the run computes them between two ticks.
 using LiveSets = std::vector<LiveSet>;
 
-/// What a browser can do to a run beyond setting its Parameters. Each says what a command sets: Parameters
-/// and states, by their paths. What is empty cannot be done. A function refuses by throwing ParameterError.
+/// Controls of a run beyond its Parameters. Each control returns the Parameters and states that a command
+/// sets, by their paths. Empty controls are not available. A function refuses a command by throwing
+/// ParameterError.
 struct LiveControls {
   struct Drive {
-    std::array<double, 2> forward{}, sideways{}, yaw{};  ///< least and largest [m/s], [m/s], [rad/s]
+    std::array<double, 2> forward{}, sideways{}, yaw{};  ///< lower and upper limits [m/s], [m/s], [rad/s]
     std::function<LiveSets(const Vec<3>& velocity)> set{};
   };
   struct Choice {
@@ -33,26 +34,27 @@ struct LiveControls {
     std::function<LiveSets(std::size_t index)> set{};
   };
   struct Goal {
-    std::string name{};             ///< of what is dragged
-    std::array<Vec<3>, 2> box_W{};  ///< within which it can be dragged: lowest and highest corner [m]
+    std::string name{};             ///< name of the dragged object
+    std::array<Vec<3>, 2> box_W{};  ///< lower and upper corner of the region of the goal [m]
     std::function<LiveSets(Context& context, const Vec<3>& position_W)> set{};
   };
   struct Pull {
-    double stiffness = 0, max_force = 0;          ///< [N/m], [N]
-    std::map<std::size_t, std::string> bodies{};  ///< what can be pulled: indices among all shapes, and names
-    /// `first` is the call that fixes the point on the body.
+    double stiffness = 0, max_force = 0;  ///< [N/m], [N]
+    std::map<std::size_t, std::string>
+        bodies{};  ///< bodies that can be pulled: indices of their shapes, and names
+    /// `first` is true in the call that determines the point on the body.
     std::function<LiveSets(Context& context, std::size_t shape, const Vec<3>& point_W, const Vec<3>& target_W,
                            bool first)>
         set;
     std::function<LiveSets()> release{};
-    /// The point and the force on it, for the view [m], [N].
+    /// Returns the point and the force on it for display [m], [N].
     std::function<std::pair<Vec<3>, Vec<3>>(Context& context)> state{};
   };
   struct Load {
     std::string name{};
-    std::array<double, 2> mass{};                                  ///< [kg]
-    double start = 0;                                              ///< [kg]
-    std::function<LiveSets(Context& context, double mass)> set{};  ///< 0: none
+    std::array<double, 2> mass{};                                  ///< lower and upper limits [kg]
+    double start = 0;                                              ///< initial mass [kg]
+    std::function<LiveSets(Context& context, double mass)> set{};  ///< mass 0 removes the load
   };
   std::optional<Drive> drive;
   std::optional<Choice> gaits, postures;
@@ -61,7 +63,7 @@ struct LiveControls {
   std::optional<Load> load;
 };
 
-/// What is shown of a run, and what can be done to it.
+/// The displayed signals and the controls of a run.
 struct LiveView {
   std::vector<const Source*> signals;
   std::vector<const OutputPort<Geometry>*> shapes;
@@ -70,64 +72,64 @@ struct LiveView {
   std::vector<Plot> plots{};
   std::vector<Band> bands{};
   std::vector<SignalLimits> limits{};
-  /// The scenario that starts with the Parameters that were set; none: it cannot be saved.
+  /// Returns a scenario that starts with the given values; empty if the run cannot be saved.
   std::function<std::string(const LiveSets& parameters)> save{};
 };
 
 struct LiveOptions {
-  std::string address = "127.0.0.1";  ///< on any other one the page asks for a token
-  int port = 8080;                    ///< or, if it is taken, one of the next twenty; 0: any
-  double history = 30;                ///< what is kept, and how far a run can be set back [s]
+  std::string address = "127.0.0.1";  ///< for other addresses, the page requires a token
+  int port = 8080;                    ///< if it is in use, one of the next twenty; 0: any port
+  double history = 30;                ///< length of the history to which a run can be set back [s]
   double frame = 0.01;                ///< commands reach the run at multiples of this [s]
-  Rate signal_rate = Hz(100);         ///< of what is sent
-  Rate frame_rate = Hz(50);           ///< of the shapes
-  double rate = 1;                    ///< of the run's time to the clock's, at first; 0: as fast as it can
-  std::filesystem::path recording{};  ///< file for all that comes from outside; empty: none
-  /// Asked some twenty times a second at least, in the thread of the run: true ends it.
+  Rate signal_rate = Hz(100);         ///< rate of transmitted signals
+  Rate frame_rate = Hz(50);           ///< rate of transmitted shapes
+  double rate = 1;                    ///< initial real-time factor; 0: as fast as possible
+  std::filesystem::path recording{};  ///< file for the recording; empty: none
+  /// Called by the thread of the run at least twenty times a second; returning true ends the run.
   std::function<bool()> stop{};
-  bool returns_for_reset = false;  ///< a reset ends Run, see reset_seed; else the run begins anew inside
+  bool returns_for_reset = false;  ///< whether a reset ends Run (see reset_seed) or restarts the run inside
 };
 
-/// How a live run goes, for a line of status.
+/// The status of a live run.
 struct LiveStatus {
   double time = 0;  ///< [s]
   std::string state;
-  double rate = 0;  ///< of the run's time to the clock's, in the last second
+  double rate = 0;  ///< real-time factor in the last second
   std::size_t clients = 0;
-  long refused = 0;  ///< requests
+  long refused = 0;  ///< number of refused requests
 };
 
-/// A page in the browser that shows a run while it goes on, and steers it: drive, push, tune, pause, go back.
+/// Serves a page that shows a run in the browser and steers it: drive, push, tune, pause, go back.
 ///
 ///     LiveServer live;
 ///     std::cout << live.url() << std::endl;
 ///     live.Run(simulator, {.signals = {&cart.state}, .shapes = {&cart.geometry}});
 ///
-/// The run keeps to the clock. What a browser asks for happens between two ticks, by setting Parameters and
-/// states; it is recorded and can be replayed (live_recording.h), and nothing else of the browsers reaches
-/// the run: with any number of them, slow ones and dead ones, it is the same run, bit for bit. One of them
-/// drives at a time. The page is that of Report; no other origin may send commands.
+/// The run is synchronised to wall-clock time. Commands of browsers set Parameters and states between two
+/// ticks; they are recorded and can be replayed (live_recording.h). Browsers have no other influence: the run
+/// is the same, bit for bit, for any number of browsers and however slow they are. One browser drives at a
+/// time. The page is that of Report; pages of other origins cannot send commands.
 class LiveServer {
  public:
-  /// Listens. Throws OutputError if no port is free or the page's libraries are not installed.
+  /// Starts listening. Throws OutputError if no port is free or the page's libraries are not installed.
   explicit LiveServer(LiveOptions options = {});
   ~LiveServer();
   LiveServer(const LiveServer&) = delete;
   LiveServer& operator=(const LiveServer&) = delete;
 
-  /// With the token, if there is one.
+  /// Address of the page, with the token if there is one.
   const std::string& url() const;
   int port() const;
 
-  /// Runs until `duration` [s], or until it is stopped. A run that a monitor ends stands still while somebody
-  /// looks at it, and can be set back. Throws what Simulator::AdvanceTo throws if nobody looks.
+  /// Runs until `duration` [s] or until it is stopped. A run that a monitor or an error ends waits while
+  /// browsers are connected, and can be set back. Without browsers, throws as Simulator::AdvanceTo does.
   RunStatus Run(Simulator& simulator, const LiveView& view, std::optional<double> duration = {});
-  /// Why Run returned, if for a reset: the seed of the run to come.
+  /// The seed of the next run, if Run returned because of a reset.
   std::optional<std::uint64_t> reset_seed() const;
   LiveOptions& options();
 
-  /// In the thread of the run, from LiveOptions::stop: a command as a browser gives it, as JSON. Returns the
-  /// answer.
+  /// Executes a command in JSON as if it came from a browser and returns the answer. Call it from
+  /// LiveOptions::stop.
   std::string Command(const std::string& client, const std::string& json);
   LiveStatus status() const;
 

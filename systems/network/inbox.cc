@@ -13,7 +13,7 @@ namespace tenon {
 namespace internal {
 namespace {
 
-/// Both sides count the same ticks; only rounding tells their times apart.
+/// Compares times of ticks on both sides, which differ only by rounding.
 double Rounding(double time) {
   return 1e-9 * (1 + std::abs(time));
 }
@@ -41,7 +41,7 @@ bool Inbox::ReadOrRefuse(std::span<const char> message, double* timestamp, void*
   return false;
 }
 
-/// The last that came, whatever its time: a sender that starts anew begins at 0 again.
+/// Takes the last message regardless of its time, because a restarted sender begins at 0.
 bool Inbox::TakeNewest(void* value, RefusedMessages& refused) {
   bool taken = false;
   double timestamp = 0;
@@ -64,20 +64,21 @@ void Inbox::TakeThatOf(double time, void* value, RefusedMessages& refused) {
     if (!ReadOrRefuse(*message, &timestamp, value, refused)) continue;
     if (std::abs(timestamp - time) <= Rounding(time)) return;
     if (timestamp > time) {
-      throw RunError(
-          fmt::format("{}: the message of t = {} s is lost, the next one is of t = {} s: start the sender "
-                      "after this one, and give both the same rate",
-                      Description(), time, timestamp));
+      throw RunError(fmt::format(
+          "{}: the message of t = {} s was lost, the next one has t = {} s: start the sender after this "
+          "program, and use the same rate in both",
+          Description(), time, timestamp));
     }
-    last = fmt::format("the last one is of t = {} s", timestamp);
+    last = fmt::format("the last one has t = {} s", timestamp);
   }
   if (refused.count > refused_before) {
     last += fmt::format("; {} were refused: {}", refused.count - refused_before, refused.reason);
   }
-  throw RunError(fmt::format(
-      "{}: no message of t = {} s within {} s ({}): start the sender after this one, look at its address "
-      "and its rate, or raise timeout_s",
-      Description(), time, reception_.timeout_s, last));
+  throw RunError(
+      fmt::format("{}: no message of t = {} s within {} s ({}): start the sender after this program, check "
+                  "its address and "
+                  "rate, or increase timeout_s",
+                  Description(), time, reception_.timeout_s, last));
 }
 
 }  // namespace internal

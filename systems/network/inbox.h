@@ -14,10 +14,10 @@
 
 namespace tenon {
 
-/// What came to a block and was not taken: it could not be read, or had other elements than the signal.
+/// Messages that a block refused because they were invalid or had other elements than the signal.
 struct RefusedMessages {
   std::uint64_t count = 0;
-  std::string reason = "";  ///< of the last one
+  std::string reason = "";  ///< reason of the last refusal
   static FieldList Fields() {
     return {{"count", &RefusedMessages::count}, {"reason", &RefusedMessages::reason}};
   }
@@ -25,36 +25,36 @@ struct RefusedMessages {
 
 namespace internal {
 
-/// When a block takes which message.
+/// Determines which message a block takes and when.
 struct Reception {
-  bool lock_step;    ///< waits for the message that carries the tick's own time; else the one that came last
-  double timeout_s;  ///< of waiting
+  bool lock_step;    ///< wait for the message with the tick's time; else take the last message
+  double timeout_s;  ///< timeout of lock-step [s of wall-clock time]
 };
 
-/// Where the messages for one block arrive. It lies outside of the run: what is taken from it is gone.
+/// Receives the messages for one block. It is not part of the context: a message can be taken only once.
 class Inbox {
  public:
-  /// Throws ParameterError unless the timeout is positive.
+  /// Throws ParameterError unless the timeout is positive and finite.
   explicit Inbox(Reception reception);
   virtual ~Inbox() = default;
 
-  /// Reads what is to be taken at `time` [s] into `value`; false if nothing has come. In lock-step throws
-  /// RunError at a timeout, and if a later message comes first.
+  /// Reads the message for the tick at `time` [s] into `value`; returns false if there is none. In lock-step,
+  /// throws RunError at a timeout and if a later message arrives first.
   bool Take(double time, void* value, RefusedMessages& refused);
 
  protected:
-  /// How many messages wait for a tick at most; of more, the oldest are dropped unread.
+  /// Maximal number of queued messages; beyond it, the oldest are dropped.
   static constexpr std::size_t kMostMessages = 4096;
   using Messages = std::deque<std::vector<char>>;
 
-  /// All messages that wait, in their order: whatever the rates are, the newest is among them.
+  /// Removes and returns all queued messages in order.
   virtual Messages TakeAll() = 0;
-  /// In lock-step: the next message, waiting for it as long [s]; nothing if none comes. It is read before the
-  /// next.
+  /// Waits for the next message in lock-step; empty after `timeout_s`. The result is valid until the next
+  /// call.
   virtual std::optional<std::span<const char>> Receive(double timeout_s) = 0;
-  /// Returns why the message is refused, with `value` as it was; empty if it is not.
+  /// Reads a message. Returns an empty text, or the reason of a refusal, which leaves `value` unchanged.
   virtual std::string Read(std::span<const char> message, double* timestamp, void* value) = 0;
-  /// "signal 'cart' at 127.0.0.1:9870"
+  /// Describes the source in messages: "signal 'cart' at 127.0.0.1:9870".
   virtual std::string Description() const = 0;
 
  private:
@@ -66,7 +66,7 @@ class Inbox {
   std::mutex mutex_;
 };
 
-/// What a tick takes over: from the recording that `params` names, else from the inbox.
+/// Takes over a tick's value from the recording in `params`, else from the inbox.
 template <class T, class Params>
 void TakeOver(const Params& params, Inbox* inbox, double time, TakenOver<T>& taken,
               RefusedMessages& refused) {

@@ -23,20 +23,20 @@ struct LcmPublisherParams {
 template <class T = double>
 struct LcmInputParams {
   std::string channel = "";           ///< 1 to 63 characters
-  std::string url = "";               ///< as that of LcmPublisher
-  T initial = internal::Zeroed<T>();  ///< y until a message comes [unit]; its size is that of all messages
-  Rate rate = Hz(1000);               ///< of taking over
-  std::string unit = "";              ///< of y
-  bool lock_step = false;             ///< waits at each tick for the message of its time
-  double timeout_s = 10;              ///< of waiting
-  bool record = false;                ///< keeps what was taken over, with its ticks
-  Recording<T> replay = {};           ///< if not empty: what is taken over, and nothing is subscribed
+  std::string url = "";               ///< LCM's provider, see LcmPublisherParams
+  T initial = internal::Zeroed<T>();  ///< y until the first message [unit]; determines the size of messages
+  Rate rate = Hz(1000);               ///< rate at which y takes over messages
+  std::string unit = "";              ///< unit of y
+  bool lock_step = false;             ///< each tick waits for the message with its time
+  double timeout_s = 10;              ///< timeout of lock-step [s of wall-clock time]
+  bool record = false;                ///< records the values and the times at which y took them over
+  Recording<T> replay = {};           ///< if not empty, y follows this recording without a subscription
   void Validate() const { internal::CheckChannel(channel); }
 };
 
-/// The description of the messages that carry a T, for lcm-gen: with the code that it makes of it, any
-/// program reads and writes them, as lcm-spy does. A struct becomes a struct, a matrix an array by rows; see
-/// network/internal/lcm_type.h for the rest. Throws ParameterError for what LCM does not have.
+/// Returns the description of the messages of a T for lcm-gen, whose code reads and writes them in other
+/// programs, for example lcm-spy. A struct becomes a struct, a matrix an array by rows; see
+/// network/internal/lcm_type.h for other types. Throws ParameterError for types that LCM does not support.
 ///
 ///     package robot;
 ///
@@ -61,8 +61,8 @@ std::string LcmTypeOf(const std::string& package) {
 ///     | port | kind  | size |
 ///     | u    | input | T    |
 ///
-/// A message that LCM does not take is lost, and counted in `unsent`. Throws ParameterError if LCM does not
-/// open the URL, and for a T that LCM has no type for.
+/// Messages that LCM refuses are lost and counted in `unsent`. Throws ParameterError if LCM cannot open the
+/// URL or does not support the type T.
 template <class T = double>
 class LcmPublisher final : public LeafSystem<LcmPublisherParams> {
  public:
@@ -79,16 +79,16 @@ class LcmPublisher final : public LeafSystem<LcmPublisherParams> {
   internal::LcmSender sender_{params.channel, params.url, internal::TypeInfoOf<T>()};
 };
 
-/// The door for values that come by LCM, from LcmPublisher or from code that lcm-gen has made.
+/// An input for values from LCM, sent by LcmPublisher or by code from lcm-gen.
 ///
 ///     | port | kind            | size | unit |
 ///     | y    | output, sampled | T    | unit |
 ///
-/// What it takes over when, lock-step, recording, replay and what is refused are those of UdpInput. Messages
-/// of another type are refused. Let one context run at a time.
+/// Takes over values, refuses messages, records and replays as UdpInput does. Messages of another type are
+/// refused. Run only one context at a time.
 ///
-/// Throws ParameterError if LCM does not open the URL or does not receive there, and for a T that LCM has no
-/// type for; in lock-step RunError, if the message of a tick does not come in time or was lost.
+/// Throws ParameterError if LCM cannot open the URL, cannot receive there or does not support the type T. In
+/// lock-step, throws RunError if the message of a tick is late or lost.
 template <class T = double>
 class LcmInput final : public LeafSystem<LcmInputParams<T>> {
   using Base = LeafSystem<LcmInputParams<T>>;

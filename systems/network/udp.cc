@@ -16,11 +16,10 @@ void CheckHasNumbers(const TypeInfo& type) {
   using Kind = TypeInfo::Kind;
   const bool none = type.kind == Kind::kOpaque || type.kind == Kind::kMap || type.kind == Kind::kText ||
                     (type.fixed && type.num_scalars == 0);
-  Demand(!none,
-         fmt::format("{} holds no numbers that could be sent: give it a static Fields()", TypeName(type)));
+  Demand(!none, fmt::format("{} holds no numbers to send: give it a static Fields()", TypeName(type)));
 }
 
-/// The nearest source up the connections that says what its elements are called; else the port itself.
+/// Returns the spec of the nearest upstream source that names its elements, else of the port itself.
 const Spec& NamingSpec(const Source& port) {
   for (const Source* source = &port; source != nullptr; source = source->driver()) {
     if (!source->spec().elements.empty()) return source->spec();
@@ -40,10 +39,10 @@ class UdpInbox final : public Inbox {
   int port() const { return socket_.port(); }
 
  private:
-  /// Empties the socket: the system drops new datagrams while its buffer is full.
+  /// Empties the socket, because the system drops new datagrams while its buffer is full.
   void Collect() {
     const std::lock_guard lock(mutex_);
-    for (std::size_t i = 0; i < kMostMessages; ++i) {  // a sender that never pauses does not hold this up
+    for (std::size_t i = 0; i < kMostMessages; ++i) {  // bounded, because a sender may be faster
       const auto message = socket_.Receive(0);
       if (!message) return;
       if (messages_.size() == kMostMessages) messages_.pop_front();
@@ -68,7 +67,7 @@ class UdpInbox final : public Inbox {
   const std::string name_;
   JsonReader reader_;
   UdpSocket socket_;
-  std::mutex mutex_;  ///< of what follows, and of the socket without lock-step
+  std::mutex mutex_;  ///< protects messages_ and, without lock-step, the socket
   Messages messages_;
   std::optional<Watcher> watcher_;
 };
@@ -76,8 +75,9 @@ class UdpInbox final : public Inbox {
 }  // namespace
 
 void CheckSignalName(const std::string& name) {
-  Demand(!name.empty(), "name is empty: say what the signal is called in the messages");
-  Demand(name != kJsonTimestamp, fmt::format("name = '{}' is what the time is called: choose another", name));
+  Demand(!name.empty(), "name is empty: set the name of the signal in the messages");
+  Demand(name != kJsonTimestamp,
+         fmt::format("name = '{}' is reserved for the time: choose another name", name));
 }
 
 UdpSender::UdpSender(const std::string& name, const std::string& address, int port, const TypeInfo& type)
@@ -90,10 +90,10 @@ UdpSender::~UdpSender() = default;
 bool UdpSender::Send(double time, const Source& port, const void* value, JsonWriter& writer) const {
   const std::span<const char> message = writer.Write(time, name_, port.type(), value, NamingSpec(port));
   if (message.size() > UdpSocket::kLargestDatagram) {
-    throw RunError(
-        fmt::format("a message of signal '{}' has {} bytes, a datagram holds {}: send it in parts, by blocks "
-                    "that pick them",
-                    name_, message.size(), UdpSocket::kLargestDatagram));
+    throw RunError(fmt::format(
+        "a message of signal '{}' has {} bytes, but a datagram holds at most {}: send parts of the "
+        "signal by several publishers",
+        name_, message.size(), UdpSocket::kLargestDatagram));
   }
   return socket_->Send(message);
 }

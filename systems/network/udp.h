@@ -12,46 +12,46 @@
 namespace tenon {
 
 struct UdpPublisherParams {
-  std::string name = "";              ///< of the signal in the messages; dots make levels: "robot.state"
-  std::string address = "127.0.0.1";  ///< of who receives: IPv4, IPv6, or the name of a host
-  int port = 9870;                    ///< of who receives; PlotJuggler's
+  std::string name = "";              ///< name of the signal in the messages; dots make levels: "robot.state"
+  std::string address = "127.0.0.1";  ///< address of the receiver: IPv4, IPv6, or a host name
+  int port = 9870;                    ///< port of the receiver; the default is PlotJuggler's
   Rate rate = Hz(100);
   void Validate() const { internal::CheckSignalName(name); }
 };
 
 template <class T = double>
 struct UdpInputParams {
-  std::string name = "";              ///< of the signal in the messages
-  T initial = internal::Zeroed<T>();  ///< y until a message comes [unit]; its size is that of all messages
-  Rate rate = Hz(1000);               ///< of taking over
-  std::string unit = "";              ///< of y
-  std::string elements = "";          ///< their names, if not those of T: as the sender's signal calls them
-  std::string address = "127.0.0.1";  ///< of this machine; 0.0.0.0 takes messages from all others
-  int port = 9871;                    ///< 0 lets the system choose
-  bool lock_step = false;             ///< waits at each tick for the message of its time
-  double timeout_s = 10;              ///< of waiting
-  bool record = false;                ///< keeps what was taken over, with its ticks
-  Recording<T> replay = {};           ///< if not empty: what is taken over, and no port is opened
+  std::string name = "";              ///< name of the signal in the messages
+  T initial = internal::Zeroed<T>();  ///< y until the first message [unit]; determines the size of messages
+  Rate rate = Hz(1000);               ///< rate at which y takes over messages
+  std::string unit = "";              ///< unit of y
+  std::string elements = "";          ///< names of the elements as in the sender's signal, if not those of T
+  std::string address = "127.0.0.1";  ///< address of this machine; 0.0.0.0 receives from all machines
+  int port = 9871;                    ///< 0: chosen by the system
+  bool lock_step = false;             ///< each tick waits for the message with its time
+  double timeout_s = 10;              ///< timeout of lock-step [s of wall-clock time]
+  bool record = false;                ///< records the values and the times at which y took them over
+  Recording<T> replay = {};           ///< if not empty, y follows this recording and no port is opened
   void Validate() const { internal::CheckSignalName(name); }
 };
 
-/// Sends a signal by UDP, one JSON object in a datagram per sample, as PlotJuggler's UDP server takes it and
-/// UdpInput does:
+/// Sends a signal by UDP as one datagram with a JSON object per sample, for UdpInput or PlotJuggler's UDP
+/// server:
 ///
 ///     {"timestamp":0.25,"cart":{"position":0.1,"velocity":-0.2}}
 ///
-/// `timestamp` is the time of the run [s]. The elements have the names that logs give them, a dot being a
-/// level. Numbers are written so that they read back bit for bit; "NaN", "Infinity" and "-Infinity" are
-/// texts, since JSON has no such numbers: a UdpInput refuses them. What is no number is left out.
+/// `timestamp` is the time of the run [s]. The elements are named as in logs, with one level of objects for
+/// each dot. Numbers read back bit for bit. "NaN", "Infinity" and "-Infinity" are texts, because JSON has no
+/// such numbers; UdpInput refuses them. Members that are not numbers are omitted.
 ///
 ///     builder.Connect(cart.state, builder.Add<UdpPublisher<Vec<2>>>("to_plots", {.name = "cart"}).u);
 ///
 ///     | port | kind  | size |
 ///     | u    | input | T    |
 ///
-/// Nobody need listen. A datagram that the system does not take is lost, and counted in `unsent`. Sending
-/// allocates nothing after the first time. Throws ParameterError for an address that does not exist, and if T
-/// holds no numbers; in the run RunError, if a message is longer than a datagram can be, 65507 bytes.
+/// No receiver is required. Datagrams that the system refuses are lost and counted in `unsent`. Only the
+/// first message allocates. Throws ParameterError if the address does not exist or T holds no numbers. During
+/// the run, throws RunError if a message exceeds the 65507 bytes of a datagram.
 template <class T = double>
 class UdpPublisher final : public LeafSystem<UdpPublisherParams> {
  public:
@@ -68,27 +68,27 @@ class UdpPublisher final : public LeafSystem<UdpPublisherParams> {
   internal::UdpSender sender_{params.name, params.address, params.port, internal::TypeInfoOf<T>()};
 };
 
-/// The door for values that come by UDP, as UdpPublisher sends them.
+/// An input for values that UdpPublisher or another program sends by UDP.
 ///
 ///     auto& speed = builder.Add<UdpInput<double>>("speed", {.name = "speed", .rate = Hz(100)});
 ///
-/// At each of its ticks the message that came last is taken over, and held until the next; this holds for any
-/// rate of the sender, since a thread of the block empties the socket all the time. Of more than 4096
-/// messages between two ticks the oldest are not looked at. With `lock_step` a tick waits for the message
-/// that carries its own time: two programs that send at each tick and receive in lock-step go on together,
-/// however fast they are, and are one simulation (docs/network.md). Since all that does not depend on it is
-/// sent before, it can wait for the answer to what is sent at the same tick.
+/// At each tick, y takes over the last message and holds it until the next tick. This works at any rate of
+/// the sender, because a thread of the block empties the socket continuously. If more than 4096 messages
+/// arrive between two ticks, the oldest are dropped. With `lock_step`, a tick waits for the message with its
+/// own time: two programs that send at each tick and receive in lock-step are synchronised to one simulation
+/// (docs/network.md). A tick can wait for the answer to a message of the same tick, because everything that
+/// does not depend on y is sent before.
 ///
 ///     | port | kind            | size | unit |
 ///     | y    | output, sampled | T    | unit |
 ///
 /// A message must have all elements of the signal as numbers, flat ("cart.position") or nested, a number
-/// "timestamp", and nothing else. Others are refused, also those with the text "NaN" for a number:
-/// `context.Eval(speed.refused)` says how many there were, and why the last was. Recording and replay are
-/// those of ExternalInput. The port belongs to the block: let one context run at a time.
+/// "timestamp", and no other keys. Other messages are refused, also those with the text "NaN";
+/// `context.Eval(speed.refused)` returns their number and the last reason. Recording and replay work as in
+/// ExternalInput. The port belongs to the block, so run only one context at a time.
 ///
-/// Throws ParameterError if the address does not exist or the port is taken, or if T holds no numbers; in
-/// lock-step RunError, if the message of a tick does not come in time or was lost.
+/// Throws ParameterError if the address does not exist, the port is in use or T holds no numbers. In
+/// lock-step, throws RunError if the message of a tick is late or lost.
 template <class T = double>
 class UdpInput final : public LeafSystem<UdpInputParams<T>> {
   using Base = LeafSystem<UdpInputParams<T>>;
@@ -106,7 +106,7 @@ class UdpInput final : public LeafSystem<UdpInputParams<T>> {
                     Uses(this->time, taken, refused),
                     &UdpInput::TakeOver};
 
-  /// Where messages arrive.
+  /// The actual port.
   int port() const { return port_; }
 
  private:

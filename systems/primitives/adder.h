@@ -10,16 +10,16 @@
 namespace tenon {
 
 struct AdderParams {
-  internal::Weights weights = {1, 1};  ///< one per input: {1, -1} subtracts; or a std::vector<double>
-  std::string unit = "";               ///< of the inputs and of the output
-  std::string elements = "";           ///< names of their elements
+  internal::Weights weights = {1, 1};  ///< one per input, for example {1, -1}
+  std::string unit = "";               ///< of inputs and output
+  std::string elements = "";           ///< names of the elements
   void Validate() const {
     Demand(!weights.empty(), "weights must not be empty: give one weight per input");
     Demand(internal::IsFinite(weights), "weights must be finite");
   }
 };
 
-/// A weighted sum of as many inputs as there are weights:
+/// A weighted sum with one input per weight:
 ///
 ///     y = w_0 u_0 + w_1 u_1 + …
 ///
@@ -28,8 +28,8 @@ struct AdderParams {
 ///     | weights     | Parameter | one per input |      |
 ///     | y           | output    | T             | unit |
 ///
-/// T is double or Vec<N>. Throws ParameterError if there are no weights or one is not finite, RunError if in
-/// a run another number of weights is set than there are inputs.
+/// T is double or Vec<N>. Throws ParameterError if there are no weights or one is not finite, and RunError
+/// during a run if the number of weights differs from the number of inputs.
 template <internal::DoubleOrMatrix T = double>
 class Adder final : public LeafSystem<AdderParams> {
  public:

@@ -11,33 +11,32 @@
 namespace tenon {
 
 struct ConcatenateParams {
-  /// Names of the ports, one each, with units and element names of those that are no structs; u_0, u_1, … (of
-  /// Split y_0, y_1, …) if empty.
+  /// One entry per port: its name, and the units and element names of a port that is not a struct. If empty,
+  /// the ports are named u_0, u_1, …, in a Split y_0, y_1, ….
   std::vector<Spec> ports = {};
 };
 
 namespace internal {
 
-/// How the i-th of several ports is called; throws ParameterError for one whose size is known at run time.
+/// Spec of the i-th of several ports. Throws ParameterError for a port whose size is known only at run time.
 template <class T>
 Spec PortOf(const std::vector<Spec>& ports, std::size_t count, const std::string& name, std::size_t i) {
   Demand(ports.empty() || ports.size() == count, "ports has " + std::to_string(ports.size()) +
                                                      " entries, but there are " + std::to_string(count) +
-                                                     " signals: give one for each, or none");
+                                                     " signals: give one entry per signal, or none");
   const Spec spec = ports.empty() ? Spec(name + "_" + std::to_string(i)) : ports[i];
-  Demand(TypeInfoOf<T>().fixed, "'" + spec.name +
-                                    "' has a size that is known at run time only: what is put into one "
-                                    "vector has a fixed size");
+  Demand(TypeInfoOf<T>().fixed,
+         "'" + spec.name + "' has a size that is known only at run time: use signals of fixed size");
   return spec;
 }
 
-/// How many numbers values of these types hold together.
+/// Total count of numbers in values of these types.
 template <class... Ts>
 Eigen::Index TotalSize() {
   return static_cast<Eigen::Index>((std::size_t{0} + ... + TypeInfoOf<Ts>().num_scalars));
 }
 
-/// The numbers of several ports as elements of one: "force.x, force.y, mass".
+/// Spec of a vector of the numbers of several ports, with elements such as "force.x, force.y, mass".
 inline Spec Joined(const std::string& name, const std::vector<const Source*>& ports) {
   Spec joined(name);
   for (const Source* port : ports) {
@@ -53,7 +52,7 @@ inline Spec Joined(const std::string& name, const std::vector<const Source*>& po
 
 }  // namespace internal
 
-/// Makes one vector of all numbers of several signals, of whatever types:
+/// Makes one vector of all numbers of several signals, which may have different types:
 ///
 ///     y = (u_0, u_1, …)
 ///
@@ -63,10 +62,10 @@ inline Spec Joined(const std::string& name, const std::vector<const Source*>& po
 ///
 ///     Concatenate<double, Vec<3>, TrunkState>({.ports = {{"height", "m"}, {"force", "N"}, "trunk"}})
 ///
-/// The elements of y have the names of their ports before their own: "force.x". Ts are numbers, enumerations,
-/// matrices of fixed size and structs of them with Fields(). (What makes a struct of several signals is a
-/// function: DiagramBuilder::AddFunction.) Throws ParameterError if the number of names is wrong or a type
-/// has no fixed size.
+/// Elements of y are named by their port and element: "force.x". Ts are numbers, enumerations, matrices of
+/// fixed size and structs of these with Fields(). To make a struct of several signals, use
+/// DiagramBuilder::AddFunction. Throws ParameterError if the number of names is wrong or a type has no fixed
+/// size.
 template <class... Ts>
 class Concatenate final : public LeafSystem<ConcatenateParams> {
   using Ports = std::tuple<std::unique_ptr<InputPort<Ts>>...>;
@@ -98,7 +97,7 @@ class Concatenate final : public LeafSystem<ConcatenateParams> {
                                 }};
 };
 
-/// Takes a vector apart into signals of whatever types, as Concatenate puts them together:
+/// Splits a vector into signals of any types, as Concatenate joins them:
 ///
 ///     (y_0, y_1, …) = u
 ///
@@ -106,8 +105,9 @@ class Concatenate final : public LeafSystem<ConcatenateParams> {
 ///     | u                 | input  | Eigen::VectorXd |            |
 ///     | y<0>(), y<1>(), … | output | Ts              | as `ports` |
 ///
-/// Throws ParameterError as Concatenate does, RunError if u has another size than its parts together, and
-/// ParameterError in the loop if a part cannot hold a number, a fraction as an integer, say.
+/// Throws ParameterError if the number of names is wrong or a type has no fixed size. During a run throws
+/// RunError if the size of u differs from the total size of the parts, and ParameterError if a part cannot
+/// hold a number (a fraction for an integer, say).
 template <class... Ts>
 class Split final : public LeafSystem<ConcatenateParams> {
  public:
@@ -123,8 +123,8 @@ class Split final : public LeafSystem<ConcatenateParams> {
   std::unique_ptr<OutputPort<T>> MakePort(std::size_t i, Eigen::Index& begin) {
     const auto take = [begin](const Eigen::VectorXd& u, T* part) {
       if (u.size() != internal::TotalSize<Ts...>()) {
-        throw RunError("u has " + std::to_string(u.size()) + " elements, but its parts have " +
-                       std::to_string(internal::TotalSize<Ts...>()) + " together: make them equal");
+        throw RunError("u has " + std::to_string(u.size()) + " elements, but the parts have a total of " +
+                       std::to_string(internal::TotalSize<Ts...>()) + ": make them equal");
       }
       internal::FromDoubles(internal::TypeInfoOf<T>(), part, u.data() + begin);
     };

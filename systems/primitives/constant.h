@@ -11,10 +11,10 @@ template <class T = double>
 struct ConstantParams {
   T value = internal::Zeroed<T>();  ///< [unit]
   std::string unit = "";
-  std::string elements = "";  ///< names of its elements
+  std::string elements = "";  ///< names of the elements
 };
 
-/// A value that stays as it is until somebody sets it: `context.Set(constant.value, 3)`.
+/// A constant value, which can be changed between advances of a run: `context.Set(constant.value, 3)`.
 ///
 ///     | port  | kind      | size | unit |
 ///     | value | Parameter | T    | unit |
@@ -26,7 +26,7 @@ class ConstantSource final : public LeafSystem<ConstantParams<T>> {
  public:
   using LeafSystem<ConstantParams<T>>::LeafSystem;
   using LeafSystem<ConstantParams<T>>::params;
-  Parameter<T> value{this, {"value", params.unit, params.elements}, params.value, "what is put out"};
+  Parameter<T> value{this, {"value", params.unit, params.elements}, params.value, "value of the output"};
   OutputPort<T> y{
       this, {"y", params.unit, params.elements}, params.value, Uses(value), [](const T& value) -> const T& {
         return value;

@@ -10,18 +10,18 @@
 namespace tenon {
 
 struct DiscreteDerivativeParams {
-  double time_constant = 0;  ///< of a low-pass filter [s]; 0 is none
+  double time_constant = 0;  ///< of the low-pass filter [s]; 0 for no filter
   Rate rate = Hz(1000);
   std::string u_unit = "";    ///< of the input
   std::string y_unit = "";    ///< of the output: u_unit per second
-  std::string elements = "";  ///< names of the elements of both
+  std::string elements = "";  ///< names of the elements of u and y
   void Validate() const {
     Demand(time_constant >= 0 && std::isfinite(time_constant),
-           "time_constant must be finite and not negative; 0 filters nothing");
+           "time_constant must be finite and not negative; 0 disables the filter");
   }
 };
 
-/// The derivative of a sampled signal behind a first-order low-pass filter, by backward differences. With T
+/// The derivative of a sampled signal, with a first-order low-pass filter, by backward differences. With T
 /// the time constant and h the period:
 ///
 ///     y[n] = (T y[n - 1] + u[n] - u[n - 1]) / (T + h),   y[0] = 0
@@ -31,15 +31,16 @@ struct DiscreteDerivativeParams {
 ///     | time_constant | Parameter       | double | s      |
 ///     | y             | output, sampled | T      | y_unit |
 ///
-/// T is double or Vec<N>. Feedthrough at its ticks; of a signal that is smooth it lags by T + h / 2.
-/// Throws ParameterError if the time constant is negative or not finite.
+/// T is double or Vec<N>. Feedthrough at its ticks; for a smooth signal the lag is T + h / 2. Throws
+/// ParameterError if the time constant is negative or not finite.
 template <internal::DoubleOrMatrix T = double>
 class DiscreteDerivative final : public LeafSystem<DiscreteDerivativeParams> {
   using Difference = internal::FilteredDifference<T>;
 
  public:
   using LeafSystem::LeafSystem;
-  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant, "of the filter"};
+  Parameter<double> time_constant{
+      this, {"time_constant", "s"}, params.time_constant, "time constant of the filter"};
   InputPort<T> u{this, {"u", params.u_unit, params.elements}};
   DiscreteState<Difference> x{this, "x"};
 

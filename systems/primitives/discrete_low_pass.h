@@ -15,15 +15,15 @@ struct DiscreteLowPassParams {
   T initial = internal::Filled<T>(0);  ///< y at the first tick [unit]
   Rate rate = Hz(1000);
   std::string unit = "";      ///< of input and output
-  std::string elements = "";  ///< names of their elements
+  std::string elements = "";  ///< names of the elements
   void Validate() const {
     Demand(time_constant > 0, "time_constant must be positive");
     Demand(internal::IsFinite(initial), "initial must be finite");
   }
 };
 
-/// A sampled first-order low-pass filter, for controllers. For an input that is held between ticks it is at
-/// every tick exactly what LowPassFilter is, with h the period:
+/// A sampled first-order low-pass filter, for controllers. For an input that is held between ticks, its
+/// output at the ticks equals that of LowPassFilter. With h the period:
 ///
 ///     y[n + 1] = y[n] + (1 - exp(-h / T)) (u[n] - y[n]),   y[0] = initial
 ///
@@ -39,7 +39,8 @@ class DiscreteLowPass final : public LeafSystem<DiscreteLowPassParams<T>> {
  public:
   using LeafSystem<DiscreteLowPassParams<T>>::LeafSystem;
   using LeafSystem<DiscreteLowPassParams<T>>::params;
-  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant, "of the filter"};
+  Parameter<double> time_constant{
+      this, {"time_constant", "s"}, params.time_constant, "time constant of the filter"};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}, params.initial};
   OutputPort<T> y{

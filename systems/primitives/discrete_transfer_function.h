@@ -10,13 +10,14 @@ namespace tenon {
 
 struct DiscreteTransferFunctionParams {
   std::vector<double> numerator = {1};   ///< coefficients of powers of z, highest first
-  std::vector<double> denominator = {};  ///< the same; two or more of them, the first not zero
+  std::vector<double> denominator = {};  ///< like `numerator`; at least two, the first not zero
   Rate rate = Hz(1000);
   std::string u_unit = "";  ///< of the input
   std::string y_unit = "";  ///< of the output
   void Validate() const {
     TransferFunctionParams{.numerator = numerator, .denominator = denominator}.Validate();
-    Demand(denominator.size() >= 2, "denominator must have two coefficients or more: one alone is a Gain");
+    Demand(denominator.size() >= 2,
+           "denominator must have two coefficients or more: use a Gain for a constant");
   }
 };
 
@@ -33,7 +34,7 @@ struct DiscreteTransferFunctionParams {
 ///     y = b_n u + x_1,   x_i[k + 1] = x_(i + 1) + b_(n - i) u - a_(n - i) y
 ///
 /// If b_n = 0 the output does not depend on the present input, and the block breaks loops. The coefficients
-/// are not set in a run; the matrices of a DiscreteStateSpace are.
+/// are constant during a run; use DiscreteStateSpace to change them.
 ///
 /// Throws ParameterError if the function is not proper, if a coefficient is not finite, or if the denominator
 /// is of order 0.

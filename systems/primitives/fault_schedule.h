@@ -10,25 +10,26 @@
 
 namespace tenon {
 
-/// When a fault acts: start <= t < start + duration, both rounded up to the ticks of its block.
+/// Time interval in which a fault acts: start <= t < start + duration, both rounded up to the ticks of its
+/// block.
 struct FaultSchedule {
   double start = 0;                                           ///< [s]
-  double duration = std::numeric_limits<double>::infinity();  ///< [s]; infinite: to the end of the run
+  double duration = std::numeric_limits<double>::infinity();  ///< [s]; infinite: until the end of the run
 
   bool Acts(double time, const Rate& rate) const {
-    // Ticks are exact multiples of the period, the sum of two decimal numbers is not.
+    // Ticks are exact multiples of the period, but the sum of two decimal numbers is not.
     const double since = time - start + 1e-6 * rate.period();
     return since >= 0 && since < duration;
   }
   static FieldList Fields() {
     return {{"start", &FaultSchedule::start, "s"}, {"duration", &FaultSchedule::duration, "s"}};
   }
-  /// Throws ParameterError.
+  /// Throws ParameterError if start is not finite or duration is negative.
   void Validate() const {
     Demand(std::isfinite(start),
            "schedule.start = " + std::to_string(start) + " must be finite: give seconds");
     Demand(duration >= 0, "schedule.duration = " + std::to_string(duration) +
-                              " must not be negative: give seconds, infinity for a fault that stays");
+                              " must not be negative: give seconds, infinity for a permanent fault");
   }
 };
 

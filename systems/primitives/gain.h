@@ -13,11 +13,11 @@ struct GainParams {
   double gain = 1;            ///< [unit of y / unit of u]
   std::string u_unit = "";    ///< of the input
   std::string y_unit = "";    ///< of the output
-  std::string elements = "";  ///< names of the elements of both
+  std::string elements = "";  ///< names of the elements of u and y
   void Validate() const { Demand(std::isfinite(gain), "gain must be finite"); }
 };
 
-/// A factor:
+/// A multiplication by a scalar:
 ///
 ///     y = gain u
 ///
@@ -31,7 +31,7 @@ template <internal::DoubleOrMatrix T = double>
 class Gain final : public LeafSystem<GainParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<double> gain{this, "gain", params.gain, "unit of y / unit of u"};
+  Parameter<double> gain{this, "gain", params.gain, "factor in unit of y / unit of u"};
   InputPort<T> u{this, {"u", params.u_unit, params.elements}};
   OutputPort<T> y{
       this, {"y", params.y_unit, params.elements}, Uses(gain, u), [](double gain, const T& u) -> T {

@@ -12,7 +12,7 @@ namespace tenon {
 template <internal::DoubleOrMatrix T = double>
 struct GaussMarkovParams {
   T standard_deviation = internal::Filled<T>(1);  ///< of y [unit], 0 or more
-  double time_constant = 1;                       ///< in which the correlation falls to 1/e [s]
+  double time_constant = 1;                       ///< time in which the correlation falls to 1/e [s]
   Rate rate = Hz(1000);
   std::string unit = "";
   std::string elements = "";  ///< names of the elements
@@ -24,7 +24,7 @@ struct GaussMarkovParams {
   }
 };
 
-/// Coloured noise: the first-order Gauss-Markov process, exact at its ticks and held between. With h the
+/// Coloured noise: the first-order Gauss-Markov process, exact at its ticks and held between them. With h the
 /// period and T the time constant (Gelb, "Applied Optimal Estimation", MIT Press 1974, chapter 2):
 ///
 ///     y[n + 1] = a y[n] + sqrt(1 - a^2) e[n],   a = exp(-h / T),   y[0], e[n] ~ N(0, standard_deviation^2)
@@ -34,18 +34,18 @@ struct GaussMarkovParams {
 ///     | time_constant      | Parameter       | double | s    |
 ///     | y                  | output, sampled | T      | unit |
 ///
-/// T is double or Vec<N>. It is stationary: E(y(t) y(t + s)) = standard_deviation^2 exp(-|s| / T), from the
-/// first tick on. The numbers follow from the run's seed and the block's path.
-/// Throws ParameterError if a standard deviation is negative or the time constant is not positive.
+/// T is double or Vec<N>. The process is stationary from the first tick on:
+/// E(y(t) y(t + s)) = standard_deviation^2 exp(-|s| / T). The random numbers are determined by the run's seed
+/// and the block's path. Throws ParameterError if a standard deviation is negative or the time constant is
+/// not positive.
 template <internal::DoubleOrMatrix T = double>
 class GaussMarkov final : public LeafSystem<GaussMarkovParams<T>> {
  public:
   using LeafSystem<GaussMarkovParams<T>>::LeafSystem;
   using LeafSystem<GaussMarkovParams<T>>::params;
   Parameter<T> standard_deviation{
-      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation, "of y"};
-  Parameter<double> time_constant{
-      this, {"time_constant", "s"}, params.time_constant, "after which y has forgotten 63 %"};
+      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation, "noise level"};
+  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant, "correlation time"};
   Random random{this, "random"};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}};
   OutputPort<T> y{

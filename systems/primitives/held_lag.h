@@ -15,16 +15,16 @@ template <class T = double>
 struct HeldLagParams {
   double time_constant = 0.004;       ///< [s]; the cut-off frequency is 1 / (2 pi time_constant) Hz
   T initial = internal::Zeroed<T>();  ///< y at t = 0 [unit]
-  Rate rate = Hz(1000);               ///< at which u is taken over
+  Rate rate = Hz(1000);               ///< at which u is sampled
   std::string unit = "";              ///< of input and output
-  std::string elements = "";          ///< names of their elements
+  std::string elements = "";          ///< names of the elements
   void Validate() const {
     Demand(std::isfinite(time_constant) && time_constant > 0, "time_constant must be finite and positive");
     Demand(internal::IsFinite(initial), "initial must be finite");
   }
 };
 
-/// What a HeldLag goes from and to since its last tick.
+/// Response of a HeldLag since its last tick, from one value to another.
 template <class T>
 struct HeldLagPart {
   double since = 0;  ///< [s]
@@ -35,8 +35,9 @@ struct HeldLagPart {
   }
 };
 
-/// A first-order lag of a signal that is held between ticks, as a current controller follows its set-point:
-/// the solution in closed form, which costs the integrator neither states nor, if the lag is short, its step.
+/// A first-order lag of a signal that is held between ticks, such as a current controller that follows its
+/// set-point. It uses the closed-form solution, so it adds no continuous state and a short lag does not limit
+/// the step size.
 ///
 ///     T dy/dt = u[k] - y   for k h < t <= (k + 1) h,   y(0) = initial:
 ///     y(t) = u[k] + (y(k h) - u[k]) exp(-(t - k h) / T)
@@ -46,10 +47,10 @@ struct HeldLagPart {
 ///     | time_constant | Parameter | double | s    |
 ///     | y             | output    | T      | unit |
 ///
-/// y is continuous in time and does not depend on the present input, so the block breaks loops; where u
-/// jumps, y bends at the next tick. LowPassFilter is the block for signals that are not held. T is double, a
-/// Vec<N> or a vector of run-time size, which `initial` gives. Throws ParameterError if the time constant is
-/// not positive and finite.
+/// y is continuous in time and does not depend on the present input, so the block breaks loops. Where u
+/// jumps, y bends at the next tick. Use LowPassFilter for signals that are not held. T is double, Vec<N> or a
+/// vector of run-time size, which `initial` sets. Throws ParameterError if the time constant is not positive
+/// and finite.
 template <class T = double>
 class HeldLag final : public LeafSystem<HeldLagParams<T>> {
   static_assert(internal::DoubleOrMatrix<T> || internal::VectorOfRunTimeSize<T>,
@@ -60,7 +61,8 @@ class HeldLag final : public LeafSystem<HeldLagParams<T>> {
   using LeafSystem<HeldLagParams<T>>::params;
   using Part = HeldLagPart<T>;
   InputPort<T> u{this, {"u", params.unit, params.elements}};
-  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant, "of the lag"};
+  Parameter<double> time_constant{
+      this, {"time_constant", "s"}, params.time_constant, "time constant of the lag"};
   DiscreteState<Part> part{this, "part", Part{.from = params.initial, .to = params.initial}};
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},
@@ -77,7 +79,7 @@ class HeldLag final : public LeafSystem<HeldLagParams<T>> {
                     }};
 };
 
-/// The time constant of a lag with a bandwidth in Hz, at which its gain is 1/sqrt(2).
+/// Time constant [s] of a lag with a bandwidth in Hz, the frequency at which its gain is 1/sqrt(2).
 inline double LagOfBandwidth(double hertz) {
   return 1 / (2 * std::numbers::pi * hertz);
 }

@@ -14,51 +14,52 @@ namespace tenon {
 
 template <class T = double>
 struct JitteredDelayParams {
-  double delay = 0.001;               ///< mean [s]
-  double jitter = 0;                  ///< delays lie within delay ± jitter, evenly [s]
-  T initial = internal::Zeroed<T>();  ///< held before the first message arrives [unit]
+  double delay = 0.001;               ///< mean delay [s]
+  double jitter = 0;                  ///< delays are uniform in delay ± jitter [s]
+  T initial = internal::Zeroed<T>();  ///< y before the first message arrives [unit]
   Rate rate = Hz(1000);               ///< of the messages
   std::string unit = "";              ///< of input and output
-  std::string elements = "";          ///< names of their elements
+  std::string elements = "";          ///< names of the elements
   void Validate() const {
     Demand(std::isfinite(delay) && jitter >= 0 && delay >= jitter,
-           "delay must be finite and jitter from 0 to delay: no message arrives before it is sent");
+           "delay must be finite and jitter from 0 to delay: messages must not arrive before they are sent");
     Demand((delay + jitter) / rate.period() <= 10'000,
-           "delay + jitter must not be longer than 10,000 periods: that many messages would be on their way");
+           "delay + jitter must not be longer than 10,000 periods: that many messages would be in transit");
     Demand(internal::IsFinite(initial), "initial must be finite");
   }
 };
 
-/// What is on its way through a JitteredDelay, the newest first.
+/// The messages in transit through a JitteredDelay, newest first.
 template <class T>
 struct MessageLine {
   std::vector<T> values = {};
-  std::vector<double> left = {};  ///< until each arrives; past, if negative [s]
-  std::size_t known = 0;          ///< how many have been sent, up to the length of the line
+  std::vector<double> left = {};  ///< time until each arrives, negative if it has arrived [s]
+  std::size_t known = 0;          ///< number of messages sent, up to the length of the line
   static FieldList Fields() {
     return {
         {"values", &MessageLine::values}, {"left", &MessageLine::left, "s"}, {"known", &MessageLine::known}};
   }
 };
 
-/// A link that takes messages at a rate and delivers each after a delay of its own, to a receiver that holds
-/// the newest that it has: computing and a field bus between a controller and its drives.
+/// A communication link that sends messages at a rate, delivers each with its own delay, and whose receiver
+/// holds the newest message received. It models computation and a field bus between a controller and its
+/// drives.
 ///
-///     a[n] = n h + delay + jitter e[n],   e[n] uniform in [-1, 1)          message n arrives
-///     u*(t) = u[max {n: a[n] <= t}]                                        the receiver holds
-///     y[k] = 1/h (integral of u* over k h <= t < (k + 1) h)                and this is what it comes to
+///     a[n] = n h + delay + jitter e[n],   e[n] uniform in [-1, 1)          arrival time of message n
+///     u*(t) = u[max {n: a[n] <= t}]                                        value held by the receiver
+///     y[k] = 1/h (integral of u* over k h <= t < (k + 1) h)                its mean over a period
 ///
 ///     | port | kind            | size | unit |
 ///     | u    | input           | T    | unit |
 ///     | y    | output, sampled | T    | unit |
 ///
-/// A message that is overtaken is lost. y has each message's impulse exactly, and so what receives it, if it
-/// is slow against h, goes as if the messages came between the ticks; no tick of a finer rate interrupts the
-/// integration. With a delay below h + jitter the output depends on the present input. SampleDelay is the
-/// block for delays of whole periods without jitter, TransportDelay for signals that are not sampled.
+/// A message that is overtaken is lost. y has exactly the impulse of each message, so a receiver that is slow
+/// compared with h responds as if messages arrived between ticks, without finer ticks that would interrupt
+/// the integration. With a delay below h + jitter the block has feedthrough. Use SampleDelay for delays of
+/// whole periods without jitter, and TransportDelay for signals that are not sampled.
 ///
-/// T is double, a Vec<N> or a vector of run-time size, which `initial` gives. A tick copies the messages that
-/// are on their way and allocates nothing. Throws ParameterError unless 0 <= jitter <= delay, finite.
+/// T is double, Vec<N> or a vector of run-time size, which `initial` sets. A tick copies the messages in
+/// transit and does not allocate. Throws ParameterError unless 0 <= jitter <= delay, both finite.
 template <class T = double>
 class JitteredDelay final : public LeafSystem<JitteredDelayParams<T>> {
   static_assert(internal::DoubleOrMatrix<T> || internal::VectorOfRunTimeSize<T>,
@@ -81,7 +82,7 @@ class JitteredDelay final : public LeafSystem<JitteredDelayParams<T>> {
                   &JitteredDelay::CalcY};
 
  private:
-  /// A message that leaves the line has arrived.
+  /// Longest possible number of messages in transit.
   static std::size_t Length(const JitteredDelayParams<T>& params) {
     return static_cast<std::size_t>(std::ceil((params.delay + params.jitter) / params.rate.period())) + 1;
   }
@@ -94,9 +95,9 @@ class JitteredDelay final : public LeafSystem<JitteredDelayParams<T>> {
     }
     line.values[0] = u;
     line.left[0] = params.delay + (params.jitter > 0 ? params.jitter * random.Uniform(-1, 1) : 0);
-    // From the end of the tick to its beginning: what came last holds to the end, what came before until
-    // then.
-    double open = 1;  // part of the tick, its beginning, of which it is not known yet what holds
+    // Go backwards through the tick: the last message to arrive holds until the end, each earlier one until
+    // the next.
+    double open = 1;  // fraction of the tick, from its beginning, that is not yet assigned
     *y = 0 * u;
     for (std::size_t i = 0; i < line.known && open > 0; ++i) {
       const double from = std::max(line.left[i] / h, 0.0);

@@ -13,7 +13,7 @@ struct LowPassFilterParams {
   double time_constant = 0.1;          ///< [s]; the cut-off frequency is 1 / (2 pi time_constant) Hz
   T initial = internal::Filled<T>(0);  ///< y at t = 0 [unit]
   std::string unit = "";               ///< of input and output
-  std::string elements = "";           ///< names of their elements
+  std::string elements = "";           ///< names of the elements
   void Validate() const {
     Demand(time_constant > 0, "time_constant must be positive");
     Demand(internal::IsFinite(initial), "initial must be finite");
@@ -36,7 +36,8 @@ class LowPassFilter final : public LeafSystem<LowPassFilterParams<T>> {
  public:
   using LeafSystem<LowPassFilterParams<T>>::LeafSystem;
   using LeafSystem<LowPassFilterParams<T>>::params;
-  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant, "of the filter"};
+  Parameter<double> time_constant{
+      this, {"time_constant", "s"}, params.time_constant, "time constant of the filter"};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   ContinuousState<T> x{this, {"y", params.unit, params.elements}, params.initial};
   OutputPort<T> y{this, x};

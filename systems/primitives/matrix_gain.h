@@ -12,7 +12,7 @@ template <int Rows = Eigen::Dynamic, int Cols = Rows>
 struct MatrixGainParams {
   static constexpr bool kDynamic = Rows == Eigen::Dynamic || Cols == Eigen::Dynamic;
   static constexpr int kOrder = Rows == 1 && Cols != 1 ? Eigen::RowMajor : Eigen::ColMajor;
-  /// Eigen::MatrixXd, or a matrix of fixed size that is never over-aligned, as Vec<N>.
+  /// Eigen::MatrixXd, or like Vec<N> a matrix of fixed size that is never over-aligned.
   using Matrix = Eigen::Matrix<double, Rows, Cols, kOrder | (kDynamic ? 0 : Eigen::DontAlign)>;
   Matrix gain = internal::Zeroed<Matrix>();  ///< [y_unit / u_unit]
   std::string u_unit = "";                   ///< of the input
@@ -25,7 +25,7 @@ struct MatrixGainParams {
   }
 };
 
-/// A matrix as a factor:
+/// A multiplication by a matrix:
 ///
 ///     y = gain u
 ///
@@ -34,9 +34,9 @@ struct MatrixGainParams {
 ///     | gain | Parameter | Rows, Cols | y_unit / u_unit |
 ///     | y    | output    | Vec<Rows>  | y_unit          |
 ///
-/// MatrixGain<> has the size of its matrix, known at run time, and ports of Eigen::VectorXd. Throws
-/// ParameterError if the matrix is empty or not finite, RunError if u has not as many elements as it has
-/// columns.
+/// The size of MatrixGain<> is that of its matrix, known at run time, and its ports are Eigen::VectorXd.
+/// Throws ParameterError if the matrix is empty or not finite, and RunError if the size of u differs from the
+/// number of columns.
 template <int Rows = Eigen::Dynamic, int Cols = Rows>
 class MatrixGain final : public LeafSystem<MatrixGainParams<Rows, Cols>> {
   using Matrix = typename MatrixGainParams<Rows, Cols>::Matrix;
@@ -44,7 +44,7 @@ class MatrixGain final : public LeafSystem<MatrixGainParams<Rows, Cols>> {
  public:
   using LeafSystem<MatrixGainParams<Rows, Cols>>::LeafSystem;
   using LeafSystem<MatrixGainParams<Rows, Cols>>::params;
-  Parameter<Matrix> gain{this, "gain", params.gain, "unit of y / unit of u"};
+  Parameter<Matrix> gain{this, "gain", params.gain, "matrix in unit of y / unit of u"};
   InputPort<Vec<Cols>> u{this, {"u", params.u_unit, params.u_elements}};
   OutputPort<Vec<Rows>> y{this,
                           {"y", params.y_unit, params.y_elements},

@@ -8,13 +8,13 @@
 namespace tenon {
 
 struct MultiportSwitchParams {
-  int count = 2;              ///< of the signals to choose from
+  int count = 2;              ///< number of signals
   std::string unit = "";      ///< of the signals and of the output
-  std::string elements = "";  ///< names of their elements
+  std::string elements = "";  ///< names of the elements
   void Validate() const { Demand(count >= 1, "count must be 1 or more: it is " + std::to_string(count)); }
 };
 
-/// Passes on one of several signals, chosen by its number:
+/// Selects one of several signals by its index:
 ///
 ///     y = u[select]
 ///
@@ -23,9 +23,8 @@ struct MultiportSwitchParams {
 ///     | u[0], …    | input  | T each | unit |
 ///     | y          | output | T      | unit |
 ///
-/// T is any copyable type, Index an integer or an enumeration. All inputs have feedthrough. The choice is a
-/// Kink. Throws ParameterError if there is nothing to choose from, RunError if `select` is the number of
-/// none.
+/// T is any copyable type; Index is an integer or an enumeration. All inputs have feedthrough. The selection
+/// is a Kink. Throws ParameterError if count is below 1, and RunError if `select` is out of range.
 template <class T = double, class Index = int>
 class MultiportSwitch final : public LeafSystem<MultiportSwitchParams> {
   static_assert(std::is_integral_v<Index> || std::is_enum_v<Index>,

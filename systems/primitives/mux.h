@@ -8,11 +8,11 @@
 namespace tenon {
 
 struct MuxParams {
-  std::string units = "";     ///< of the vector's elements: one for all, or one each, comma-separated
-  std::string elements = "";  ///< their names, comma-separated; their indices if empty
+  std::string units = "";     ///< of the vector's elements, comma-separated: one for all, or one each
+  std::string elements = "";  ///< names of the elements, comma-separated; indices if empty
 };
 
-/// Makes a vector of N numbers:
+/// Combines N numbers into a vector:
 ///
 ///     y = (u_0, …, u_(N-1))
 ///
@@ -32,7 +32,7 @@ class Mux final : public LeafSystem<MuxParams> {
       }};
 };
 
-/// Takes a vector apart:
+/// Splits a vector into its elements:
 ///
 ///     y_i = u_i
 ///

@@ -10,14 +10,14 @@ namespace tenon {
 
 template <internal::DoublesInside T = double>
 struct NoiseParams {
-  T standard_deviation = internal::FilledOrZero<T>(1);  ///< of each number [unit], 0 or more; 0 in a struct
+  T standard_deviation = internal::FilledOrZero<T>(1);  ///< of each number [unit], 0 or more; in a struct 0
   Rate rate = Hz(1000);
   std::string unit = "";
   std::string elements = "";  ///< names of the elements
   void Validate() const {
     Demand(internal::TypeInfoOf<T>().fixed,
-           "standard_deviation has parts whose size is known at run time only: give noise to those of fixed "
-           "size, each by a block of its own");
+           "standard_deviation has parts whose size is known only at run time: add noise to the parts of "
+           "fixed size, each with a separate block");
     bool good = true;
     internal::ForEachDouble([&](double deviation) { good &= deviation >= 0; }, standard_deviation);
     Demand(good && internal::IsFinite(standard_deviation),
@@ -25,7 +25,8 @@ struct NoiseParams {
   }
 };
 
-/// Band-limited white noise: independent normal numbers of mean 0, one per element and tick, held between.
+/// Band-limited white noise: independent normal numbers of mean 0, one per element and tick, held between
+/// ticks.
 ///
 ///     y[n] ~ N(0, standard_deviation^2)
 ///
@@ -33,18 +34,17 @@ struct NoiseParams {
 ///     | standard_deviation | Parameter       | T    | unit |
 ///     | y                  | output, sampled | T    | unit |
 ///
-/// T is double, Vec<N>, or a struct with Fields(), whose doubles are then such numbers and all else in it 0.
-/// The one-sided power spectral density well below rate / 2 is 2 standard_deviation^2 / rate. The numbers
-/// follow from the run's seed and the block's path.
-/// Throws ParameterError if a standard deviation is negative or not finite, or if T has parts of run-time
-/// size.
+/// T is double, Vec<N>, or a struct with Fields(), in which all doubles are random and all other members 0.
+/// The one-sided power spectral density well below rate / 2 is 2 standard_deviation^2 / rate. The random
+/// numbers are determined by the run's seed and the block's path. Throws ParameterError if a standard
+/// deviation is negative or not finite, or if T has parts of run-time size.
 template <internal::DoublesInside T = double>
 class WhiteNoise final : public LeafSystem<NoiseParams<T>> {
  public:
   using LeafSystem<NoiseParams<T>>::LeafSystem;
   using LeafSystem<NoiseParams<T>>::params;
   Parameter<T> standard_deviation{
-      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation, "of the noise"};
+      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation, "noise level"};
   Random random{this, "random"};
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},
@@ -57,7 +57,7 @@ class WhiteNoise final : public LeafSystem<NoiseParams<T>> {
                   }};
 };
 
-/// A sampled measurement with white noise on it.
+/// A sampled measurement with additive white noise:
 ///
 ///     y[n] = u[n] + e[n],   e[n] ~ N(0, standard_deviation^2)
 ///
@@ -66,14 +66,16 @@ class WhiteNoise final : public LeafSystem<NoiseParams<T>> {
 ///     | standard_deviation | Parameter       | T    | unit |
 ///     | y                  | output, sampled | T    | unit |
 ///
-/// Feedthrough at its ticks. Of a struct, what is no double passes as it is. Otherwise as WhiteNoise.
+/// T is as for WhiteNoise; members of a struct that are not doubles pass unchanged. Feedthrough at its ticks.
+/// Throws ParameterError if a standard deviation is negative or not finite, or if T has parts of run-time
+/// size.
 template <internal::DoublesInside T = double>
 class AddNoise final : public LeafSystem<NoiseParams<T>> {
  public:
   using LeafSystem<NoiseParams<T>>::LeafSystem;
   using LeafSystem<NoiseParams<T>>::params;
   Parameter<T> standard_deviation{
-      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation, "of the noise"};
+      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation, "noise level"};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   Random random{this, "random"};
   OutputPort<T> y{this,

@@ -16,27 +16,27 @@ struct PidParams {
   T kp = internal::Filled<T>(1);  ///< [u_unit / y_unit]
   T ki = internal::Filled<T>(0);  ///< [u_unit / (y_unit s)]
   T kd = internal::Filled<T>(0);  ///< [u_unit s / y_unit]
-  double filter_time = 0.01;      ///< of the derivative [s]; 0 is none
-  double ref_weight = 1;          ///< of ref in the derivative, 0 to 1
+  double filter_time = 0.01;      ///< time constant of the derivative filter [s]; 0 for no filter
+  double ref_weight = 1;          ///< weight of ref in the derivative, 0 to 1
   T lower = internal::Filled<T>(-std::numeric_limits<double>::infinity());  ///< of the output [u_unit]
   T upper = internal::Filled<T>(std::numeric_limits<double>::infinity());   ///< of the output [u_unit]
   Rate rate = Hz(1000);
   std::string y_unit = "";    ///< of ref and y
   std::string u_unit = "";    ///< of the output
-  std::string elements = "";  ///< names of the elements of all three
+  std::string elements = "";  ///< names of the elements of ref, y and u
   void Validate() const {
     Demand(internal::IsFinite(kp) && internal::IsFinite(ki) && internal::IsFinite(kd),
            "kp, ki and kd must be finite");
     Demand(filter_time >= 0 && std::isfinite(filter_time),
-           "filter_time must be finite and not negative; 0 filters nothing");
+           "filter_time must be finite and not negative; 0 disables the filter");
     Demand(ref_weight >= 0 && ref_weight <= 1,
-           "ref_weight must be from 0, the derivative of -y, to 1, that of ref - y");
+           "ref_weight must be from 0 (derivative of -y) to 1 (derivative of ref - y)");
     Demand(internal::Everywhere([](double low, double high) { return low <= high; }, lower, upper),
            "lower must not exceed upper, in any element");
   }
 };
 
-/// What a Pid remembers from tick to tick.
+/// Memory of the controller between ticks.
 template <class T>
 struct PidMemory {
   T integral = internal::Filled<T>(0);
@@ -46,17 +46,17 @@ struct PidMemory {
   }
 };
 
-/// A sampled PID controller with filtered derivative, limited output and anti-windup, element by element.
+/// A sampled PID controller with filtered derivative, saturated output and anti-windup, element by element.
 /// With e = ref - y, h the period and Tf = filter_time:
 ///
 ///     v[n] = kp e[n] + I[n] + kd d[n],   u[n] = min(max(v[n], lower), upper)
-///     I[n + 1] = I[n] + h ki e[n],   I[0] = 0,   but I[n] if v[n] is beyond a limit and would go further
+///     I[n + 1] = I[n] + h ki e[n],   I[0] = 0,   unless v[n] is saturated and h ki e[n] increases the excess
 ///     d[n] = (Tf d[n - 1] + w[n] - w[n - 1]) / (Tf + h),   d[0] = 0,   w = ref_weight ref - y
 ///
 /// This anti-windup is clamping, or conditional integration; unlike back-calculation it has no gain to choose
-/// (Åström and Hägglund, "PID Controllers: Theory, Design, and Tuning", ISA 1995, chapter 3). A ref_weight of
-/// 1 is for smooth references, 0 for those with steps, at which the derivative would kick. I is in units of
-/// u: a ki that is set in a run makes no jump.
+/// (Åström and Hägglund, "PID Controllers: Theory, Design, and Tuning", ISA 1995, chapter 3). Use a
+/// ref_weight of 1 for smooth references, and 0 for references with steps, whose derivative would be an
+/// impulse. I has the units of u, so a change of ki during a run does not make u jump.
 ///
 ///     | port                    | kind            | size   | unit            |
 ///     | ref, y                  | input           | T      | y_unit          |
@@ -80,8 +80,9 @@ class Pid final : public LeafSystem<PidParams<T>> {
   Parameter<T> kp{this, {"kp", "", params.elements}, params.kp, "proportional gain, unit of u / unit of y"};
   Parameter<T> ki{this, {"ki", "", params.elements}, params.ki, "integral gain, unit of u / (unit of y s)"};
   Parameter<T> kd{this, {"kd", "", params.elements}, params.kd, "derivative gain, unit of u s / unit of y"};
-  Parameter<double> filter_time{this, {"filter_time", "s"}, params.filter_time, "of the derivative"};
-  Parameter<double> ref_weight{this, "ref_weight", params.ref_weight, "of ref in the derivative"};
+  Parameter<double> filter_time{
+      this, {"filter_time", "s"}, params.filter_time, "time constant of the derivative filter"};
+  Parameter<double> ref_weight{this, "ref_weight", params.ref_weight, "weight of ref in the derivative"};
   Parameter<T> lower{this, {"lower", params.u_unit, params.elements}, params.lower, "limit of u"};
   Parameter<T> upper{this, {"upper", params.u_unit, params.elements}, params.upper, "limit of u"};
   DiscreteState<Memory> memory{this, "memory"};

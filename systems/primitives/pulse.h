@@ -17,7 +17,7 @@ struct PulseParams {
   double width = std::numeric_limits<double>::infinity();   ///< of a pulse [s]; infinity for a step
   double period = std::numeric_limits<double>::infinity();  ///< [s], more than width; infinity for one pulse
   std::string unit = "";                                    ///< of the output and its levels
-  std::string elements = "";                                ///< names of their elements
+  std::string elements = "";                                ///< names of the elements
   void Validate() const {
     Demand(internal::IsFinite(low) && internal::IsFinite(high), "low and high must be finite");
     Demand(std::isfinite(start), "start must be finite");
@@ -33,8 +33,8 @@ struct PulseParams {
 ///     | port | kind   | size | unit |
 ///     | y    | output | T    | unit |
 ///
-/// T is double or Vec<N>. Every edge is a NextJump: steps of the integrator end there. Throws ParameterError
-/// if a level or start is not finite, if width is not positive, or if period does not exceed it.
+/// T is double or Vec<N>. Every edge is a NextJump: integrator steps end there. Throws ParameterError if a
+/// level or start is not finite, if width is not positive, or if period does not exceed width.
 template <internal::DoubleOrMatrix T = double>
 class Pulse final : public LeafSystem<PulseParams<T>> {
  public:
@@ -52,7 +52,7 @@ class Pulse final : public LeafSystem<PulseParams<T>> {
  private:
   double Rise(double n) const { return n > 0 ? params.start + n * params.period : params.start; }
   double Fall(double n) const { return Rise(n) + params.width; }
-  /// The number of the last pulse that has begun, -1 before the first.
+  /// Index of the last pulse that has begun; -1 before the first.
   double Count(double t) const {
     if (t < params.start) return -1;
     if (std::isinf(params.period)) return 0;

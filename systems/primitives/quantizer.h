@@ -14,14 +14,15 @@ template <internal::DoubleOrMatrix T = double>
 struct QuantizerParams {
   T step = internal::Filled<T>(1);  ///< [unit]
   std::string unit = "";            ///< of input and output
-  std::string elements = "";        ///< names of their elements
+  std::string elements = "";        ///< names of the elements
   void Validate() const {
     Demand(internal::IsFinite(step) && internal::Everywhere([](double step) { return step > 0; }, step),
            "step must be positive and finite, in every element");
   }
 };
 
-/// The nearest multiple of a step, as an encoder or a converter gives it, element by element:
+/// Rounds to the nearest multiple of a step, like an encoder or an analogue-to-digital converter, element by
+/// element:
 ///
 ///     y = step round(u / step)
 ///
@@ -30,15 +31,15 @@ struct QuantizerParams {
 ///     | step | Parameter | T    | unit |
 ///     | y    | output    | T    | unit |
 ///
-/// T is double or Vec<N>. Halves are rounded away from zero. Its jumps are a Kink: each ends a step
-/// of the integrator, if a derivative depends on y. Throws ParameterError if a step is not positive or not
-/// finite.
+/// T is double or Vec<N>. Halves are rounded away from zero. The jumps are a Kink: each ends an integrator
+/// step if a derivative depends on y. Throws ParameterError if a step is not positive or not finite.
 template <internal::DoubleOrMatrix T = double>
 class Quantizer final : public LeafSystem<QuantizerParams<T>> {
  public:
   using LeafSystem<QuantizerParams<T>>::LeafSystem;
   using LeafSystem<QuantizerParams<T>>::params;
-  Parameter<T> step{this, {"step", params.unit, params.elements}, params.step, "between two values of y"};
+  Parameter<T> step{
+      this, {"step", params.unit, params.elements}, params.step, "difference between successive values of y"};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   OutputPort<T> y{
       this, {"y", params.unit, params.elements}, Uses(u, step), [](const T& u, const T& step) -> T {

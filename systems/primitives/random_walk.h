@@ -27,7 +27,7 @@ struct RandomWalkParams {
   }
 };
 
-/// A random walk, as sensors' biases drift. With h the period:
+/// A random walk, a model of sensor bias drift. With h the period:
 ///
 ///     y[n + 1] = y[n] + density sqrt(h) e[n],   y[0] = start_deviation e,   e, e[n] ~ N(0, 1)
 ///
@@ -36,9 +36,9 @@ struct RandomWalkParams {
 ///     | start_deviation | Parameter       | T    | unit         |
 ///     | y               | output, sampled | T    | unit         |
 ///
-/// T is double or Vec<N>. Its variance is start_deviation^2 + density^2 t, whatever the rate; with a density
-/// of 0 it is a bias that stays. The numbers follow from the run's seed and the block's path.
-/// Throws ParameterError if a density or deviation is negative or not finite.
+/// T is double or Vec<N>. The variance is start_deviation^2 + density^2 t at any rate; with a density of 0 y
+/// is a constant bias. The random numbers are determined by the run's seed and the block's path. Throws
+/// ParameterError if a density or deviation is negative or not finite.
 template <internal::DoubleOrMatrix T = double>
 class RandomWalk final : public LeafSystem<RandomWalkParams<T>> {
  public:
@@ -47,9 +47,9 @@ class RandomWalk final : public LeafSystem<RandomWalkParams<T>> {
   Parameter<T> density{this,
                        {"density", internal::Per(params.unit, "sqrt(s)"), params.elements},
                        params.density,
-                       "of the noise that is summed"};
+                       "noise density"};
   Parameter<T> start_deviation{
-      this, {"start_deviation", params.unit, params.elements}, params.start_deviation, "of y at the start"};
+      this, {"start_deviation", params.unit, params.elements}, params.start_deviation, "initial deviation"};
   Random random{this, "random"};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}};
   OutputPort<T> y{

@@ -11,12 +11,14 @@ namespace tenon {
 
 template <class T = double>
 struct SampleDelayParams {
-  int samples = 1;                    ///< the length of the delay, in periods; at least 1
+  int samples = 1;                    ///< length of the delay in periods, at least 1
   T initial = internal::Zeroed<T>();  ///< y before the first sample arrives [unit]
   Rate rate = Hz(1000);
   std::string unit = "";      ///< of input and output
-  std::string elements = "";  ///< names of their elements
-  void Validate() const { Demand(samples >= 1, "samples must be 1 or more: a delay of 0 is a connection"); }
+  std::string elements = "";  ///< names of the elements
+  void Validate() const {
+    Demand(samples >= 1, "samples must be 1 or more: for a delay of 0, connect the ports directly");
+  }
 };
 
 /// A delay by N samples, for transport and communication:
@@ -27,8 +29,8 @@ struct SampleDelayParams {
 ///     | u    | input           | T    | unit |
 ///     | y    | output, sampled | T    | unit |
 ///
-/// T is any copyable type but bool. The output does not depend on the present input, so the block breaks
-/// loops. A tick copies N values and allocates nothing if T does not. Throws ParameterError if N is below 1.
+/// T is any copyable type except bool. The output does not depend on the present input, so the block breaks
+/// loops. A tick copies N values and does not allocate if T does not. Throws ParameterError if N is below 1.
 template <class T = double>
 class SampleDelay final : public LeafSystem<SampleDelayParams<T>> {
   static_assert(!std::is_same_v<T, bool>, "SampleDelay: delay an int or an enumeration instead of a bool.");
@@ -38,7 +40,7 @@ class SampleDelay final : public LeafSystem<SampleDelayParams<T>> {
   using LeafSystem<SampleDelayParams<T>>::LeafSystem;
   using LeafSystem<SampleDelayParams<T>>::params;
   InputPort<T> u{this, {"u", params.unit, params.elements}};
-  /// What is on its way, the oldest first.
+  /// The samples in transit, oldest first.
   DiscreteState<Line> line{
       this, {"line", params.unit, params.elements}, Line(params.samples, params.initial)};
   OutputPort<T> y{this,           {"y", params.unit, params.elements},

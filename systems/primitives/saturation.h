@@ -15,14 +15,14 @@ struct SaturationParams {
   T lower = internal::Filled<T>(-std::numeric_limits<double>::infinity());  ///< [unit]
   T upper = internal::Filled<T>(std::numeric_limits<double>::infinity());   ///< [unit]
   std::string unit = "";                                                    ///< of input, output and limits
-  std::string elements = "";                                                ///< names of their elements
+  std::string elements = "";                                                ///< names of the elements
   void Validate() const {
     Demand(internal::Everywhere([](double low, double high) { return low <= high; }, lower, upper),
            "lower must not exceed upper, in any element");
   }
 };
 
-/// A limit, element by element:
+/// A saturation, element by element:
 ///
 ///     y = min(max(u, lower), upper)
 ///
@@ -31,9 +31,8 @@ struct SaturationParams {
 ///     | lower, upper | Parameter | T each | unit |
 ///     | y            | output    | T      | unit |
 ///
-/// T is double or Vec<N>. The limits are a Kink: no step of the integrator spans one. A u that is not a
-/// number passes as it is. Throws ParameterError if a lower limit exceeds its upper one or either is not a
-/// number.
+/// T is double or Vec<N>. The limits are Kinks: no integrator step spans one. NaN passes unchanged. Throws
+/// ParameterError if a lower limit exceeds its upper limit or one is not a number.
 template <internal::DoubleOrMatrix T = double>
 class Saturation final : public LeafSystem<SaturationParams<T>> {
  public:

@@ -14,16 +14,16 @@
 
 namespace tenon {
 
-/// What y is while a fault acts, from its first tick on.
+/// The output of a SignalFault while the fault acts, from its first tick on.
 enum class SignalFaultKind {
-  kDropOut,  ///< 0; the run ends with an error if an enumeration has no such value
-  kStuck,    ///< u of the last tick before
-  kNan,      ///< not a number: the run ends with an error that names the block
-  kSpike,    ///< u + size at the first tick, and every `period` after it if that is not 0; else u
+  kDropOut,  ///< 0; the run ends with an error if u contains an enumeration without a 0
+  kStuck,    ///< u at the last tick before the fault
+  kNan,      ///< NaN; the run ends with an error that names the block
+  kSpike,    ///< u + size at the first tick and every `period`, u at other ticks
   kOffset,   ///< u + size
   kLoss,     ///< (1 - size) u
-  kLate,     ///< u of `samples` ticks ago
-  kLost,     ///< y of the last tick with `probability`, drawn at each tick, else u
+  kLate,     ///< u from `samples` ticks ago
+  kLost,     ///< with `probability`, drawn at each tick, y of the tick before, else u
 };
 constexpr auto EnumNames(SignalFaultKind) {
   using enum SignalFaultKind;
@@ -35,34 +35,34 @@ constexpr auto EnumNames(SignalFaultKind) {
 template <class T = double>
 struct SignalFaultParams {
   SignalFaultKind kind = SignalFaultKind::kDropOut;
-  FaultSchedule schedule = {};             ///< the whole run, unless given
-  std::vector<std::string> affected = {};  ///< elements as logs name them, or how names begin; empty: all
-  double size = 0;                         ///< of spike and offset [unit]; of loss: 1 loses everything
-  double period = 0;                       ///< of a spike [s], rounded to ticks; 0: a single one
-  int samples = 1;                         ///< of late, at least 1
+  FaultSchedule schedule = {};             ///< default: the whole run
+  std::vector<std::string> affected = {};  ///< names of elements or their beginnings; empty for all
+  double size = 0;                         ///< of spike and offset [unit]; for loss the lost fraction of u
+  double period = 0;                       ///< of a spike [s], rounded to ticks; 0 for a single spike
+  int samples = 1;                         ///< of late, in ticks, at least 1
   double probability = 0.5;                ///< of lost, 0 to 1
-  T initial = internal::Zeroed<T>();  ///< y before the first tick, and the size of what has none by its type
+  T initial = internal::Zeroed<T>();       ///< y before the first tick; also sets run-time sizes
   Rate rate = Hz(1000);
   std::string unit = "";      ///< of input and output
-  std::string elements = "";  ///< names of their elements
+  std::string elements = "";  ///< names of the elements
   void Validate() const {
     schedule.Validate();
     Demand(std::isfinite(size), "size = " + std::to_string(size) + " must be finite");
     Demand(std::isfinite(period) && (period == 0 || period > rate.period() / 2),
-           "period = " + std::to_string(period) + " must be 0 or at least that of a sample, in seconds");
+           "period = " + std::to_string(period) + " must be 0 or at least the sample period, in seconds");
     Demand(samples >= 1, "samples = " + std::to_string(samples) + " must be 1 or more");
     Demand(probability >= 0 && probability <= 1,
            "probability = " + std::to_string(probability) + " must be from 0 to 1");
   }
 };
 
-/// A fault of a sensor, a drive's command or a connection: y = u, but while the fault acts y is what its kind
-/// says (see SignalFaultKind), in the elements that are affected.
+/// A fault of a sensor, an actuator command or a connection: y = u, except that while the fault acts, the
+/// affected elements of y are those of its kind (see SignalFaultKind).
 ///
 ///     builder.Insert(loop.world.inertial, fault.u, fault.y);
 ///
-/// It acts while t is within `schedule` and `active` is true; an `active` that is connected, with the
-/// schedule left as it is, decides alone.
+/// The fault acts while t is within `schedule` and `active` is true. With the default schedule a connected
+/// `active` controls it alone.
 ///
 ///     | port     | kind              | size          | unit |
 ///     | u        | input             | T             | unit |
@@ -72,21 +72,20 @@ struct SignalFaultParams {
 ///     | y        | output, sampled   | T             | unit |
 ///     | acting   | output, sampled   | bool          |      |
 ///
-/// T is any copyable type, though nan, spike, offset and loss change real numbers alone; if only
-/// some elements are affected, integers among them are exact up to 2^53. Feedthrough at its ticks, without
-/// delay. It allocates nothing while it runs if T does not.
-/// Throws ParameterError for numbers and elements that make no sense, and RunError if u has another size than
-/// `initial`.
+/// T is any copyable type, though nan, spike, offset and loss change only real numbers. If only some elements
+/// are affected, integers are exact up to 2^53. Feedthrough at its ticks, without delay. Does not allocate
+/// during a run if T does not. Throws ParameterError for invalid numbers and unknown elements, and RunError
+/// if the size of u differs from that of `initial`.
 template <class T = double>
 class SignalFault final : public LeafSystem<SignalFaultParams<T>> {
   using Kind = SignalFaultKind;
 
  public:
-  struct Held {  // std::vector<bool> has no items that could be pointed at
+  struct Held {  // avoids std::vector<bool>, whose items have no addresses
     T value = internal::Zeroed<T>();
     static FieldList Fields() { return {{"value", &Held::value}}; }
   };
-  /// What it remembers of u or y, a ring with its oldest value at `next`; ticks since it began to act.
+  /// Past values of u or y in a ring with the oldest at `next`, and the ticks since the fault began.
   struct Memory {
     std::vector<Held> values;
     int next = 0, ticks = -1;
@@ -104,15 +103,15 @@ class SignalFault final : public LeafSystem<SignalFaultParams<T>> {
   using LeafSystem<SignalFaultParams<T>>::time;
 
  private:
-  const std::vector<std::size_t> chosen_ = FindChosen();  ///< none if whole values are replaced
+  const std::vector<std::size_t> chosen_ = FindChosen();  ///< empty if whole values are replaced
   const int spacing_ =
       std::max(1, static_cast<int>(std::lround(std::min(params.period / params.rate.period(), 1e9))));
 
  public:
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   InputPort<bool> active{this, {"active"}, true};
-  Parameter<double> size{this, {"size"}, params.size, "of spike, offset and loss"};
-  Parameter<FaultSchedule> schedule{this, {"schedule"}, params.schedule, "when it acts"};
+  Parameter<double> size{this, {"size"}, params.size, "size of spike, offset and loss"};
+  Parameter<FaultSchedule> schedule{this, {"schedule"}, params.schedule, "times at which the fault acts"};
   Random random{this, "random"};
   Scratch<Memory> memory{
       this,

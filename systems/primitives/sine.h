@@ -38,17 +38,18 @@ struct SineParams {
 ///     | dy                | output    | T    | unit/s   |
 ///     | ddy               | output    | T    | unit/s^2 |
 ///
-/// T is double or Vec<N>: phases of 0 and pi/2 make a circle. When a frequency is set in a run, y jumps: its
-/// phase is counted from t = 0. Throws ParameterError if a number is not finite.
+/// T is double or Vec<N>: phases of 0 and pi/2 make a circle. The phase is counted from t = 0, so changing a
+/// frequency during a run makes y jump. Throws ParameterError if a number is not finite.
 template <internal::DoubleOrMatrix T = double>
 class Sine final : public LeafSystem<SineParams<T>> {
  public:
   using LeafSystem<SineParams<T>>::LeafSystem;
   using LeafSystem<SineParams<T>>::params;
-  Parameter<T> amplitude{this, {"amplitude", params.unit, params.elements}, params.amplitude, "of y"};
+  Parameter<T> amplitude{
+      this, {"amplitude", params.unit, params.elements}, params.amplitude, "amplitude of y"};
   Parameter<T> angular_frequency{
-      this, {"angular_frequency", "rad/s", params.elements}, params.angular_frequency, "of y"};
-  Parameter<T> phase{this, {"phase", "rad", params.elements}, params.phase, "of y at t = 0"};
+      this, {"angular_frequency", "rad/s", params.elements}, params.angular_frequency, "frequency of y"};
+  Parameter<T> phase{this, {"phase", "rad", params.elements}, params.phase, "phase of y at t = 0"};
   Parameter<T> offset{this, {"offset", params.unit, params.elements}, params.offset, "mean of y"};
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},

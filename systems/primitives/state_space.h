@@ -15,7 +15,7 @@ struct StateSpaceParams {
   Eigen::VectorXd initial = {};  ///< x at the start; zero if empty
   std::string u_unit = "", x_unit = "", y_unit = "";
   std::string u_elements = "", x_elements = "", y_elements = "";  ///< names of the elements
-  /// x at the start.
+  /// Initial value of x.
   Eigen::VectorXd Start() const {
     return initial.size() == 0 ? Eigen::VectorXd::Zero(A.rows()).eval() : initial;
   }
@@ -30,7 +30,7 @@ struct StateSpaceParams {
            "C must have as many columns as A, which is " + size(A) + ", and rows: it is " + size(C));
     Demand(D.size() == 0 || (D.rows() == C.rows() && D.cols() == B.cols()),
            "D must be " + std::to_string(C.rows()) + " x " + std::to_string(B.cols()) +
-               ", as C and B say, or empty: it is " + size(D));
+               " to match C and B, or empty: it is " + size(D));
     Demand(initial.size() == 0 || initial.size() == A.rows(),
            "initial must have as many elements as A has rows, " + std::to_string(A.rows()) +
                ", or none: it has " + std::to_string(initial.size()));
@@ -42,14 +42,14 @@ struct StateSpaceParams {
 
 namespace internal {
 
-/// A x + B u.
+/// Computes next = A x + B u.
 inline void CalcNextState(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::VectorXd& x,
                           const Eigen::VectorXd& u, Eigen::VectorXd* next) {
   Multiply("A", A, "x", x, next);
   Multiply("B", B, "u", u, next, true);
 }
 
-/// What C x + D u depends on.
+/// The values that C x + D u depends on.
 template <class Block>
 std::vector<const Source*> OutputUses(const Block& block, const StateSpaceParams& built) {
   std::vector<const Source*> uses{&block.C, &block.x, &block.D};
@@ -76,15 +76,14 @@ void CalcOutput(const Block& block, const Reads& read, Eigen::VectorXd* y) {
 ///     | x          | continuous state | rows of A       | x_unit |
 ///     | y          | output           | rows of C       | y_unit |
 ///
-/// The ports carry Eigen::VectorXd. If D is empty the output does not depend on the present input, and the
-/// block breaks loops; for a D that is set in a run, begin with zeros. Throws ParameterError if the sizes do
-/// not fit or a number is not finite, RunError if u has another size.
+/// The ports are Eigen::VectorXd. If D is empty the output does not depend on the present input, and the
+/// block breaks loops; to set D during a run, initialise it to zeros. Throws ParameterError if the sizes do
+/// not match or a number is not finite, and RunError if u has the wrong size.
 class StateSpace final : public LeafSystem<StateSpaceParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<Eigen::MatrixXd> A{this, "A", params.A, "of x to its change"},
-      B{this, "B", params.B, "of u to that"}, C{this, "C", params.C, "of x to y"},
-      D{this, "D", params.D, "of u to y"};
+  Parameter<Eigen::MatrixXd> A{this, "A", params.A, "state matrix"}, B{this, "B", params.B, "input matrix"},
+      C{this, "C", params.C, "output matrix"}, D{this, "D", params.D, "feedthrough matrix"};
   InputPort<Eigen::VectorXd> u{this, {"u", params.u_unit, params.u_elements}};
   ContinuousState<Eigen::VectorXd> x{this, {"x", params.x_unit, params.x_elements}, params.Start()};
   OutputPort<Eigen::VectorXd> y{
@@ -112,13 +111,13 @@ struct DiscreteStateSpaceParams {
 ///     | x          | discrete state  | rows of A       | x_unit |
 ///     | y          | output, sampled | rows of C       | y_unit |
 ///
-/// Otherwise as StateSpace.
+/// Feedthrough and exceptions are those of StateSpace.
 class DiscreteStateSpace final : public LeafSystem<DiscreteStateSpaceParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<Eigen::MatrixXd> A{this, "A", params.model.A, "of x to its change"},
-      B{this, "B", params.model.B, "of u to that"}, C{this, "C", params.model.C, "of x to y"},
-      D{this, "D", params.model.D, "of u to y"};
+  Parameter<Eigen::MatrixXd> A{this, "A", params.model.A, "state matrix"},
+      B{this, "B", params.model.B, "input matrix"}, C{this, "C", params.model.C, "output matrix"},
+      D{this, "D", params.model.D, "feedthrough matrix"};
   InputPort<Eigen::VectorXd> u{this, {"u", params.model.u_unit, params.model.u_elements}};
   DiscreteState<Eigen::VectorXd> x{
       this, {"x", params.model.x_unit, params.model.x_elements}, params.model.Start()};

@@ -10,10 +10,10 @@ namespace tenon {
 
 struct SwitchParams {
   std::string unit = "";      ///< of the two signals and the output
-  std::string elements = "";  ///< names of their elements
+  std::string elements = "";  ///< names of the elements
 };
 
-/// Passes on one of two signals:
+/// Selects one of two signals by a bool:
 ///
 ///     y = on if select, else off
 ///
@@ -22,7 +22,7 @@ struct SwitchParams {
 ///     | on, off | input  | T    | unit |
 ///     | y       | output | T    | unit |
 ///
-/// T is any copyable type. All inputs have feedthrough. The choice is a Kink.
+/// T is any copyable type. All inputs have feedthrough. The selection is a Kink.
 template <class T = double>
 class Switch final : public LeafSystem<SwitchParams> {
  public:
@@ -41,11 +41,11 @@ struct ThresholdSwitchParams {
   double threshold = 0;           ///< [control_unit]
   std::string control_unit = "";  ///< of the control input
   std::string unit = "";          ///< of the two signals and the output
-  std::string elements = "";      ///< names of their elements
+  std::string elements = "";      ///< names of the elements
   void Validate() const { Demand(std::isfinite(threshold), "threshold must be finite"); }
 };
 
-/// Passes on one of two signals, chosen by a number:
+/// Selects one of two signals by comparing a number with a threshold:
 ///
 ///     y = on if control >= threshold, else off
 ///
@@ -55,13 +55,14 @@ struct ThresholdSwitchParams {
 ///     | on, off   | input     | T      | unit         |
 ///     | y         | output    | T      | unit         |
 ///
-/// T is any copyable type. All inputs have feedthrough. The choice is a Kink. Throws ParameterError if the
+/// T is any copyable type. All inputs have feedthrough. The selection is a Kink. Throws ParameterError if the
 /// threshold is not finite.
 template <class T = double>
 class ThresholdSwitch final : public LeafSystem<ThresholdSwitchParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<double> threshold{this, {"threshold", params.control_unit}, params.threshold, "of control"};
+  Parameter<double> threshold{
+      this, {"threshold", params.control_unit}, params.threshold, "threshold of control"};
   InputPort<double> control{this, {"control", params.control_unit}};
   InputPort<T> on{this, {"on", params.unit, params.elements}};
   InputPort<T> off{this, {"off", params.unit, params.elements}};

@@ -42,8 +42,8 @@ struct TrajectoryPoint {
 };
 
 /// The cubic spline through given values at given times, twice continuously differentiable, with given
-/// velocities at its ends (de Boor, "A Practical Guide to Splines", chapter IV). Before the first and after
-/// the last time it stays at the first or last value.
+/// velocities at its ends (de Boor, "A Practical Guide to Splines", chapter IV). Outside of the given times,
+/// y is the first or last value.
 ///
 ///     | port | kind   | size | unit     |
 ///     | y    | output | T    | unit     |
@@ -84,7 +84,7 @@ class Trajectory final : public LeafSystem<TrajectoryParams<T>> {
   Point Evaluate(double time) const;
 };
 
-/// Equal accelerations from both sides at every inner time are a tridiagonal system for the velocities.
+/// Equal accelerations on both sides of every inner time give a tridiagonal system for the velocities.
 template <internal::DoubleOrMatrix T>
 std::vector<T> Trajectory<T>::SolveVelocities(const TrajectoryParams<T>& p) {
   const std::size_t last = p.times.size() - 1;

@@ -12,7 +12,7 @@ namespace tenon {
 
 struct TransferFunctionParams {
   std::vector<double> numerator = {1};   ///< coefficients of powers of s [1/s], highest first
-  std::vector<double> denominator = {};  ///< the same; Order + 1 of them, the first not zero
+  std::vector<double> denominator = {};  ///< like `numerator`; Order + 1 coefficients, the first not zero
   std::string u_unit = "";               ///< of the input
   std::string y_unit = "";               ///< of the output
   void Validate() const {
@@ -39,8 +39,8 @@ struct TransferFunctionParams {
 ///
 ///     dx_i/dt = w x_(i+1),   dx_n/dt = w (u - sum a_i w^(i - n) x_(i+1)),   y = sum c_i x_(i+1) + d u.
 ///
-/// So the states have about the size of u whatever the frequencies, and the integrator's absolute tolerance
-/// means the same for all of them. If b_n = 0 the output does not depend on the present input, and the block
+/// The states have about the magnitude of u at any frequency, so that the integrator's absolute tolerance
+/// applies equally to all of them. If b_n = 0 the output does not depend on the present input, and the block
 /// breaks loops.
 ///
 /// Throws ParameterError if the function is not proper, if a coefficient is not finite, or if the denominator
@@ -95,7 +95,7 @@ auto TransferFunction<Order>::Realize(const TransferFunctionParams& params) -> R
   for (int i = 0; i < Order; ++i) {
     form.w = std::max(form.w, std::pow(std::abs(coefficient(params.denominator, i)), 1.0 / (Order - i)));
   }
-  if (form.w == 0) form.w = 1;  // integrators only
+  if (form.w == 0) form.w = 1;  // all poles at 0
   for (int i = 0; i < Order; ++i) {
     const double scale = std::pow(form.w, i - Order), a = coefficient(params.denominator, i);
     form.a[i] = a * scale;

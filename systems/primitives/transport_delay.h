@@ -12,25 +12,25 @@ namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>
 struct TransportDelayParams {
-  double delay = 0.1;                  ///< [s], the period or more
+  double delay = 0.1;                  ///< [s], at least the period
   T initial = internal::Filled<T>(0);  ///< y before the first sample arrives [unit]
   Rate rate = Hz(1000);                ///< of the samples
   std::string unit = "";               ///< of input and output
-  std::string elements = "";           ///< names of their elements
+  std::string elements = "";           ///< names of the elements
   void Validate() const {
     Demand(delay >= rate.period() && std::isfinite(delay),
-           "delay must be finite and not shorter than the period of rate: what lies between the last sample "
-           "and the present is not known; sample more often");
+           "delay must be finite and not shorter than the period of rate: the input since the last sample is "
+           "not known; use a higher rate");
     Demand(internal::IsFinite(initial), "initial must be finite");
   }
 };
 
-/// What is on its way through a TransportDelay.
+/// The samples in transit through a TransportDelay.
 template <class T>
 struct TransportDelayLine {
-  std::vector<T> samples = {};  ///< the newest first
-  std::size_t known = 0;        ///< how many of them have been taken
-  double newest = 0;            ///< when the first was taken [s]
+  std::vector<T> samples = {};  ///< newest first
+  std::size_t known = 0;        ///< number of samples taken, up to the length
+  double newest = 0;            ///< time of the newest sample [s]
   static FieldList Fields() {
     return {{"samples", &TransportDelayLine::samples},
             {"known", &TransportDelayLine::known},
@@ -38,7 +38,7 @@ struct TransportDelayLine {
   }
 };
 
-/// A delay by any time, whose output is continuous: samples of the input, and straight lines between them.
+/// A delay by any time with a continuous output: samples of the input with linear interpolation.
 ///
 ///     y(t) = u(t - delay),   y = initial until the first sample has arrived
 ///
@@ -46,13 +46,13 @@ struct TransportDelayLine {
 ///     | u    | input  | T    | unit |
 ///     | y    | output | T    | unit |
 ///
-/// T is double or Vec<N>. With h the period, y is off by at most h^2 / 8 max |d^2 u / dt^2|, and exact at the
-/// samples; a jump of u becomes a ramp of length h. Where y bends it does so at every tick if the delay is a
-/// multiple of h, else between ticks, which a step of the integrator may span: choose such an h where
-/// accuracy matters. SampleDelay is the block for signals that are sampled anyway.
+/// T is double or Vec<N>. With h the period, the error of y is at most h^2 / 8 max |d^2 u / dt^2|, and 0 at
+/// the samples; a jump of u becomes a ramp of length h. If the delay is a multiple of h, y bends only at
+/// ticks; otherwise it also bends between ticks, inside integrator steps: choose h accordingly where accuracy
+/// matters. Use SampleDelay for sampled signals.
 ///
 /// The output does not depend on the present input, so the block breaks loops. A tick copies delay / h values
-/// and allocates nothing. Throws ParameterError if the delay is shorter than h or not finite, or if the
+/// and does not allocate. Throws ParameterError if the delay is shorter than h or not finite, or if the
 /// initial value is not finite.
 template <internal::DoubleOrMatrix T = double>
 class TransportDelay final : public LeafSystem<TransportDelayParams<T>> {

@@ -22,7 +22,7 @@ struct UniformNoiseParams {
   }
 };
 
-/// White noise between two limits: independent numbers, one per element and tick, held between.
+/// White noise between two limits: independent uniform numbers, one per element and tick, held between ticks.
 ///
 ///     y[n] ~ U[lower, upper)
 ///
@@ -30,9 +30,9 @@ struct UniformNoiseParams {
 ///     | lower, upper | Parameter       | T each | unit |
 ///     | y            | output, sampled | T      | unit |
 ///
-/// T is double or Vec<N>. Its mean is (lower + upper) / 2 and its variance (upper - lower)^2 / 12. The
-/// numbers follow from the run's seed and the block's path. Throws ParameterError if a limit is not finite or
-/// a lower one exceeds its upper one.
+/// T is double or Vec<N>. The mean is (lower + upper) / 2 and the variance (upper - lower)^2 / 12. The random
+/// numbers are determined by the run's seed and the block's path. Throws ParameterError if a limit is not
+/// finite or a lower limit exceeds its upper limit.
 template <internal::DoubleOrMatrix T = double>
 class UniformNoise final : public LeafSystem<UniformNoiseParams<T>> {
  public:

@@ -11,7 +11,7 @@ struct UnitDelayParams {
   T initial = internal::Zeroed<T>();  ///< y at the first tick [unit]
   Rate rate = Hz(1000);
   std::string unit = "";      ///< of input and output
-  std::string elements = "";  ///< names of their elements
+  std::string elements = "";  ///< names of the elements
 };
 
 /// A delay by one sample, which models computation time and breaks loops of sampled blocks:

@@ -9,10 +9,10 @@ namespace tenon {
 struct ZeroOrderHoldParams {
   Rate rate = Hz(1000);
   std::string unit = "";      ///< of input and output
-  std::string elements = "";  ///< names of their elements
+  std::string elements = "";  ///< names of the elements
 };
 
-/// Samples its input and holds it, with h the period:
+/// Samples its input and holds it. With h the period:
 ///
 ///     y(t) = u(n h)   for n h <= t < (n + 1) h
 ///
@@ -20,8 +20,7 @@ struct ZeroOrderHoldParams {
 ///     | u    | input           | T    | unit |
 ///     | y    | output, sampled | T    | unit |
 ///
-/// T is any copyable type. The sample is fresh at its tick: the block has feedthrough and does not break
-/// loops.
+/// T is any copyable type. The block has feedthrough at its ticks and does not break loops.
 template <class T = double>
 class ZeroOrderHold final : public LeafSystem<ZeroOrderHoldParams> {
  public:

@@ -1,6 +1,7 @@
 #include <tenon/systems/campaign/statistics.h>
 #include <tenon/systems/report/campaign_report.h>
 #include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/text/parse_number.h>
 
 #include <nlohmann/json.hpp>
@@ -20,13 +21,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kLines = 1500;    // of parallel coordinates: more cannot be told apart
-constexpr std::size_t kBins = 30;       // of a histogram
-constexpr std::size_t kMedians = 4000;  // points up to which the page has the medians of figures, too
-
-Json NumberOrNull(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
+constexpr std::size_t kLines =
+    1500;                          // number of lines of the parallel coordinates; more are indistinguishable
+constexpr std::size_t kBins = 30;  // number of bins of a histogram
+constexpr std::size_t kMedians = 4000;  // maximal number of points with medians of figures
 
 Json SurvivalJson(std::size_t survived, std::size_t count, double confidence) {
   const Interval interval = WilsonInterval(survived, count, confidence);
@@ -43,7 +41,7 @@ double Median(std::vector<double>& values) {
          (upper + *std::max_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half)));
 }
 
-/// Survival and the median of each figure, at each point.
+/// Returns survival and the median of each figure at each point.
 Json PointsJson(const CampaignReport& report) {
   std::map<std::vector<std::size_t>, std::vector<const CampaignReport::Run*>> points;
   for (const CampaignReport::Run& run : report.runs) points[run.at].push_back(&run);
@@ -57,14 +55,14 @@ Json PointsJson(const CampaignReport& report) {
       std::vector<double> values;
       for (const auto* run : runs)
         if (std::isfinite(run->figures[i])) values.push_back(run->figures[i]);
-      point["medians"].push_back(NumberOrNull(Median(values)));
+      point["medians"].push_back(Median(values));
     }
     json.push_back(std::move(point));
   }
   return json;
 }
 
-/// How the values of a figure lie, those of runs that survived and of those that did not.
+/// Returns histograms of a figure for runs that survived and for runs that failed.
 Json HistogramJson(const CampaignReport& report, std::size_t figure) {
   std::vector<double> all;
   for (const auto& run : report.runs)
@@ -82,7 +80,7 @@ Json HistogramJson(const CampaignReport& report, std::size_t figure) {
   return {{"low", low}, {"high", high}, {"median", Median(all)}, {"survived", survived}, {"failed", failed}};
 }
 
-/// Spearman's, of each varied key with each figure and, last, with survival.
+/// Returns Spearman's rank correlation of each varied key with each figure and, last, with survival.
 Json CorrelationsJson(const CampaignReport& report) {
   const auto correlate = [&](const auto& key, const auto& figure) -> Json {
     std::vector<double> x, y;
@@ -91,8 +89,7 @@ Json CorrelationsJson(const CampaignReport& report) {
       x.push_back(key(run));
       y.push_back(figure(run));
     }
-    const auto found = RankCorrelation(x, y);
-    return found ? Json(*found) : Json(nullptr);
+    return internal::JsonOrNull(RankCorrelation(x, y));
   };
   Json rows = Json::array();
   const auto add = [&](const std::string& name, const auto& key) {
@@ -103,7 +100,7 @@ Json CorrelationsJson(const CampaignReport& report) {
     rows.push_back({{"name", name}, {"values", std::move(row)}});
   };
   for (std::size_t i = 0; i < report.axes.size(); ++i) {
-    std::vector<double> values;  // of the labels
+    std::vector<double> values;  // numbers of the labels
     for (const std::string& label : report.axes[i].labels)
       values.push_back(internal::NumberIn<double>(internal::WithoutPlus(label)).value_or(NAN));
     const auto finite = [](double value) { return std::isfinite(value); };
@@ -117,15 +114,13 @@ Json CorrelationsJson(const CampaignReport& report) {
 
 Json LinesJson(const CampaignReport& report) {
   Json lines = Json::array();
-  // By chance, always the same: every n-th may be of one seed.
+  // A random sample with a fixed seed, because every n-th run may have the same seed.
   std::vector<CampaignReport::Run> shown;
   std::ranges::sample(report.runs, std::back_inserter(shown), kLines, std::mt19937(1));
   for (const CampaignReport::Run& run : shown) {
     Json line{{"run", run.index}, {"survived", run.survived}, {"at", run.at}};
-    for (const auto& [name, values] : {std::pair{"drawn", &run.drawn}, std::pair{"figures", &run.figures}}) {
-      line[name] = Json::array();
-      for (const double value : *values) line[name].push_back(NumberOrNull(value));
-    }
+    line["drawn"] = run.drawn;  // numbers that are not finite become null in the text
+    line["figures"] = run.figures;
     lines.push_back(std::move(line));
   }
   return lines;

@@ -8,31 +8,30 @@
 
 namespace tenon {
 
-/// The results of many runs, as a page to look at: how many survived, with Wilson's interval, at each point
-/// of what was varied; a heat map over two keys; the distribution of each figure; which key matters, by rank
-/// correlation; parallel coordinates; failures by their causes; and the worst runs. One file that needs no
-/// network.
+/// A page with the results of many runs: survival at each point with Wilson's interval, a heat map over two
+/// keys, the distribution of each figure, rank correlations of keys and figures, parallel coordinates,
+/// failures by cause, and the worst runs. The page is one file that needs no network.
 struct CampaignReport {
-  /// A key that took a few values, which multiplied the runs.
+  /// A key with a few values, one factor of the product of points.
   struct Axis {
     std::string name;
     std::vector<std::string> labels;
   };
   struct Run {
     std::size_t index = 0;
-    std::vector<std::size_t> at = {};  ///< of each axis, which label
-    std::vector<double> drawn = {};    ///< of each drawn key
-    std::vector<double> figures = {};  ///< of each figure; NaN for none
+    std::vector<std::size_t> at = {};  ///< index of the label of each axis
+    std::vector<double> drawn = {};    ///< value of each drawn key
+    std::vector<double> figures = {};  ///< value of each figure; NaN without value
     bool survived = false;
-    std::string reason = {};  ///< why not
+    std::string reason = {};  ///< reason of a failure
   };
-  /// A run that is worth a look.
+  /// A run to inspect.
   struct Pick {
     std::size_t index = 0;
     std::string why = {}, command = {};
-    std::string link = {};  ///< to its own report; empty if there is none
+    std::string link = {};  ///< link to the report of the run; may be empty
   };
-  /// What a search for a limit found, at a point.
+  /// The result of a search for a limit at a point.
   struct Limit {
     std::string point = {};
     double survives = 0, fails = 0;
@@ -40,7 +39,7 @@ struct CampaignReport {
 
   std::string title = {}, description = {};
   std::vector<Axis> axes = {};
-  std::vector<std::string> drawn = {};    ///< keys that took another value for each seed
+  std::vector<std::string> drawn = {};    ///< keys with a different value for each seed
   std::vector<std::string> figures = {};  ///< names with units
   std::vector<Run> runs = {};
   double confidence = 0.95;
@@ -48,15 +47,16 @@ struct CampaignReport {
   std::vector<Limit> limits = {};
   std::vector<Pick> picks = {};
 
-  /// Failures with one cause: reasons that differ in numbers alone.
+  /// Failures with one cause, whose reasons differ only in numbers.
   struct Cause {
     std::string text = {};
     std::size_t count = 0;
-    std::vector<std::size_t> first = {};  ///< runs, up to five
+    std::vector<std::size_t> first = {};  ///< indices of up to five runs
   };
-  std::vector<Cause> Causes() const;  ///< the most frequent first
+  std::vector<Cause> Causes() const;  ///< sorted by descending frequency
 
-  /// As a whole, see WriteFile. Throws OutputError, and RunError if a part of the page is not installed.
+  /// Writes the page by WriteFile. Throws OutputError, and RunError if a library of the page is not
+  /// installed.
   void Write(const std::filesystem::path& file) const;
 };
 

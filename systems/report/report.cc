@@ -1,4 +1,5 @@
 #include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/internal/run.h>
 #include <tenon/systems/report/report.h>
 #include <tenon/systems/text/nearest_name.h>
@@ -30,7 +31,7 @@ Report::Report(ReportParams params) : params_(std::move(params)) {
 Report::~Report() = default;
 Report::Report(Report&&) noexcept = default;
 
-/// Figures and a verdict can be given without a log, for a page that has only these.
+/// Returns the report's own run, which exists without a log if only figures or a verdict are set.
 Report::Run& Report::own() {
   if (variants_.empty()) variants_.push_back({"", std::make_shared<Run>()});
   return *variants_.front().run;
@@ -40,10 +41,10 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
                  const std::vector<const OutputPort<Geometry>*>& geometry) {
   Run& run = own();
   if (run.signals != nullptr)
-    throw Error("this report logs a run already; make one report for each run, and Add them");
+    throw Error("this report already logs a run; make one report for each run and Add them to another");
 
   std::vector<std::string> names;
-  bool all_known = true;  // no signal whose size only shows in the run
+  bool all_known = true;  // no signal has a size known only at run time
   for (const Source* signal : signals) {
     const std::vector<Element> elements = signal->Resolve().elements();
     all_known = all_known && !elements.empty();
@@ -56,8 +57,8 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
       std::vector<std::string> known = names;
       for (const Source* signal : signals) known.push_back(signal->path());
       throw ParameterError(
-          fmt::format("{} there is no signal '{}'; did you mean '{}'? The names are those of signals.csv",
-                      place, name, internal::NearestName(name, known)));
+          fmt::format("{} there is no signal '{}'; did you mean '{}'? Use the names in signals.csv", place,
+                      name, internal::NearestName(name, known)));
     }
   };
   for (const Plot& plot : params_.plots) {
@@ -71,11 +72,11 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
   run.event_signals = params_.events;
   run.bands = params_.bands;
   run.limits = params_.limits;
-  // The sinks outlive this call, and perhaps the report: they hold copies.
+  // The sinks hold copies, because they may outlive the report.
   run.signals = std::make_shared<ColumnLog>(ColumnLog::Thinning::kPeaks, ColumnLog::kRows, nullptr);
   simulator.AddLog(params_.signal_rate, signals, {run.signals});
 
-  // What stays the same of the shapes is in the values, not in the rows.
+  // Constant properties of the shapes are not in the rows.
   run.frames = std::make_shared<ColumnLog>(ColumnLog::Thinning::kSample, ColumnLog::kFrames,
                                            [all = run.shapes, &simulator, geometry] {
                                              for (const auto* port : geometry) {
@@ -89,7 +90,7 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
 }
 
 void Report::AddFigure(const std::string& name, std::optional<double> value, const Limits& limits) {
-  own().figures.push_back({name, value ? Json(*value) : Json(nullptr), limits});
+  own().figures.push_back({name, internal::JsonOrNull(value), limits});
 }
 void Report::AddFigure(const std::string& name, const std::string& text) {
   own().figures.push_back({name, text});
@@ -110,14 +111,14 @@ void Report::Conclude(const RunStatus& status) {
 
 void Report::Add(const std::string& variant, const Report& other) {
   if (other.variants_.size() != 1)
-    throw Error(fmt::format("cannot add the variant '{}': a report of one run is needed", variant));
+    throw Error(fmt::format("cannot add the variant '{}': its report must have exactly one run", variant));
   variants_.push_back({variant, other.variants_.front().run});
 }
 
 namespace {
 
-/// Throws std::bad_alloc if there is not that much memory: later it may be the destructor of a JSON value
-/// that finds none, and nobody can catch that.
+/// Throws std::bad_alloc if that much memory is not available. Later, the destructor of a JSON value could
+/// fail to allocate, which would end the process.
 void DemandMemory(std::size_t bytes) {
   ::operator delete(::operator new(bytes));
 }
@@ -125,12 +126,12 @@ void DemandMemory(std::size_t bytes) {
 }  // namespace
 
 void Report::Write(const std::filesystem::path& file) const {
-  if (variants_.empty()) throw RunError("the report is empty: Log a run, or Add one");
-  std::size_t bytes = 1 << 20;  // of the template, about
+  if (variants_.empty()) throw RunError("the report is empty: Log a run or Add one");
+  std::size_t bytes = 1 << 20;  // approximate size of the template
   for (const auto& [name, run] : variants_) bytes += run->JsonBytes();
-  DemandMemory(4 * bytes);  // as values, as text, and twice as a page
+  DemandMemory(4 * bytes);  // for the values, their text, and two copies of the page
   std::vector<Plot> plots = params_.plots;
-  if (plots.empty()) {  // what the runs have, once
+  if (plots.empty()) {  // plots of all runs without duplicates
     for (const auto& [name, run] : variants_) {
       if (run->signals == nullptr) continue;
       for (Plot& plot : run->DefaultPlots()) {

@@ -1,7 +1,7 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/internal/run_log.h>
-#include <tenon/systems/report/internal/shapes_json.h>
 #include <tenon/systems/report/volume_report.h>
 
 #include <fmt/core.h>
@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using internal::Base64;
 
-/// Shapes that stand still: a replay of one frame.
+/// Returns a replay of a single frame with static shapes.
 Json FramesJson(const Geometry& shapes) {
   std::vector<float> first;
   for (const Shape& shape : shapes) {
@@ -37,7 +37,7 @@ Json MapJson(const VolumeReport::Map& map) {
   std::vector<float> rows;
   for (const VolumeReport::Part& part : map.parts) {
     if (part.values.size() != map.quantities.size()) {
-      throw ParameterError(fmt::format("map '{}': a part has {} values, there are {} quantities", map.title,
+      throw ParameterError(fmt::format("map '{}': a part has {} values for {} quantities", map.title,
                                        part.values.size(), map.quantities.size()));
     }
     for (const int index : part.first) rows.push_back(static_cast<float>(index));
@@ -60,8 +60,7 @@ Json MapJson(const VolumeReport::Map& map) {
 void VolumeReport::Write(const std::filesystem::path& file) const {
   Json data{
       {"title", title}, {"description", description}, {"figures", Json::array()}, {"maps", Json::array()}};
-  for (const auto& [name, value] : figures)
-    data["figures"].push_back({name, value ? Json(*value) : Json(nullptr)});
+  for (const auto& [name, value] : figures) data["figures"].push_back({name, internal::JsonOrNull(value)});
   for (const Map& map : maps) data["maps"].push_back(MapJson(map));
   internal::WritePage(file, title, data.dump(-1, ' ', false, Json::error_handler_t::replace),
                       internal::PageKind::kVolume);

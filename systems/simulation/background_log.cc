@@ -16,7 +16,7 @@ BackgroundLog::~BackgroundLog() {
   try {
     Flush();
   } catch (...) {
-    // A run flushes at its end, and says so there.
+    // The run flushes at its end and reports the error there.
   }
   if (!thread_.joinable()) return;
   {
@@ -35,7 +35,7 @@ void BackgroundLog::Begin(const std::vector<std::string>& names, const std::vect
     const internal::NoSignals no_signals;
     thread_ = std::thread([this] { RunThread(); });
   } catch (const std::system_error&) {
-    // There is none to be had: who adds rows does all the work.
+    // The system has no thread left, so Row passes the blocks on itself.
   }
 }
 
@@ -46,7 +46,7 @@ void BackgroundLog::Row(std::span<const double> row) {
   if (full || Clock::now() - handed_over_ > kLongestWait) HandOver();
 }
 
-/// The block that was filled is to be worked on, and the next one to be filled.
+/// Ends the current block, so that it can be passed on, and begins the next one.
 void BackgroundLog::HandOver() {
   handed_over_ = Clock::now();
   bool none_left = false;
@@ -65,7 +65,7 @@ void BackgroundLog::ThrowFailure() {
   if (failure_) std::rethrow_exception(failure_);
 }
 
-/// Through all blocks that wait, in order, in whichever thread.
+/// Passes all waiting blocks to the sinks, in order. Any thread may call it.
 void BackgroundLog::Work() {
   const std::lock_guard working(working_);
   for (;;) {
@@ -108,7 +108,7 @@ void BackgroundLog::DropFrom(double time, bool after) {
   Finish([&](LogSink& sink) { sink.DropFrom(time, after); });
 }
 
-/// Waits until the sinks have all rows, then calls `then` for each of them.
+/// Waits until the sinks have all rows, then calls `then` for each sink.
 void BackgroundLog::Finish(const std::function<void(LogSink&)>& then) {
   if (columns_ == 0) return;
   if (!blocks_[handed_ % kBlocks].empty()) HandOver();

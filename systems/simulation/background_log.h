@@ -17,16 +17,16 @@
 
 namespace tenon {
 
-/// Hands rows to other sinks in a thread of its own, so that a run does not wait for what they do:
+/// Passes rows to other sinks in its own thread, so that a run does not wait for them:
 ///
 ///     simulator.AddLog(Hz(1000), signals, {std::make_shared<BackgroundLog>(csv)});
 ///
-/// Rows come in order, block by block, with the first row after half a second of the clock at the latest.
-/// Blocks are few: where the sinks are slower than the run, the run helps. When it pauses or ends, Flush
-/// waits until all is done; what a sink has gathered may be read from then on.
+/// Rows are passed on in order, in blocks, at least every half second of wall-clock time. The number of
+/// blocks is limited: if the sinks are slower than the run, Row does part of their work. When the run pauses
+/// or ends, Flush waits until the sinks have all rows; then their contents may be read.
 ///
-/// What a sink throws for a row comes out of a later Row, and out of every Flush; none of them gets more
-/// rows.
+/// An exception that a sink throws for a row is rethrown by a later Row and by every Flush; no sink gets
+/// further rows.
 class BackgroundLog final : public LogSink {
  public:
   explicit BackgroundLog(std::vector<std::shared_ptr<LogSink>> sinks) : sinks_(std::move(sinks)) {}
@@ -47,15 +47,15 @@ class BackgroundLog final : public LogSink {
 
   static constexpr std::size_t kBlocks = 4;
   std::size_t columns_ = 0;
-  std::array<Block, kBlocks> blocks_;  ///< a ring: one is filled, those before it wait or are worked on
+  std::array<Block, kBlocks> blocks_;  ///< ring buffer; one block is filled while earlier ones are passed on
   Clock::time_point handed_over_ = Clock::now();
 
-  std::mutex working_;  ///< held while sinks work
+  std::mutex working_;  ///< locked while sinks run
   std::vector<std::shared_ptr<LogSink>> sinks_;
 
-  std::mutex mutex_;  ///< of what follows
+  std::mutex mutex_;  ///< protects the members below
   std::condition_variable work_;
-  std::size_t handed_ = 0, done_ = 0;  ///< blocks so far
+  std::size_t handed_ = 0, done_ = 0;  ///< number of blocks filled, and of blocks passed on
   std::exception_ptr failure_;
   bool ends_ = false;
   std::thread thread_;

@@ -10,7 +10,7 @@ namespace tenon {
 std::vector<RunProfile::Entry> RunProfile::Blocks() const {
   std::map<std::string, Entry> blocks;
   for (const Entry& each : calculations) {
-    // "d/dt x" and "next x" hold no dot: the last one ends the path of the block.
+    // "d/dt x" and "next x" contain no dot, so the last dot ends the path of the block.
     const std::string path = each.path.substr(0, each.path.rfind('.'));
     Entry& block = blocks[path];
     block.path = path;

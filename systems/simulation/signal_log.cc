@@ -56,7 +56,7 @@ CsvLog::~CsvLog() {
   try {
     Flush();
   } catch (const OutputError&) {
-    // A run flushes at its end, and says so there.
+    // The run flushes at its end and reports the error there.
   }
 }
 
@@ -76,7 +76,7 @@ void CsvLog::Row(std::span<const double> row) {
   if (buffer_.size() - used_ < longest_row_) Flush();
   char* end = buffer_.data() + used_;
   for (const double& value : row) {
-    // Nine digits: more than any sensor has, half the file of the full seventeen. Time is exact.
+    // Nine digits exceed the resolution of any sensor and take half the space of seventeen. Time is exact.
     end = std::to_chars(end, end + 30, value, std::chars_format::general, &value == row.data() ? 15 : 9).ptr;
     *end++ = ',';
   }
@@ -95,16 +95,17 @@ void CsvLog::DropFrom(double time, bool after) {
   file_.Truncate(FindRow(time, after));
 }
 
-/// Where the first row to be dropped begins, by bisection: rows are in the order of time.
+/// Finds the offset of the first row to drop [bytes] by bisection, because rows are in the order of time.
 std::size_t CsvLog::FindRow(double time, bool after) const {
   std::ifstream file(file_.path(), std::ios::binary);
   std::string row;
-  const double rounding = 1e-14 * std::abs(time);         // of the digits in the file
-  std::size_t kept = first_row_, dropped = file_.size();  // where a row begins that may be dropped; that is
+  const double rounding = 1e-14 * std::abs(time);  // of the digits in the file
+  // The first row to drop begins between these offsets.
+  std::size_t kept = first_row_, dropped = file_.size();
   while (kept < dropped) {
     std::size_t begin = kept + (dropped - kept) / 2;
     file.seekg(static_cast<std::streamoff>(begin));
-    if (std::getline(file, row)) begin += row.size() + 1;  // the rest of a row
+    if (std::getline(file, row)) begin += row.size() + 1;  // skip the rest of a row
     if (begin >= dropped) begin = kept;
     file.clear();
     file.seekg(static_cast<std::streamoff>(begin));
@@ -112,8 +113,8 @@ std::size_t CsvLog::FindRow(double time, bool after) const {
     if (!std::getline(file, row) ||
         std::from_chars(row.data(), row.data() + row.size(), of_row).ec != std::errc()) {
       throw OutputError(fmt::format(
-          "cannot set '{}' back to t = {} s: it was changed, or cannot be read; log into a file of "
-          "its own, or call HoldLogs",
+          "cannot set '{}' back to t = {} s: it cannot be read or another program changed it; log into a "
+          "file that nothing else writes, or call HoldLogs",
           file_.path().string(), time));
     }
     if (of_row < time - rounding || (after && of_row <= time + rounding)) {
@@ -136,8 +137,8 @@ SignalLog::SignalLog(Context& context, std::vector<const Source*> signals,
     using enum internal::TypeInfo::Kind;
     if (const auto kind = signal->type_->kind; kind != kText && kind != kOpaque) continue;
     throw ParameterError(
-        fmt::format("'{}' is of type {}, of which a log has no numbers: log another signal, give a struct a "
-                    "Fields(), or read it by a Publish",
+        fmt::format("'{}' is of type {}, which holds no numbers for a log: log another signal, give a struct "
+                    "a Fields(), or read it by a Publish",
                     signal->path(), signal->type_name()));
   }
   static_cast<void>(ListColumns());
@@ -158,8 +159,8 @@ SignalLog::Columns SignalLog::ListColumns() const {
       if (const auto [first, is_new] = signal_of.emplace(name, i); !is_new) {
         throw ParameterError(
             fmt::format("a log cannot have two columns '{}': of '{}' (signal {}) and of '{}' (signal {}); "
-                        "log each signal "
-                        "once, of a state and the output that shows it one, or give elements other names",
+                        "log each signal once, log either a state or the output that shows it, or rename "
+                        "elements",
                         name, signals_[first->second]->path(), first->second + 1, signal.path(), i + 1));
       }
       columns.names.push_back(name);
@@ -169,29 +170,78 @@ SignalLog::Columns SignalLog::ListColumns() const {
   return columns;
 }
 
-/// Sizes known at run time only show in the values, not in the ports: so the header waits for the first row.
+/// The header waits for the first row, because sizes known at run time show in the values only.
 void SignalLog::Begin() {
   for (const Source* signal : signals_) static_cast<void>(context_.EvalAddress(*signal));
   Columns columns = ListColumns();
   sizes_ = std::move(columns.sizes);
   for (const auto& sink : sinks_) sink->Begin(columns.names, columns.units);
   row_.resize(columns.names.size());
+  ListNumbers();
+}
+
+void SignalLog::ListNumbers() {
+  blocks_.clear();
+  runs_.clear();
+  for (const Source* signal : signals_)
+    ListNumbers(*signal->type_, const_cast<std::byte*>(context_.Address(*signal)));
+}
+
+void SignalLog::ListNumbers(const internal::TypeInfo& type, std::byte* value) {
+  using enum internal::TypeInfo::Kind;
+  const auto add = [&](const void* data, std::size_t count, internal::ScalarKind kind) {
+    if (count > 0) runs_.push_back({data, count, kind});
+  };
+  if (type.fixed) {
+    for (const internal::ScalarRun& run : type.runs) add(value + run.offset, run.count, run.kind);
+  } else if (type.kind == kStruct) {
+    for (const Field& field : type.fields) ListNumbers(field.type(), value + field.offset);
+  } else if (type.kind == kArray) {
+    for (std::size_t i = 0; i < type.count; ++i) ListNumbers(type.item(), value + i * type.item().size);
+  } else if (type.kind == kMatrix || type.kind == kList || type.kind == kOptional) {
+    const ResizableBlock& block = blocks_.emplace_back(BlockOf(type, value));
+    auto* const data = static_cast<std::byte*>(block.data);
+    const std::size_t rows = block.rows, cols = block.cols;
+    if (type.kind == kMatrix) return add(data, rows * cols, type.scalar);
+    for (std::size_t i = 0; i < rows; ++i) ListNumbers(type.item(), data + i * type.item().size);
+  }
+}
+
+SignalLog::ResizableBlock SignalLog::BlockOf(const internal::TypeInfo& type, void* value) {
+  ResizableBlock block{&type, value};
+  type.shape(value, &block.rows, &block.cols);
+  if (block.rows > 0) block.data = type.data(value);
+  return block;
+}
+
+void SignalLog::CheckSizes() const {
+  for (std::size_t i = 0; i < signals_.size(); ++i) {
+    const Source& signal = *signals_[i];
+    const std::size_t size = internal::CountScalars(*signal.type_, context_.Address(signal));
+    if (size == sizes_[i]) continue;
+    throw RunError(
+        fmt::format("'{}' had {} elements in the first row of its log and has {} at t = {} s: log only "
+                    "signals of constant size",
+                    signal.path(), sizes_[i], size, context_.time()));
+  }
 }
 
 void SignalLog::Sample() {
   if (row_.empty()) Begin();
   context_.RunStale(ops_);
+  // Outer blocks precede those inside them, so the search stops before it follows an outdated address.
+  const auto has_changed = [](const ResizableBlock& block) {
+    return BlockOf(*block.type, block.value) != block;
+  };
+  if (std::ranges::any_of(blocks_, has_changed)) {
+    CheckSizes();
+    ListNumbers();
+  }
   double* out = row_.data();
   *out++ = context_.time();
-  for (std::size_t i = 0; i < signals_.size(); ++i) {
-    const void* value = context_.Address(*signals_[i]);
-    if (const std::size_t size = internal::CountScalars(*signals_[i]->type_, value); size != sizes_[i]) {
-      throw RunError(
-          fmt::format("'{}' had {} elements in the first row of its log and has {} at t = {} s: log signals "
-                      "of constant size",
-                      signals_[i]->path(), sizes_[i], size, context_.time()));
-    }
-    out = internal::ToDoubles(*signals_[i]->type_, value, out);
+  for (const Run& run : runs_) {
+    internal::WithKind(run.kind, const_cast<void*>(run.data),
+                       [&](const auto* first) { out = std::copy_n(first, run.count, out); });
   }
   if (hold_ > 0) {
     held_.insert(held_.end(), row_.begin(), row_.end());
@@ -209,7 +259,7 @@ void SignalLog::HandOver(std::span<const double> row) {
 void SignalLog::Hold(double seconds) {
   if (!(seconds > 0) || !std::isfinite(seconds))
     throw ParameterError(fmt::format(
-        "logs cannot be held for {} s: give a positive time, and ReleaseLogs to hold them no more", seconds));
+        "logs cannot be held for {} s: give a positive time; ReleaseLogs ends the delay", seconds));
   hold_ = seconds;
 }
 
@@ -233,7 +283,7 @@ void SignalLog::DropFrom(double time, bool after) {
 }
 
 void SignalLog::Release() {
-  hold_ = 0;  // whatever a sink throws: what it has gathered is flushed
+  hold_ = 0;  // even if a sink throws, so that Flush reaches it
   HandOver(std::numeric_limits<double>::infinity());
 }
 

@@ -26,7 +26,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Does it with each log, whatever is thrown; the first that was.
+/// Calls a function for each log, even if it throws for one; returns the first exception.
 template <class RatedLogs>
 std::exception_ptr WithEachLog(const RatedLogs& logs, void (SignalLog::*act)()) {
   std::exception_ptr first;
@@ -42,8 +42,8 @@ std::exception_ptr WithEachLog(const RatedLogs& logs, void (SignalLog::*act)()) 
   return first;
 }
 
-/// Events accumulate if so many intervals between them have shrunk in succession, and the time in which
-/// infinitely many more would follow, were they to go on as a geometric series, is this part of the first.
+/// Events accumulate if this many successive intervals between them have shrunk, and the remaining time of
+/// the geometric series with their ratio is less than this part of the first interval.
 constexpr int kShrinking = 2;
 constexpr double kAccumulated = 2e-6;
 
@@ -62,9 +62,8 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
       integrator_(std::make_unique<SundialsIntegrator>(*context_, options_)) {
   if (options_.seed && *options_.seed != context_->seed()) {
     throw ParameterError(
-        fmt::format("SimulatorOptions: seed = {} is for a context that the simulator makes, but this one "
-                    "exists and has seed {}: "
-                    "give the seed to Diagram::CreateContext",
+        fmt::format("SimulatorOptions: seed = {} applies to a context that the simulator creates, but "
+                    "the given context has seed {}: give the seed to Diagram::CreateContext",
                     *options_.seed, context_->seed()));
   }
   if (options_.profile) profiler_ = std::make_unique<Profiler>(program_.calculations.size());
@@ -72,7 +71,7 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
   const auto demand = [](const char* name, double value) {
     if (value >= 0 && std::isfinite(value)) return;
     throw ParameterError(
-        fmt::format("SimulatorOptions: {} = {} must not be negative, and finite", name, value));
+        fmt::format("SimulatorOptions: {} = {} must be finite and not negative", name, value));
   };
   demand("real_time_rate", options_.real_time_rate);
   demand("late_tolerance", options_.late_tolerance);
@@ -111,7 +110,7 @@ IntegratorStatistics Simulator::statistics() const {
 }
 
 RunProfile Simulator::Profile() const {
-  if (!profiler_) throw RunError("this run is not profiled: make the Simulator with .profile = true");
+  if (!profiler_) throw RunError("this run is not profiled: set SimulatorOptions::profile to true");
   RunProfile profile;
   profile.integrator = profiler_->seconds(Profiler::kIntegrator);
   profile.logs = profiler_->seconds(Profiler::kLogs);
@@ -142,8 +141,7 @@ void Simulator::AskMonitors() {
     const Verdict verdict = monitor(*context_);
     if (context_->edition_ != edition) {
       throw RunError(
-          "a monitor has changed the context: a monitor may only read; let an Update change states, or Set "
-          "them "
+          "a monitor changed the context, but may only read it: change states by an Update, or by Set "
           "between advances");
     }
     if (verdict && !end_reason_) end_reason_ = "monitor: " + *verdict;
@@ -197,7 +195,7 @@ void Simulator::MoveSchedule() {
   schedule_->MoveTo(context_->time(), context_->progress_ != Context::Progress::kTickDone);
 }
 
-/// Finds the place in the schedule again after the context was restored or set by hand.
+/// Finds the place in the schedule again after the context was restored or changed from outside.
 void Simulator::Synchronize() {
   if (known_edition_ == context_->edition_ && context_->progress_ != Context::Progress::kNew) return;
   known_edition_ = context_->edition_;
@@ -231,12 +229,12 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
     throw RunError(fmt::format("cannot advance to t = {} s: give a finite time", time));
   if (time < context_->time() - rounding) {
     throw RunError(
-        fmt::format("cannot advance to t = {} s: the run is at t = {} s already", time, context_->time()));
+        fmt::format("cannot advance to t = {} s: the run is already at t = {} s", time, context_->time()));
   }
   if (!context_->failure_.empty()) {
-    throw RunError(
-        fmt::format("this run failed and cannot go on: {}; restore a snapshot from before, or start anew",
-                    context_->failure_));
+    throw RunError(fmt::format(
+        "this run failed and cannot continue: {}; restore an earlier snapshot, or start a new run",
+        context_->failure_));
   }
   context_->CheckAllFixed();
   if (profiler_) profiler_->Start();
@@ -267,10 +265,10 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
       context_->progress_ = Progress::kTickDue;
   } catch (const std::exception& error) {
     context_->failure_ = error.what();
-    static_cast<void>(FlushLogs());  // the first error is the one to tell
+    static_cast<void>(FlushLogs());  // the first error is the one reported
     throw;
   } catch (...) {
-    context_->failure_ = "something that is no std::exception was thrown";
+    context_->failure_ = "an object that is not a std::exception was thrown";
     static_cast<void>(FlushLogs());
     throw;
   }
@@ -288,15 +286,15 @@ void Simulator::FirstTick() {
   if (schedule_->next_time() == context_->time()) Tick(true);
   for (const internal::CalculationInfo& info : program_.calculations) {
     const bool output = info.source->kind() == SourceKind::kOutput;
-    if (info.sampled && output) context_->CheckSample(info);  // or the run starts between their ticks
+    if (info.sampled && output) context_->CheckSample(info);  // or the run starts between its ticks
   }
   context_->RunStale(program_.published_at_start);
   if (!end_reason_) Judge(program_.each_step_monitors, program_.each_step_verdicts);
   AskMonitors();
 }
 
-/// Moves to `target`, which is no later than the next tick that changes what is integrated. The integrator
-/// runs ahead, step by step if something is to be read on the way; what follows a step happens where it ends.
+/// Moves to `target`, which is not later than the next tick that affects a derivative. The integrator runs
+/// ahead, step by step if values are read inside; the actions after a step happen at its end.
 void Simulator::IntegrateTo(double target) {
   if (program_.num_continuous == 0 && !watches_steps_) {
     context_->SetRunTime(target);
@@ -304,7 +302,7 @@ void Simulator::IntegrateTo(double target) {
   }
   const Profiled integration(profiler_.get(), Profiler::kIntegrator);
   while (!end_reason_) {
-    // A remainder within rounding, behind an event say, is no interval that could be integrated.
+    // A remainder within rounding, as after an event, cannot be integrated.
     if (!stop_is_due_ && target - context_->time() <= Tiny(target)) break;
     if (!integrator_->can_go_on()) StartIntegrator();
     if (next_stop_ > target + Tiny(target)) {
@@ -320,18 +318,18 @@ void Simulator::IntegrateTo(double target) {
   }
   if (context_->time() < target && !end_reason_) {
     context_->SetRunTime(target);
-    HandleJumps();  // of what crosses in between
+    HandleJumps();  // of witnesses that a declared jump moves across zero
   }
 }
 
-/// Puts the witnesses on the sides of their values, unless it is known where they are.
+/// Puts the witnesses on the sides of their values, unless their sides are known.
 void Simulator::StartFinder() {
   if (finder_->empty() || finder_->started()) return;
   EvaluateWitnesses();
   finder_->Start(witness_values_.data());
 }
 
-/// From the present time and states, up to the next instant at which what is integrated changes.
+/// Starts at the present time and states, towards the next instant at which the dynamics change.
 void Simulator::StartIntegrator() {
   context_->RunStale(program_.held);
   StartFinder();
@@ -344,7 +342,7 @@ void Simulator::StartIntegrator() {
   stop_is_due_ = next_stop_ > time;
   is_event_ = false;
   if (!again || finder_->empty()) return;
-  // The step has been taken again: so are its events, but for those that have been handled.
+  // The step was repeated, and with it the search for events; those already handled do not fire again.
   FindEvent(integrator_->begin());
   while (is_event_ && next_stop_ <= time) {
     for (const std::size_t i : fired_) finder_->StartAgain(i, 0, true);
@@ -354,7 +352,7 @@ void Simulator::StartIntegrator() {
   integrator_->MoveContext(time);
 }
 
-/// The next instant at which a block that feeds the integrator jumps, by its own declaration.
+/// The next declared jump of a block that feeds the integrator [s].
 double Simulator::NextJump() {
   double next = std::numeric_limits<double>::infinity();
   if (program_.next_jumps.empty()) return next;
@@ -372,7 +370,7 @@ double Simulator::NextJump() {
   return next;
 }
 
-/// Looks at the last step from `from` on: the run stops at the first event, or at the end.
+/// Searches the last step after `from`: the next stop is the first event, or the end of the step.
 void Simulator::FindEvent(double from) {
   next_stop_ = integrator_->finish();
   stop_is_due_ = true;
@@ -384,22 +382,22 @@ void Simulator::FindEvent(double from) {
   if (!is_event_ || !whole || !EventFeeds()) return;
   const bool kink = std::any_of(fired_.begin(), fired_.end(),
                                 [this](std::size_t i) { return program_.witness_plans[i].is_kink; });
-  // A restart costs a multistep method more than a witness where the derivatives may jump, or not.
+  // For a multistep method a restart costs more than a witness at which the derivatives may jump.
   if (!kink && (options_.method == Method::kBdf || options_.method == Method::kAdams)) return;
   if (!integrator_->RetakeBefore(next_stop_)) return;
   context_->witness_memory_ = memory_at_begin_;
   next_stop_ = integrator_->finish();
   stop_is_due_ = is_event_ = false;
-  integrator_->MoveContext(next_stop_);  // from where the event was looked for
+  integrator_->MoveContext(next_stop_);  // from the time of the last evaluation of the search
 }
 
-/// Moves to the next stop, and does what is due there.
+/// Moves to the next stop and runs the actions that are due there.
 void Simulator::EndStep() {
   const Profiled end(profiler_.get(), Profiler::kTicks);
   stop_is_due_ = false;
   integrator_->MoveContext(next_stop_);
   const bool at_end = next_stop_ >= integrator_->finish() - Tiny(next_stop_);
-  // An event inside a step ends it if the integrator has to start again there.
+  // An event inside a step ends the step if it restarts the integrator.
   if (watches_steps_ && (at_end || EventFeeds())) {
     Judge(program_.each_step_monitors, program_.each_step_verdicts);
     AskMonitors();
@@ -438,7 +436,8 @@ const TickPlan& Simulator::PlanFor(const std::vector<int>& due) {
   return *plans_.back();
 }
 
-/// The first tick of a run gives samples the values that witnesses may read; the others may change them.
+/// The first tick of a run sets samples that witnesses may read; later ticks may change witnesses that are
+/// known.
 void Simulator::Tick(bool first) {
   const auto num_groups = static_cast<int>(program_.groups.size());
   const std::vector<int>& due = schedule_->Take();
@@ -453,7 +452,7 @@ void Simulator::Tick(bool first) {
     if (!due_.empty()) plan = &PlanFor(due_);
   }
   const bool feeds = plan != nullptr && plan->feeds;
-  if (feeds && !first) StartFinder();  // before the tick changes anything
+  if (feeds && !first) StartFinder();  // before the tick changes any value
   if (plan != nullptr) {
     context_->Invalidate(plan->invalidates);
     context_->RunStale(plan->outputs);
@@ -474,7 +473,7 @@ void Simulator::Tick(bool first) {
   }
 }
 
-/// A sampled NaN would be held and spoil everything downstream: it is reported where it arises.
+/// Throws RunError for a NaN in a sample when it arises, because held samples would spread it downstream.
 void Simulator::CheckSamples(const TickPlan& plan) const {
   // Infinite bounds are legitimate.
   if (!options_.check_values ||
@@ -483,7 +482,7 @@ void Simulator::CheckSamples(const TickPlan& plan) const {
   for (const Source* source : plan.due) {
     if (internal::FinitenessOf(*source->type_, context_->Address(*source)) != internal::Finiteness::kNan)
       continue;
-    throw RunError(fmt::format("{} at t = {} s: the run cannot go on; check that block and what feeds it",
+    throw RunError(fmt::format("{} at t = {} s: the run cannot continue; check that block and its inputs",
                                context_->DescribeNonFinite(), context_->time()));
   }
 }
@@ -520,18 +519,17 @@ void Simulator::Fire(std::size_t witness) {
       events.shrinking >= kShrinking && interval * ratio / (1 - ratio) < kAccumulated * events.first_interval;
   if (accumulate || events.count > options_.max_events) {
     const std::string what =
-        accumulate ? "accumulate" : fmt::format("come {} times at one instant", events.count);
+        accumulate ? "accumulate" : fmt::format("occur {} times at one instant", events.count);
     if (plan.is_kink) {
-      throw RunError(fmt::format(
-          "changes of kink '{}' {} at t = {} s: the state slides along the discontinuity, as both sides send "
-          "it back to the other. Give the block a Mode for the sliding motion, or make the jump a steep "
-          "slope",
-          plan.witness->path(), what, now));
+      throw RunError(
+          fmt::format("changes of kink '{}' {} at t = {} s: the state slides along the discontinuity, "
+                      "because the derivatives on both sides point towards it. Give the block a Mode for "
+                      "the sliding motion, or replace the jump by a steep slope",
+                      plan.witness->path(), what, now));
     }
     throw RunError(fmt::format(
         "events of witness '{}' {} at t = {} s: its updates must move the state away from the crossing. Add "
-        "a "
-        "Mode for the motion that follows (rest, contact), and enter it when the events come fast",
+        "a Mode for the motion that follows (rest, contact), and enter it when events are frequent",
         plan.witness->path(), what, now));
   }
   if (plan.is_kink) {
@@ -548,8 +546,8 @@ void Simulator::HandleEvent() {
   HandleJumps();
 }
 
-/// Fires the witnesses that have come to another side at one instant, until none has. A kink that a tick or
-/// an update moves to another piece is no event: the integrator starts again there anyway.
+/// Fires the witnesses that were moved across zero at one instant, until none remains. Kinks moved to another
+/// piece by a tick or an update are not events, because the integrator restarts there anyway.
 void Simulator::HandleJumps() {
   if (finder_->empty()) return;
   StartFinder();
@@ -566,7 +564,7 @@ void Simulator::HandleJumps() {
   finder_->Settle(witness_values_.data());
 }
 
-/// Waits for the time on the clock: a tick takes what comes from outside, and sends, when it is due.
+/// Waits for the wall-clock time of the tick, when it exchanges values with the outside.
 void Simulator::KeepPace(bool tick) {
   if (options_.real_time_rate == 0 || end_reason_) return;
   using Duration = std::chrono::duration<double>;
@@ -593,7 +591,7 @@ void Simulator::KeepPace(bool tick) {
     *pace_start_ += std::chrono::duration_cast<std::chrono::nanoseconds>(late).count();
   } else if (options_.late_policy == LatePolicy::kStop) {
     throw RunError(fmt::format(
-        "the tick at t = {} s begins {:.3g} s late, allowed are {} s: make the blocks faster, lower "
+        "the tick at t = {} s begins {:.3g} s late, but {} s are permitted: make the blocks faster, lower "
         "real_time_rate = {}, or choose another late_policy",
         context_->time(), lateness, options_.late_tolerance, options_.real_time_rate));
   }

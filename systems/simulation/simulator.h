@@ -30,70 +30,68 @@ struct UpdatePlan;
 struct RunStatus {
   double time = 0;                  ///< [s]
   bool ended = false;               ///< a monitor ended the run
-  std::string reason;               ///< what the monitor said, with its path in front
-  const Source* monitor = nullptr;  ///< which, if it belongs to a block
+  std::string reason;               ///< the monitor's reason, preceded by its path
+  const Source* monitor = nullptr;  ///< the monitor; null if it was added by AddMonitor
 };
 
-/// Runs a diagram: integrates from tick to tick of what reaches a derivative, and at each tick computes all
-/// due sampled outputs in dataflow order, takes the logs, asks the monitors, and lets all due updates take
-/// effect at once.
+/// Runs a diagram. It integrates between the ticks that affect a derivative. At each tick it computes all due
+/// sampled outputs in dataflow order, writes the logs, evaluates the termination conditions (monitors), and
+/// applies all due updates at once.
 ///
 ///     Simulator simulator(*diagram, {.order = 3, .rtol = 1e-6});
 ///     simulator.RunTo(5);
 ///     simulator.context().Eval(cart.state);
 class Simulator {
  public:
-  /// Makes a context of its own, which keeps the diagram alive. Throws ParameterError for options that make
-  /// no sense.
+  /// Creates its own context, which keeps the diagram alive. Throws ParameterError for invalid options.
   explicit Simulator(const Diagram& diagram, SimulatorOptions options = {});
   explicit Simulator(const std::shared_ptr<const Diagram>& diagram, SimulatorOptions options = {});
-  /// Goes on with a context that exists: a clone, or one that was restored. Throws ParameterError if the
-  /// options give a seed that it does not have.
+  /// Continues with an existing context: a clone, or one that was restored. Throws ParameterError if the
+  /// options contain a seed that differs from the context's.
   Simulator(std::unique_ptr<Context> context, SimulatorOptions options = {});
   ~Simulator();
 
   Context& context() { return *context_; }
   const Context& context() const { return *context_; }
 
-  /// Logs ports and states at a rate. What it logs is read from inside the integrator's steps: no log changes
-  /// the run.
+  /// Logs ports and states at a rate. Values at ticks inside an integrator step are read from the dense
+  /// output, so no log changes the run.
   void AddLog(Rate rate, std::vector<const Source*> signals, std::vector<std::shared_ptr<LogSink>> sinks);
-  /// The same into memory.
+  /// Logs ports and states to memory.
   std::shared_ptr<MemoryLog> AddLog(Rate rate, std::vector<const Source*> signals);
-  /// From now on the rows of all logs that there are reach their sinks `seconds` of the run's time later: a
-  /// run that is set back by no more, by Context::Restore, leaves no trace of what then did not happen even
-  /// in sinks that cannot drop rows, see LogSink. Throws ParameterError unless the time is positive.
+  /// Delays all rows of the present logs by `seconds` of simulated time on their way to the sinks. If
+  /// Context::Restore then sets the run back by at most that time, even sinks that cannot drop rows (see
+  /// LogSink) never receive the discarded rows. Throws ParameterError if `seconds` is not positive.
   void HoldLogs(double seconds);
-  /// Hands over all rows that are held, flushes, and holds none any more.
+  /// Passes on all held rows, flushes the logs and ends holding.
   void ReleaseLogs();
 
-  /// Runs what happens at the start (AtStart updates, the tick at t = 0). AdvanceTo does it if need be.
+  /// Runs the AtStart updates and the tick at t = 0. AdvanceTo calls it if necessary.
   RunStatus Initialize();
-  /// Runs up to and including the tick at `time` [s]; a sum of periods may miss it by rounding errors.
-  /// However a run is divided into advances, it is the same run: where `time` lies inside a step of the
-  /// integrator, which steps past it by max_step at most, the states are read from there, with about its
-  /// accuracy. Throws RunError: what a block threw (std::rethrow_if_nested gives it as it was), the first
-  /// value that is not finite, the integrator's failure with its worst state, events without end, or a tick
-  /// that is missed under LatePolicy::kStop. After that the run refuses to go on until a snapshot is
-  /// restored: half of a tick may have happened.
+  /// Runs up to and including the tick at `time` [s]; a time that misses the tick by rounding errors counts
+  /// as the tick. The division of a run into advances does not affect it: the integrator steps past `time` by
+  /// at most max_step, and the states at `time` come from its dense output, with similar accuracy. Throws
+  /// RunError: an exception of a block (std::rethrow_if_nested gives the original), the first non-finite
+  /// value, a failure of the integrator with its worst state, an accumulation of events, or a tick missed
+  /// under LatePolicy::kStop. After an error, a tick may be incomplete, and the run cannot continue until a
+  /// snapshot is restored.
   [[nodiscard]] RunStatus AdvanceTo(double time);
-  /// The same up to and without the tick at `time`, which happens when the run goes on: so what that tick
-  /// reads can be set. With the tick where the run stands already, nothing happens.
+  /// Runs up to the tick at `time` [s] but not that tick, which happens when the run continues. Values that
+  /// the tick reads can be set in between. Does nothing if that tick is already the next at the present time.
   [[nodiscard]] RunStatus AdvanceToBefore(double time);
-  /// AdvanceTo for runs that no monitor should end: throws RunError with its reason if one does.
+  /// AdvanceTo for runs that must not end early: throws RunError with the reason if a monitor ends the run.
   void RunTo(double time);
-  /// Time of the next tick [s], infinity if there is none.
+  /// Time of the next tick [s]; infinity if there is none.
   double next_tick_time() const;
 
   IntegratorStatistics statistics() const;
-  /// How the run keeps to the clock; zeros without real_time_rate.
+  /// Real-time statistics of the run; zeros without real_time_rate.
   const RealTimeStatistics& real_time() const { return real_time_; }
-  /// Where the time of the run went, since the simulator was made. Throws RunError unless `.profile` is set.
+  /// How the run time since construction is divided. Throws RunError if `.profile` is not set.
   RunProfile Profile() const;
 
-  /// Asks `monitor` at the start and after every step of the integrator whether the run goes on: what it
-  /// returns, if anything, is the reason for which it ends here. It must not change the context. For one that
-  /// belongs to a block, declare a Monitor there.
+  /// Calls `monitor` at the start and after every integrator step; if it returns a reason, the run ends. It
+  /// must not change the context. In a block, declare a Monitor instead.
   void AddMonitor(std::function<Verdict(Context&)> monitor);
 
  private:
@@ -107,7 +105,7 @@ class Simulator {
   void HandleEvent();
   void Fire(std::size_t witness);
   void EvaluateWitnesses();
-  // Those that every tick takes are hidden from other libraries: only so does GCC inline them.
+  // Functions called at every tick have hidden visibility, so that GCC can inline them.
   [[gnu::visibility("hidden")]] void IntegrateTo(double target);
   [[gnu::visibility("hidden")]] void StartFinder();
   [[gnu::visibility("hidden")]] void StartIntegrator();
@@ -123,7 +121,7 @@ class Simulator {
                                            const std::vector<const Source*>& verdicts);
   [[gnu::visibility("hidden")]] void CheckSamples(const internal::TickPlan& plan) const;
   [[gnu::visibility("hidden")]] void KeepPace(bool tick);
-  /// All of them, whatever one throws; returns the first of that.
+  /// Flushes all logs, even if one throws; returns the first exception.
   std::exception_ptr FlushLogs();
 
   std::unique_ptr<Context> context_;
@@ -131,15 +129,15 @@ class Simulator {
   const internal::Program& program_;
   std::unique_ptr<SundialsIntegrator> integrator_;
   std::unique_ptr<internal::Schedule> schedule_;
-  std::vector<std::unique_ptr<internal::TickPlan>> plans_;  ///< those that have occurred
-  std::vector<int> due_;                                    ///< groups at a tick, logs left out
-  std::uint64_t known_edition_ = 0;                         ///< of the context, when an advance last began
-  double horizon_ = 0;                                      ///< what is integrated changes here at the latest
-  bool ends_at_jump_ = false;                               ///< by a declared jump
-  double next_stop_ = 0;                                    ///< the first event in the last step, or its end
-  bool stop_is_due_ = false;                                ///< what happens at next_stop_ has yet to happen
-  bool is_event_ = false;                                   ///< at next_stop_ witnesses or kinks fire
-  bool watches_steps_ = false;  ///< updates, monitors or witnesses ask for every step of the integrator
+  std::vector<std::unique_ptr<internal::TickPlan>> plans_;  ///< for the combinations that have occurred
+  std::vector<int> due_;                                    ///< groups due at a tick, without logs
+  std::uint64_t known_edition_ = 0;  ///< of the context at the beginning of the last advance
+  double horizon_ = 0;               ///< time of the next change of the dynamics at the latest
+  bool ends_at_jump_ = false;        ///< the horizon is a declared jump
+  double next_stop_ = 0;             ///< the first event in the last step, or its end
+  bool stop_is_due_ = false;         ///< the actions at next_stop_ are still to come
+  bool is_event_ = false;            ///< next_stop_ is an event of witnesses or kinks
+  bool watches_steps_ = false;       ///< updates, monitors or witnesses need every integrator step
 
   struct RatedLog {
     Rate rate;
@@ -152,16 +150,16 @@ class Simulator {
 
   std::unique_ptr<internal::EventFinder> finder_;
   std::vector<double> witness_values_;
-  std::vector<double> memory_at_begin_;  ///< of the finder, where the last step began
-  std::vector<std::size_t> fired_;       ///< the witnesses and kinks of the event at next_stop_
+  std::vector<double> memory_at_begin_;  ///< state of the finder at the beginning of the last step
+  std::vector<std::size_t> fired_;       ///< witnesses and kinks of the event at next_stop_
   struct Events {
     double instant = -std::numeric_limits<double>::infinity();  ///< of the last one [s]
-    int count = 0;                                              ///< at this instant
+    int count = 0;                                              ///< number at this instant
     double interval = 0;                                        ///< between the last two [s]
-    double first_interval = 0;                                  ///< where intervals began to shrink
-    int shrinking = 0;  ///< intervals in succession, each shorter than the one before
+    double first_interval = 0;  ///< at the beginning of the shrinking sequence
+    int shrinking = 0;          ///< number of successive intervals shorter than the one before
   };
-  std::vector<Events> events_;  ///< of each witness and kink
+  std::vector<Events> events_;  ///< for each witness and kink
 
   std::optional<std::string> end_reason_;
   const Source* ended_by_ = nullptr;        ///< see RunStatus::monitor

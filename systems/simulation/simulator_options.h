@@ -9,90 +9,89 @@ namespace tenon {
 
 /// The integrators of SUNDIALS.
 enum class Method {
-  /// ERKStep, explicit Runge-Kutta: 2 midpoint, 3 Bogacki-Shampine, 4 Zonneveld, 5 Dormand-Prince. Stages at
-  /// both ends of a step and inside make the error estimate see a jump of the derivative wherever it lies.
-  /// A bend that nobody declares as a Kink errs by up to 20 tolerances, at order 5 by up to 200.
+  /// ERKStep, explicit Runge-Kutta: 2 midpoint, 3 Bogacki-Shampine, 4 Zonneveld, 5 Dormand-Prince. The error
+  /// estimate has stages at both ends of a step and inside, so that it detects a jump of the derivative
+  /// wherever it lies. A kink that is not declared causes an error of up to 20 tolerances, at order 5 up to
+  /// 200.
   kErk,
   kDirk,   ///< ARKStep, diagonally implicit Runge-Kutta of order 2 to 5, for stiff systems
   kBdf,    ///< CVODE, backward differentiation up to `order` (5), for stiff systems without fast samples
   kAdams,  ///< CVODE, Adams-Moulton up to `order` (12), for smooth systems
-  /// ERKStep, explicit Runge-Kutta of order 2 or 3 with one stage more than that takes, for damping that is
-  /// stiff between ticks that come too fast for an implicit method: feet on the ground. Stable with steps of
-  /// up to 5 over the fastest rate of decay, more than twice those of kErk. In a diagram whose ticks restart
-  /// the integrator its tables are open, see kErkOpen.
+  /// ERKStep, explicit Runge-Kutta of order 2 or 3 with one additional stage for stability, for stiff damping
+  /// (feet on the ground) between ticks that are too frequent for an implicit method. It is stable for steps
+  /// of up to 5 over the fastest rate of decay, more than twice those of kErk. If ticks restart the
+  /// integrator, it uses open tables, see kErkOpen.
   kStabilized,
-  /// ERKStep of order 2 (midpoint) or 3 (Ralston), without a stage at the end of a step: an evaluation less
-  /// per tick, where ticks restart the integrator every few milliseconds. These tables see nothing of the
-  /// last
-  /// half (order 2) or quarter (order 3) of a step; kStabilized, of its last third. A jump of the derivative
-  /// there, between two ticks, that no NextJump or Kink declares, errs by that part of the step times the
-  /// jump
-  /// without a word. In a diagram without such ticks the method is kErk. Orders 4 and 5 have the
-  /// tables of kErk, whose steps are then not looked at for jumps that their tables see badly.
+  /// ERKStep of order 2 (midpoint) or 3 (Ralston) with open tables, which have no stage at the end of a step:
+  /// one evaluation less per tick if ticks restart the integrator every few milliseconds. Open tables do not
+  /// sample the last half (order 2), quarter (order 3) or, for kStabilized, third of a step. A jump of the
+  /// derivative in that part, if no NextJump or Kink declares it, causes an undetected error of the remaining
+  /// time in the step times the jump. In a diagram without such ticks the method is kErk. Orders 4 and 5 use
+  /// the tables of kErk without the additional search for jumps.
   kErkOpen,
 };
 
-/// An absolute tolerance of its own for the states whose path begins with `prefix`. The integrator's norm is
-/// a mean over all states, in which one bad component hides: give small quantities small tolerances.
+/// Absolute tolerance for the states whose path begins with `prefix`. The integrator's norm is a mean over
+/// all states, which can hide one inaccurate component: give small quantities small tolerances.
 struct StateTolerance {
   std::string prefix;
   double atol;
 };
 
-/// What a run that is paced to the clock does when it comes to a tick too late. It is counted in any case,
-/// see Simulator::real_time.
+/// Action of a real-time run that reaches a tick too late. Late ticks are counted in any case, see
+/// Simulator::real_time.
 enum class LatePolicy {
-  kCatchUp,  ///< goes on as fast as it can until it is on time again
-  kShift,    ///< takes the present for the time of the tick: what is lost stays lost
+  kCatchUp,  ///< runs as fast as possible until it is on time again
+  kShift,    ///< shifts the schedule by the delay
   kStop,     ///< throws RunError before the tick
 };
 
-/// How a Simulator integrates and runs. Designated initialisers read well: `{.order = 3, .rtol = 1e-6}`.
+/// Options of the integrator and the run. Use designated initialisers: `{.order = 3, .rtol = 1e-6}`.
 struct SimulatorOptions {
   Method method = Method::kErk;
   int order = 3;
   double rtol = 1e-6;
   double atol = 1e-9;
   std::vector<StateTolerance> state_atol = {};
-  double fixed_step = 0;  ///< [s]; 0 chooses steps by the tolerances. Not for CVODE.
-  /// [s]; 0 for no limit. A pulse shorter than a quarter of a step, and two crossings of a witness that
-  /// close, can lie between the places at which a step looks.
+  double fixed_step = 0;  ///< [s]; 0 for step-size control by the tolerances. Not for CVODE.
+  /// Upper limit of the step size [s]; 0 for none. Pulses shorter than a quarter of a step, and pairs of zero
+  /// crossings that close together, can lie between the samples of a step and be missed.
   double max_step = 0.1;
-  /// Steps of the integrator within a tenth of a second; more is an error, as the run makes no progress. The
-  /// length of a run, and how it is divided into advances, do not matter.
+  /// Maximum number of integrator steps within a tenth of a second; more is an error, because the run makes
+  /// no progress. It does not depend on the length of a run or its division into advances.
   long max_steps = 100000;
-  int max_events = 100;       ///< of one witness or kink at one instant; more is an error
-  double real_time_rate = 0;  ///< 1 paces the run to the clock, 0 runs as fast as it can
+  int max_events = 100;       ///< maximum events of one witness or kink at one instant
+  double real_time_rate = 0;  ///< 1 runs in real time, 0 as fast as possible
   LatePolicy late_policy = LatePolicy::kCatchUp;
-  double late_tolerance = 1e-3;  ///< [s] on the clock; a tick that begins later by more is missed
-  bool profile = false;  ///< whether Simulator::Profile is wanted; each calculation takes some 50 ns more
-  /// Whether what updates give states, and sampled outputs, is checked for NaN (states that are integrated
-  /// for infinity too) where it arises. Witnesses and derivatives always are.
+  double late_tolerance = 1e-3;  ///< [s] of wall-clock time; a tick that begins later by more is missed
+  bool profile = false;          ///< enables Simulator::Profile; adds some 50 ns to each calculation
+  /// Checks new values of states and sampled outputs for NaN, and of continuous states also for infinity.
+  /// Witnesses and derivatives are always checked.
   bool check_values = true;
-  bool publish = true;  ///< whether what Publishes send goes out
-  /// Of the random streams of a context that the simulator makes, else 0; one that exists has its own.
+  bool publish = true;  ///< false disables all Publishes
+  /// Seed of the random streams of a context that the simulator creates; 0 if empty.
   std::optional<std::uint64_t> seed = {};
 };
 
-/// How a run has kept to the clock, since the simulator was made. A tick is due when the clock, times
-/// real_time_rate, says its time, counted from where the run began or a snapshot was restored; it waits for
-/// that, and begins late if the run comes to it later. Time that passes between two advances counts. Logs
-/// have ticks too.
+/// Timing of a real-time run since the simulator was constructed. A tick is due when the wall-clock time
+/// since the beginning of the run, or since a snapshot was restored, times real_time_rate equals the tick's
+/// time. The run waits until then, and the tick begins late if the run arrives later. Time between two
+/// advances counts. Logs also have ticks.
 struct RealTimeStatistics {
-  long ticks = 0;              ///< that had a time on the clock: all but the one where the run began
-  long missed = 0;             ///< began later than late_tolerance allows
-  double worst_lateness = 0;   ///< [s] on the clock, of all ticks
-  double worst_time = 0;       ///< [s] in the run, of that tick
-  double missed_lateness = 0;  ///< [s] on the clock, of the tick that was missed last
-  double missed_time = 0;      ///< [s] in the run, of that tick
+  long ticks = 0;              ///< all ticks but the one at which the run began
+  long missed = 0;             ///< ticks that began later than late_tolerance permits
+  double worst_lateness = 0;   ///< [s] of wall-clock time
+  double worst_time = 0;       ///< [s] of simulated time, of the tick with the worst lateness
+  double missed_lateness = 0;  ///< [s] of wall-clock time, of the last missed tick
+  double missed_time = 0;      ///< [s] of simulated time, of the last missed tick
 };
 
-/// What the integrator did since the simulator was made.
+/// Counters of the integrator since the simulator was constructed.
 struct IntegratorStatistics {
   long steps = 0;
   long failed_steps = 0;
   long evaluations = 0;  ///< of the time derivatives
-  /// Besides: for the states at ticks and ends that lie inside a step.
+  /// Additional evaluations for the states at ticks and ends inside a step.
   long interpolant_evaluations = 0;
   double last_step = 0;  ///< [s]
   double smallest_step = 0;

@@ -14,7 +14,7 @@ std::string Escaped(std::string_view text, int max_characters, bool keep_lines) 
     const char c = *at;
     const auto byte = static_cast<unsigned char>(c);
     const bool is_text = at != bad;
-    const bool continues = is_text && (byte & 0xC0) == 0x80;  // the character of the byte before
+    const bool continues = is_text && (byte & 0xC0) == 0x80;  // belongs to the character of the previous byte
     if (!continues && ++characters > max_characters) return excerpt + "…";
     if (!is_text) {
       excerpt += fmt::format("\\x{:02x}", byte);

@@ -6,7 +6,7 @@
 
 namespace tenon::internal {
 
-/// The name with the smallest edit distance to `wanted`, for "did you mean"; empty if there are no names.
+/// Returns the name with the smallest edit distance to `wanted`, for "did you mean"; empty without names.
 std::string NearestName(std::string_view wanted, const std::vector<std::string>& names);
 
 }  // namespace tenon::internal

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Directories in which packages may lie.
+/// Directories that may contain packages.
 std::vector<fs::path> PackageFolders(const fs::path& urdf) {
   std::vector<fs::path> folders;
   for (fs::path at = fs::absolute(urdf).parent_path(); at != at.root_path(); at = at.parent_path())
@@ -54,7 +54,7 @@ namespace {
 constexpr std::pair<char, std::string_view> kEntities[] = {
     {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&apos;"}};
 
-/// A text as the value of an attribute.
+/// Escapes a text for use as the value of an attribute.
 std::string ToXml(std::string_view text) {
   std::string xml;
   for (const char c : text) {

@@ -6,13 +6,13 @@
 
 namespace tenon {
 
-/// The file that a URDF means by the name of a mesh, if it is there: a path from the URDF, "file://" and one
-/// from the root, or "package://PACKAGE/PATH", where PACKAGE is a folder that holds the URDF, stands beside
-/// it or one of these, or lies in a folder of the environment's ROS_PACKAGE_PATH or in "share" of one of its
+/// Finds the file of a mesh that a URDF names: by a path relative to the URDF, by "file://" and an absolute
+/// path, or by "package://PACKAGE/PATH". PACKAGE is a directory above the URDF or beside one of these, or is
+/// found in the directories of the environment variable ROS_PACKAGE_PATH or in "share" below those of
 /// AMENT_PREFIX_PATH.
 std::optional<std::filesystem::path> FindMesh(const std::string& name, const std::filesystem::path& urdf);
 
-/// The text of a URDF with absolute paths for all meshes that are found: a copy elsewhere finds them, too.
+/// Replaces the names of all meshes that are found by absolute paths, so that a copy of the URDF finds them.
 std::string WithMeshesFound(std::string text, const std::filesystem::path& urdf);
 
 }  // namespace tenon

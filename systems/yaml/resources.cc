@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <functional>
 
 namespace tenon {
 
@@ -33,7 +32,7 @@ std::vector<std::string> ListResources(const std::string& kind) {
   const fs::path directory = DataDirectory() / kind;
   if (!fs::is_directory(directory)) {
     throw ParameterError(
-        fmt::format("there is no directory '{}': set TENON_DATA_DIR to the share/tenon of the installation",
+        fmt::format("there is no directory '{}': set TENON_DATA_DIR to the installation's share/tenon",
                     directory.string()));
   }
   for (const auto& entry : fs::directory_iterator(directory)) {
@@ -43,18 +42,21 @@ std::vector<std::string> ListResources(const std::string& kind) {
   return names;
 }
 
+static bool HasKey(const YamlDocument& document, const std::string& key) {
+  return std::ranges::count(document.Keys(""), key) > 0;
+}
+
 std::vector<std::string> ListResources(const std::string& kind, const std::string& key) {
   std::vector<std::string> names = ListResources(kind);
   std::erase_if(names, [&](const std::string& name) {
-    const std::vector<std::string> keys = YamlDocument::Load(FindResource(kind, name)).Keys("");
-    return std::find(keys.begin(), keys.end(), key) == keys.end();
+    return !HasKey(YamlDocument::Load(FindResource(kind, name)), key);
   });
   return names;
 }
 
 YamlDocument ResourceMap(const YamlFile& what) {
   const bool is_map = what.text.starts_with('{');
-  return YamlDocument::Parse(is_map ? what.text : "file: " + what.text, kWhatDiffers);
+  return YamlDocument::Parse(is_map ? what.text : "file: " + what.text, kChanges);
 }
 
 std::string ResourceName(const YamlFile& what) {
@@ -62,38 +64,31 @@ std::string ResourceName(const YamlFile& what) {
   return map.Text("file") + (map.Keys("").size() > 1 ? ", changed" : "");
 }
 
-namespace {
+bool IsResourcePath(const std::string& name) {
+  return name.ends_with(".yaml") || name.find('/') != std::string::npos;
+}
 
-YamlDocument Load(const YamlFile& what, const std::function<fs::path(const std::string& name)>& find) {
+/// The path of the file, or the path at which a file of that name would ship.
+static fs::path PathOfResource(const std::string& kind, const std::string& name) {
+  return IsResourcePath(name) ? fs::path(name) : DataDirectory() / kind / (name + ".yaml");
+}
+
+YamlDocument LoadResource(const std::string& kind, const YamlFile& what, const std::string& key) {
   YamlDocument overlay = ResourceMap(what);
-  const std::string file = overlay.Text("file");
-  if (file.empty())
-    throw ParameterError("a map of what is different has to say in which file: {file: standard, …}");
-  const YamlDocument whole = YamlDocument::Load(find(file));
+  const std::string name = overlay.Text("file");
+  if (name.empty()) throw ParameterError("a map of changes needs the key `file`, as in {file: standard, …}");
+  const fs::path path = PathOfResource(kind, name);
+  const bool must_exist = !IsResourcePath(name);
+  if (must_exist && !fs::exists(path))
+    FindResource(kind, name, key.empty() ? ListResources(kind) : ListResources(kind, key));  // throws
+  const YamlDocument whole = YamlDocument::Load(path);
+  if (must_exist && !key.empty() && !HasKey(whole, key))
+    throw ParameterError(fmt::format("'{}' in {} has no key '{}'; choose one of: {}", name, kind, key,
+                                     fmt::join(ListResources(kind, key), ", ")));
   if (overlay.Keys("").size() == 1) return whole;
   overlay.Remove("file");
   overlay.AddMissing(whole);
   return overlay;
-}
-
-}  // namespace
-
-YamlDocument LoadResource(const std::string& kind, const YamlFile& what) {
-  return Load(what, [&](const std::string& name) { return FindResource(kind, name); });
-}
-
-YamlDocument LoadResource(const std::string& kind, const YamlFile& what, const std::string& key) {
-  return Load(what, [&](const std::string& name) {
-    const std::vector<std::string> all = ListResources(kind), fit = ListResources(kind, key);
-    if (std::ranges::count(all, name) > 0 && std::ranges::count(fit, name) == 0)
-      throw ParameterError(fmt::format("'{}' is of another kind, without '{}'; there are: {}", name, key,
-                                       fmt::join(fit, ", ")));
-    return FindResource(kind, name, fit);
-  });
-}
-
-bool IsResourcePath(const std::string& name) {
-  return name.ends_with(".yaml") || name.find('/') != std::string::npos;
 }
 
 fs::path FindResource(const std::string& kind, const std::string& name) {
@@ -102,12 +97,10 @@ fs::path FindResource(const std::string& kind, const std::string& name) {
 
 fs::path FindResource(const std::string& kind, const std::string& name,
                       const std::vector<std::string>& names) {
-  if (IsResourcePath(name)) return name;
-  if (std::find(names.begin(), names.end(), name) != names.end())
-    return DataDirectory() / kind / (name + ".yaml");
-  throw ParameterError(
-      fmt::format("there is no '{}' in {}; did you mean '{}'? There are: {}. Or give a .yaml file",
-                  internal::Excerpt(name), kind, internal::NearestName(name, names), fmt::join(names, ", ")));
+  if (IsResourcePath(name) || std::ranges::count(names, name) > 0) return PathOfResource(kind, name);
+  throw ParameterError(fmt::format(
+      "there is no '{}' in {}; did you mean '{}'? Choose one of {}, or give the path of a .yaml file",
+      internal::Excerpt(name), kind, internal::NearestName(name, names), fmt::join(names, ", ")));
 }
 
 }  // namespace tenon

@@ -41,16 +41,16 @@ YamlDocument YamlDocument::Load(const std::string& file_name) {
         "cannot read '{}': {}; check the path: {}", internal::Excerpt(file_name),
         std::filesystem::exists(path, ignored) ? "not a readable file" : "no such file",
         path.is_absolute()
-            ? "a path in a file starts from the directory of that file"
-            : fmt::format("'{}' starts from '{}'", file_name, std::filesystem::current_path().string())));
+            ? "a path in a file is relative to the directory of that file"
+            : fmt::format("'{}' is relative to '{}'", file_name, std::filesystem::current_path().string())));
   std::string text;
   std::array<char, 1 << 16> part;
-  while (file && text.size() <= internal::kMaxYamlBytes) {  // a device may have no end
+  while (file && text.size() <= internal::kMaxYamlBytes) {  // a device may be endless
     file.read(part.data(), part.size());
     text.append(part.data(), static_cast<std::size_t>(file.gcount()));
   }
   if (file.bad())
-    throw ParameterError(fmt::format("cannot read '{}' to its end: is the disk or the network broken?",
+    throw ParameterError(fmt::format("cannot read '{}' to its end; check the disk or the network",
                                      internal::Excerpt(file_name)));
   return Parse(std::move(text), file_name);
 }
@@ -68,10 +68,8 @@ void YamlDocument::CheckFormat() const {
   internal::YamlNode(*found, "format").Read(internal::TypeInfoOf<int>(), &format);
   if (format < 1 || format > kYamlFormat)
     internal::FailAt(found->place,
-                     fmt::format("format: {} is not known, this Tenon reads formats up to {}: "
-                                 "{}",
-                                 format, kYamlFormat,
-                                 format < 1 ? "count from 1" : "take a newer Tenon, or write the file anew"));
+                     fmt::format("format: {} is unknown; this version of Tenon reads formats 1 to {}{}",
+                                 format, kYamlFormat, format < 1 ? "" : ", a newer one may read this file"));
 }
 
 void YamlDocument::Read(const internal::TypeInfo& type, void* value) const {
@@ -82,8 +80,8 @@ void YamlDocument::Read(const internal::TypeInfo& type, void* value) const {
 
 namespace {
 
-/// The value under a key, and true; or what of the path to it there is. A key with dots of its own, as
-/// campaigns have them, is found as a whole.
+/// Returns the value under a dotted key and true, or its innermost existing parent and false. Keys of
+/// campaigns that contain dots themselves are found, too.
 std::pair<const YamlTree*, bool> Find(const YamlTree& tree, std::string_view dotted_key) {
   if (dotted_key.empty()) return {&tree, true};
   for (std::size_t end = dotted_key.size(); end != dotted_key.npos && end > 0;
@@ -114,7 +112,7 @@ std::string YamlDocument::Placed(std::string_view dotted_key, std::string_view m
 void YamlDocument::RefuseRenamed(const std::vector<RenamedKey>& renamed) const {
   for (const auto& [key, successor] : renamed)
     if (const auto [tree, found] = Find(*tree_, key); found)
-      internal::FailAt(tree->key_place, fmt::format("{} is called {} now; rename it", key, successor));
+      internal::FailAt(tree->key_place, fmt::format("{} was renamed to {}; use the new key", key, successor));
 }
 
 std::string YamlDocument::Path(std::string_view key) const {
@@ -189,7 +187,7 @@ std::string YamlDocument::Text(std::string_view key) const {
 
 namespace {
 
-/// Lets a map of what differs say in which file.
+/// Adds the entry `file` to a map of changes, unless it has one.
 void SayFile(YamlTree& map, YamlTree name) {
   if (YamlTree::FindKey(map, "file") != map.children.end()) return;
   name.key = "file";
@@ -239,7 +237,7 @@ void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text)
     const std::string_view parent = dotted_key.substr(0, begin == 0 ? 0 : begin - 1);
     begin = end + 1;
     if (key.empty()) internal::FailAt(place, "a key is empty; write the path as in a.b or a.2");
-    if (node->kind == YamlTree::Kind::kNull || internal::IsName(*node)) {  // it is a map from here on
+    if (node->kind == YamlTree::Kind::kNull || internal::IsName(*node)) {  // becomes a map
       YamlTree was = *node;
       node->kind = YamlTree::Kind::kMap;
       if (node != &root) node->place = place;
@@ -259,17 +257,17 @@ void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text)
       const auto index = internal::IndexIn(*node, key);
       if (!index)
         internal::FailAt(
-            place, fmt::format("'{}' is {}, '{}' is no index of it; count from 0", internal::Excerpt(parent),
-                               internal::Describe(*node), internal::Excerpt(key)));
+            place, fmt::format("'{}' is {} and has no index '{}'; indices start at 0",
+                               internal::Excerpt(parent), internal::Describe(*node), internal::Excerpt(key)));
       node = &node->children[*index];
     } else {
-      internal::FailAt(place, fmt::format("'{0}' is {1} and has nothing inside; set '{0}' itself",
+      internal::FailAt(place, fmt::format("'{0}' is {1} and has no keys; set '{0}' itself",
                                           internal::Excerpt(parent), internal::Describe(*node)));
     }
   }
   const auto place_of = [&](int, int) { return place; };
   YamlTree value = internal::ParseYamlTree(std::string(value_text), place_of, true, {});
-  if (value.kind == YamlTree::Kind::kMap) {  // of what differs in the same file
+  if (value.kind == YamlTree::Kind::kMap) {  // changes to the same file
     const auto file = YamlTree::FindKey(*node, "file");
     if (file != node->children.end() || internal::IsName(*node))
       SayFile(value, file != node->children.end() ? *file : *node);
@@ -282,7 +280,7 @@ void YamlDocument::Set(std::string_view dotted_key, std::string_view value_text)
 
 namespace {
 
-/// What {uniform: [0, 1]} and the like ask for; nothing where `tree` is no distribution.
+/// Parses a distribution such as {uniform: [0, 1]}; empty if `tree` is none.
 std::optional<Distribution> DistributionOf(const YamlTree& tree) {
   if (tree.kind != YamlTree::Kind::kMap || tree.children.size() != 1) return {};
   const YamlTree& entry = tree.children[0];

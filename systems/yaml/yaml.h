@@ -20,23 +20,23 @@ std::string WriteYaml(const TypeInfo& type, const void* value);
 /// Throws ParameterError, with `place`, line and column, unless the text is UTF-8.
 void CheckUtf8(std::string_view text, const std::string& place);
 
-/// Any value of a YAML file, kept as text: a member of a struct whose type is not known when it is read.
+/// Any value of a YAML file, kept as text, for members whose type is not known when the file is read.
 struct YamlText {
-  std::string text{};  ///< on one line, so that Set() takes it; paths in it are absolute
+  std::string text{};  ///< on one line, as Set() requires; paths are absolute
 };
 
-/// Another file that a YAML file names, as text on one line: a word for one that ships, a path, or a map that
-/// says which file, by one of these, and what is different in it, `{file: cdpr_4, mass_kg: 6}`. Paths are
-/// absolute once they are read. A map without `file` changes the file that the default names.
+/// A reference to another file, as text on one line: the name of a shipped resource, a path, or a map with
+/// the file and changes to it, `{file: cdpr_4, mass_kg: 6}`. Paths become absolute when they are read. A map
+/// without `file` changes the file that the default names.
 struct YamlFile {
   std::string text{};
 };
 
-/// The version of the files that are read and written; files that do not say theirs have this one. It goes up
-/// when an older reader would take a file for something else.
+/// The version of the file format. Files without the key `format` have this version. It increases when an
+/// older reader would misread new files.
 inline constexpr int kYamlFormat = 1;
 
-/// A key that a file had in an earlier version, and what it is called now; dotted.
+/// The dotted key of an earlier version and its present name.
 struct RenamedKey {
   const char* key;
   const char* successor;
@@ -51,8 +51,8 @@ struct RenamedKey {
 ///         return {{"speed_m_per_s", &WalkParams::speed_m_per_s},
 ///                           Required("goal_m", &WalkParams::goal_m)};
 ///       }
-///       void Validate() const;  // optional, called after reading; throws ParameterError, best with a
-///                               // message that begins with the key, which is looked up in the file then
+///       void Validate() const;  // optional, called after reading; throws ParameterError. If the
+///                               // message begins with a key, the error names its place in the file
 ///     };
 ///     auto document = YamlDocument::Load("walk.yaml");
 ///     document.Set("speed_m_per_s", "0.3");
@@ -62,83 +62,82 @@ struct RenamedKey {
 /// Eigen vector or matrix of fixed size, another struct with Fields(), YamlText, YamlFile, or a std::optional
 /// (null is empty), std::vector, std::array or std::map<std::string, ...> of those.
 ///
-/// A value that ends in .yaml, .urdf or .csv is a path. It starts from the directory of the file in which it
-/// stands, wherever that is read from and by what it is extended; from the working directory where Set() gave
-/// it.
+/// A value that ends in .yaml, .urdf or .csv is a path. It is relative to the directory of the file that
+/// contains it, or to the working directory if Set() gave it.
 ///
-/// A file may say `format: 1`, the version that it was written for; a newer one than kYamlFormat is refused.
-/// A struct with a static `std::vector<RenamedKey> Renamed()` tells the writer of an old file what a key is
-/// called now.
+/// A file may have the key `format: 1`, its version; versions above kYamlFormat are refused. A struct with a
+/// static `std::vector<RenamedKey> Renamed()` makes errors name the new key for a renamed one.
 ///
-/// A key that is left out keeps its default unless it is Required. Refused are keys that the struct does not
-/// have, keys given twice, values of another type or length, numbers that are not finite, and what Validate()
-/// refuses. Every error is a ParameterError that begins with file, line, column and the path of the key, as
-/// in `plant.yaml:12:5: masses.2.place_m: expected a list of 3, found a list of 2`.
+/// A missing key keeps its default unless it is Required. Reading throws ParameterError for unknown and
+/// duplicate keys, values of the wrong type or length, numbers that are not finite, and errors of Validate().
+/// The message begins with file, line, column and the path of the key, as in `plant.yaml:12:5:
+/// masses.2.place_m: expected a list of 3, found a list of 2`.
 class YamlDocument {
  public:
-  /// Reads a file. Throws if it cannot be read, is not valid YAML or holds more than one document.
+  /// Reads a file. Throws ParameterError if it cannot be read, is not valid YAML or holds several documents.
   static YamlDocument Load(const std::string& path);
-  /// The same from text; errors call it `name`.
+  /// Parses a text; errors call it `name`. Throws ParameterError as Load does.
   static YamlDocument Parse(std::string text, std::string name);
   const std::string& name() const { return name_; }
 
-  /// Replaces one value, as `--set a.b=3` of a command line asks: `value_text` is YAML, the key a path of map
-  /// keys and list indices (`anchors.2`). A map key that is missing is added, a list does not grow; a name
-  /// becomes a map of what differs: `robot: cdpr_4` by `robot.mass_kg=6` {file: cdpr_4, mass_kg: 6}.
-  /// Errors that stem from the value say `--set a.b=3` instead of a line of the file.
+  /// Replaces one value as the option `--set a.b=3` does. `value_text` is YAML; the key is a path of map keys
+  /// and list indices (`anchors.2`). Missing map keys are added; lists do not grow. A name becomes a map of
+  /// changes: `robot.mass_kg=6` turns `robot: cdpr_4` into {file: cdpr_4, mass_kg: 6}. Errors about the value
+  /// name
+  /// `--set a.b=3` instead of a line of the file.
   void Set(std::string_view dotted_key, std::string_view value_text);
 
-  /// Adds what `base` says and this document does not: maps key by key, while lists and scalars of this
-  /// document stand for those of the base. A map without `file` that stands for a name says what differs in
-  /// the file of that name.
+  /// Adds the keys of `base` that this document lacks, recursively in maps; lists and scalars of this
+  /// document replace those of the base. A map without `file` that replaces a name becomes a map of changes
+  /// to the file of that name.
   void AddMissing(const YamlDocument& base);
-  /// Takes out a key at top level, if it is there.
+  /// Removes a key at top level, if it exists.
   void Remove(std::string_view key);
 
-  /// Where the value of a key stands, as errors begin: "walk.yaml:12:5: path.points". For what is found wrong
-  /// after reading. Of a key that is not there, where it would be.
+  /// Returns the place and path of a key, with which errors begin: "walk.yaml:12:5: path.points". The place
+  /// of a missing key is that of the map which lacks it.
   std::string PlaceOf(std::string_view dotted_key) const;
-  /// A message as errors begin and go on, "walk.yaml:12:5: path.points: no three of them may…", of what is
-  /// wrong with the value of a key, or with that below it with whose key the message begins, with or without
-  /// its unit: "num_steps = 1 must be…". Begins with the name of the document if neither says a key.
+  /// Prefixes a message about the value of a key with its place, "walk.yaml:12:5: path.points: no three…". If
+  /// the message begins with a key below this one, with or without unit ("num_steps = 1 must be…"), that
+  /// key's place is used. Without any key, the prefix is the name of the document.
   std::string Placed(std::string_view dotted_key, std::string_view message) const;
 
-  /// The text of a scalar at top level; empty if there is none of that key.
+  /// Returns the text of a scalar at top level; empty if the key is missing.
   std::string Text(std::string_view key) const;
-  /// A path under a key at top level, absolute; empty if there is none of that key.
+  /// Returns the absolute path under a key at top level; empty if the key is missing.
   std::string Path(std::string_view key) const;
-  /// All paths in it, absolute, by dotted keys.
+  /// Returns all paths in the document, absolute, by dotted keys.
   std::vector<std::pair<std::string, std::string>> Paths() const;
-  /// The same document with absolute paths.
+  /// Returns the document with absolute paths.
   YamlDocument WithAbsolutePaths() const;
-  /// All of it on one line, in flow style and without comments.
+  /// Returns the document on one line in flow style, without comments.
   std::string Flow() const;
-  /// The keys of the map under a key, in the order of the file; none if it is no map.
+  /// Returns the keys of the map under a key in the order of the file; empty if the value is not a map.
   std::vector<std::string> Keys(std::string_view dotted_key) const;
 
-  /// The value of a key as Flow() writes it; empty if there is none of that key.
+  /// Returns the value of a key in the format of Flow(); empty if the key is missing.
   std::string Value(std::string_view dotted_key) const;
-  /// All values but maps, as Flow() writes them, by dotted keys.
+  /// Returns all values except maps in the format of Flow(), by dotted keys.
   std::vector<std::pair<std::string, std::string>> Values() const;
 
-  /// Draws what the document leaves to chance: wherever it says one of
+  /// Draws random values. It replaces each distribution
   ///
   ///     mass_error_ratio: {uniform: [-0.3, 0.3]}     # low, high
   ///     mass_kg: {normal: [5, 0.5]}                  # mean, standard deviation
-  ///     friction: {lognormal: [-0.5, 0.2]}           # those of the logarithm
+  ///     friction: {lognormal: [-0.5, 0.2]}           # mean, standard deviation of the logarithm
   ///
-  /// a number takes its place, which follows from the seed and the key. Returns what was drawn, by dotted
-  /// keys. Throws ParameterError with the place of a distribution that makes no sense.
+  /// by a number that depends on the seed and the key. Returns the drawn numbers by dotted keys. Throws
+  /// ParameterError with the place of an invalid distribution.
   std::vector<std::pair<std::string, double>> Draw(std::uint64_t seed);
 
-  /// Reads the document into a T that holds its defaults.
+  /// Reads the document into a default-constructed T.
   template <HasFields T>
   T Read() const {
     T value{};
     ReadInto(value);
     return value;
   }
-  /// Reads over `value`, whose members are the defaults; after an error it is unchanged.
+  /// Reads into `value`, whose members hold the defaults. An error leaves it unchanged.
   template <HasFields T>
   void ReadInto(T& value) const {
     if constexpr (requires { T::Renamed(); }) RefuseRenamed(T::Renamed());
@@ -154,12 +153,12 @@ class YamlDocument {
   void RefuseRenamed(const std::vector<RenamedKey>& renamed) const;
   void CheckFormat() const;
 
-  std::shared_ptr<const internal::YamlTree> tree_;  ///< never changed, so copies may share it
+  std::shared_ptr<const internal::YamlTree> tree_;  ///< immutable, so copies share it
   std::string name_;
 };
 
-/// YAML text with every field of `value`: YamlDocument::Parse gives back an equal value, bit for bit.
-/// Throws ParameterError for numbers that are not finite, for these could not be read again.
+/// Returns YAML text with every field of `value`, which YamlDocument::Parse reads back bit for bit. Throws
+/// ParameterError for numbers that are not finite.
 template <HasFields T>
 std::string WriteYaml(const T& value) {
   return internal::WriteYaml(internal::TypeInfoOf<T>(), &value);

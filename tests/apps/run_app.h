@@ -57,7 +57,8 @@ inline std::vector<double> Column(const std::filesystem::path& out, const std::s
   return values;
 }
 
-/// A test that runs an app as its users do. The app writes to the directory `out`, which is removed afterwards.
+/// A test that runs an app as its users do. The app writes to the directory `out`, which is removed
+/// afterwards.
 class AppTest : public ::testing::Test {
  protected:
   explicit AppTest(std::string app = "") : app(std::move(app)) {}

@@ -1,16 +1,13 @@
-// What a campaign costs beside its simulations: DogBot walks for a second, A4, over and over.
+// Overhead of a campaign, which runs scenario A4 (DogBot walks, 1 s) many times.
 //
-//   campaign/writer    the desk alone: a run given out, its row of 33 columns taken in and written
-//   campaign/message   the same by way of a rank's message: what rank 0 does for every run of another rank
-//   campaign/jobs/J    40 runs in J threads; counters: runs_per_s, and simulating, the part of the threads'
-//   time that
-//                      goes into the advance of the simulations (the rest reads scenarios, builds diagrams,
-//                      writes rows)
-//   campaign/ranks/N   N ranks whose runs last 1 s on average are simulated, event by event; rank 0 is the
-//   real one, and
-//                      what it takes for each message is measured. Counters, in simulated time: runs_per_s,
-//                      working, the part of the ranks' time in which they have a run, and busy, that of rank
-//                      0
+//   campaign/writer    the desk alone: hands out a run, receives its row of 33 columns and writes it
+//   campaign/message   the work of rank 0 for each run of another rank: unpacking the message, and the desk
+//   campaign/jobs/J    40 runs in J threads. Counters: runs_per_s; simulating, the part of the threads' time
+//                      in which simulations advance (the rest reads scenarios, builds diagrams, writes rows)
+//   campaign/ranks/N   N ranks are simulated, event by event, with runs of 1 s on average. Rank 0 is the real
+//                      one, and its time for each message is measured. Counters, in simulated time:
+//                      runs_per_s; working, the part of the time in which a rank has a run; busy, the part
+//                      of the time in which rank 0 works
 
 #include <tenon/apps/campaign/campaign_desk.h>
 #include <tenon/apps/campaign/campaign_message.h>
@@ -18,7 +15,7 @@
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
 #include <tenon/apps/campaign/campaign_table.h>
-#include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/tests/testing/temporary_path.h>
 
@@ -44,18 +41,18 @@ YamlDocument File(std::size_t seeds) {
       "benchmark");
 }
 
-/// Goes with its object.
+/// A temporary file that is removed with its object.
 struct TableFile {
   ~TableFile() { std::filesystem::remove(path); }
   std::filesystem::path path = test::TemporaryPath("tenon_campaign_benchmark.csv");
 };
 
-/// A desk that never runs out of runs, with the result of one.
+/// A desk with an endless supply of runs, and the result of one run.
 class EndlessDesk {
  public:
   CampaignDesk& desk() { return desk_; }
   const CampaignResult& result() const { return result_; }
-  /// What rank 0 does with a message: the row is written, the next run given out.
+  /// Handles a message as rank 0 does: writes the row and hands out the next run.
   void Serve(const std::string& text) {
     const CampaignMessage message = Unpack(text);
     desk_.Put(message.run, message.result);
@@ -90,14 +87,14 @@ void Message(benchmark::State& state) {
 }
 BENCHMARK(Message)->Name("campaign/message");
 
-/// A rank has one run and, while its message is on the way, another: as MpiSession::Follow.
+/// A rank that holds one run, and a second one while its message is sent, as MpiSession::Follow does.
 struct Rank {
-  int waiting = 2;  ///< runs that it has, the one that it does included
+  int waiting = 2;  ///< runs that it holds, including the current one
   double idle_from_s = 0;
 };
 
 void Ranks(benchmark::State& state) {
-  constexpr double kLatency = 20e-6;  // of a message by TCP within a cluster [s]
+  constexpr double kLatency = 20e-6;  // latency of a TCP message within a cluster [s]
   constexpr std::size_t kRunsPerRank = 10;
   const auto num_ranks = static_cast<std::size_t>(state.range(0));
   EndlessDesk endless;
@@ -105,14 +102,14 @@ void Ranks(benchmark::State& state) {
   for (auto _ : state) {
     RandomStream random(1, "durations");
     std::vector<Rank> ranks(num_ranks);
-    using Event = std::pair<double, std::size_t>;  // the end of a run [s], and its rank
+    using Event = std::pair<double, std::size_t>;  // end of a run [s] and its rank
     std::priority_queue<Event, std::vector<Event>, std::greater<>> ends;
     const auto begin_run = [&](double time, std::size_t rank) {
       ends.emplace(time + random.Uniform(0.5, 1.5), rank);
     };
     for (std::size_t rank = 0; rank < num_ranks; ++rank) begin_run(0, rank);
 
-    // Rank 0 takes the messages in the order of their arrival, which is that of the ends.
+    // Rank 0 handles the messages in the order in which the runs end.
     double free_from = 0, busy = 0, idle = 0;
     std::size_t served = 0;
     std::priority_queue<Event, std::vector<Event>, std::greater<>> replies;

@@ -1,8 +1,7 @@
-// What the framework itself costs, beside a bare list of virtual calls that computes the same.
+// Overhead of the framework, compared with a list of virtual calls that computes the same values.
 //
-//   ring/N, ring_bare/N     time derivatives of a ring of N blocks (integrator, gain, adder in turn); the
-//   state
-//                           changes at every call, and both give the same numbers
+//   ring/N, ring_bare/N     time derivatives of a ring of N blocks (integrator, gain, adder in turn), with
+//                           a new state in each call; both versions give the same numbers
 //   gain_chain/100          an output behind 100 gains, after a change of the input
 //   pd_loop                 one tick of a 1 kHz PD controller on a double integrator, order 3 adaptive
 //   clone_context/1000      copying a context of 1000 blocks
@@ -25,7 +24,8 @@ namespace {
 
 constexpr double kGain = -0.5;
 
-/// Integrator 1 -> gain 1 -> adder 1 -> integrator 2 -> …, closed; every adder also adds its own integrator.
+/// A closed ring: integrator 1 -> gain 1 -> adder 1 -> integrator 2 -> …. Each adder also adds the output of
+/// its own integrator.
 struct Ring {
   explicit Ring(int blocks) {
     std::vector<Integrator<double>*> integrators;
@@ -98,7 +98,7 @@ struct BareRing {
   std::vector<std::unique_ptr<BareBlock>> list;
 };
 
-/// What the simulator does at every stage of a step: new states in, derivatives out.
+/// Sets new states and evaluates the derivatives, as the simulator does at each stage of a step.
 void RingDerivatives(benchmark::State& state) {
   const int blocks = static_cast<int>(state.range(0));
   Ring ring(blocks);

@@ -1,27 +1,29 @@
-// What the quadruped costs (DogBot), with medians and 99th percentiles over blocks of 20 calls as counters:
+// Computing times of the quadruped (DogBot). Counters are medians and 99th percentiles over blocks of 20
+// calls:
 //
-//   accelerations/simbody       one evaluation of all derivatives of QuadrupedPlant, contact and all
-//   accelerations/simbody_bare  Simbody's own call at the same states, without contact: the measure of it,
-//                               since the machine's speed cancels in their ratio
-//   model/eigen                 QuadrupedModel::Calc: everything that controllers need of one state
-//   model/decoupled             the decoupled form on top of it
+//   accelerations/simbody       one evaluation of all derivatives of QuadrupedPlant, with contact
+//   accelerations/simbody_bare  Simbody's own call at the same states, without contact; the ratio of
+//                               the two does not depend on the speed of the machine
+//   model/eigen                 QuadrupedModel::Calc: all quantities that controllers need of one state
+//   model/decoupled             the decoupled form, computed from model/eigen
 //   model/simbody               the same quantities as model/eigen from Simbody's operators
 //
-// and one cable of the cable robot by CalcCableStatics, cable/straight, pulley, sag, sag_pulley, over random
-// places of the platform, taut.
+// cable/straight, pulley, sag and sag_pulley: CalcCableStatics for one taut cable of the cable robot, at
+// random poses of the platform.
 //
-// Work against precision: DogBot trots on the spot for a second by joint PD at 1 kHz, in Tenon and in MuJoCo,
-// a row for each setting (trot/ENGINE/SETTING), with
+// Work-precision diagram: DogBot trots on the spot for one second by joint PD at 1 kHz, in Tenon and in
+// MuJoCo, with one row for each setting (trot/ENGINE/SETTING):
 //
 //   x_real_time         simulated time over processor time, the best of five runs
-//   error_mm            largest distance of the trunk, over all ticks, from the same engine at its limit:
-//                       order 5 and rtol = 1e-9 here, RK4 with steps of 1/32 ms there
-//   evaluations_per_ms  of the accelerations
+//   error_mm            largest distance of the trunk, over all ticks, from a reference run of the same
+//   engine:
+//                       order 5 and rtol = 1e-9 in Tenon, RK4 with steps of 1/32 ms in MuJoCo
+//   evaluations_per_ms  evaluations of the accelerations
 //
-// Each engine against its own limit, because their contacts differ: compliant feet with bristle friction
-// here, MuJoCo's soft constraints with its default settings there. So this compares integration, not contact
-// models. Tenon's absolute tolerances are those that QuadrupedPlant recommends, scaled with rtol, but for the
-// bristles', which do not grow.
+// Each engine has its own reference because the contact models differ: compliant feet with bristle friction
+// in Tenon, soft constraints with default settings in MuJoCo. The comparison is one of integration, not of
+// contact models. Tenon's absolute tolerances are those that QuadrupedPlant recommends, scaled with rtol,
+// except that the tolerance of the bristles is never increased.
 
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/plants/cdpr/cable_statics.h>
@@ -49,7 +51,7 @@
 namespace tenon {
 namespace {
 
-/// Runs `call` with another one of a thousand states each time, and counts.
+/// Measures `call`, each time with the next one of a thousand states.
 template <class Call>
 void Measure(benchmark::State& state, const Call& call) {
   using Clock = std::chrono::steady_clock;
@@ -150,13 +152,14 @@ void Simbody(benchmark::State& state) {
 }
 BENCHMARK(Simbody)->Name("model/simbody");
 
-// --- Trot: work against precision -----------------------------------------------------------------------
+// --- Trot: work-precision diagram -----------------------------------------------------------------------
 
 constexpr double kStiffness = 300, kDamping = 8;  // [N m/rad], [N m s/rad]
-constexpr int kTicks = 1000;                      // of 1 ms
-using Path = std::vector<Vec<3>>;                 // of the trunk, at the ticks
+constexpr int kTicks = 1000;                      // ticks of 1 ms
+using Path = std::vector<Vec<3>>;                 // positions of the trunk at the ticks
 
-/// The stance, the legs of one diagonal after the other folded by up to 0.2 rad at the hip in 0.15 s.
+/// Joint angles of the trot: the stance, with the diagonal pairs of legs folded in turn by up to 0.2 rad at
+/// the hip, 0.15 s each.
 Vec<12> Trot(const Vec<12>& stance, double t) {
   Vec<12> q = stance;
   const double wave = std::sin(2 * std::numbers::pi * t / 0.3);
@@ -169,7 +172,7 @@ Vec<12> Trot(const Vec<12>& stance, double t) {
 
 struct Trotting {
   Path path;
-  double seconds = 0;  // of the processor
+  double seconds = 0;  // processor time
   double evaluations = 0;
 };
 

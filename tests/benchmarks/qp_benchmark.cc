@@ -1,49 +1,49 @@
-// The quadratic programmes of the whole-body controller in walks with the plant, at 1 kHz, in sequence:
+// Quadratic programs of the whole-body controller, recorded from walks at 1 kHz and solved in sequence:
 //
-//     qp          DogBot trots on level ground (see trot_recording.h): hardly an inequality is active
-//     qp_k3, k8   the same, with 3 or 8 limits of torque moved past the solution by 0.2 N m
+//     qp          DogBot trots on level ground (see trot_recording.h): few inequalities are active
+//     qp_k3, k8   the problems of qp with 3 or 8 torque limits moved past the solution by 0.2 N m
 //     qp_slip     on blocks with a friction of 0.25 (A6-slippery)
-//     qp_blocks   on blocks, pushed at random, with a friction of 0.4 and believed 30 % heavier (B3-plus)
-//     qp_push     pushed at a knee by 160 N for 0.2 s, counting on a friction of 0.4 (A3-160)
-//     qp_lean     pushed sideways all the time by 60 N, counting on a friction of 0.4 (lateral_push)
-//     qp_stumble  as a guide dog, when the person stumbles and pulls by 150 N more (C1-stumble)
+//     qp_blocks   on blocks, with random pushes, a friction of 0.4 and a model 30 % too heavy (B3-plus)
+//     qp_push     a push of 160 N at a knee for 0.2 s, with an assumed friction of 0.4 (A3-160)
+//     qp_lean     a constant lateral push of 60 N, with an assumed friction of 0.4 (lateral_push)
+//     qp_stumble  a guide dog whose person stumbles and pulls by 150 N more (C1-stumble)
 //
-// and of each
+// Benchmarks of each set:
 //
-//     SET/eliminated            in 12 variables, each one started at the active constraints of the one before
-//     SET/full                  the same in 30 variables
+//     SET/eliminated            12 variables, warm start from the active set of the previous problem
+//     SET/full                  30 variables (FullWholeBodyQp), warm start likewise
 //
-// and of the first
+// Benchmarks of the set qp only:
 //
-//     whole_body_qp/eliminated  with making the problem from the dynamics
-//     whole_body_qp/full
-//     qp/alglib_ipm             in 30 variables, ALGLIB's dense interior point method
-//     qp/alglib_aul             and its augmented Lagrangian, which Morlando 2023 used; both to 1e-6, since
-//                               smaller tolerances take longer and bring them hardly closer
+//     whole_body_qp             12 variables, includes making the problem from the dynamics
+//     qp/alglib_ipm             30 variables, dense interior-point method of ALGLIB
+//     qp/alglib_aul             augmented Lagrangian method of ALGLIB, used in Morlando 2023. Both have a
+//                               tolerance of 1e-6: smaller ones take longer at hardly better precision
 //
-// Counters: median_ns and p99_ns over the problems, each with the least time of all iterations, since what
-// the machine does besides is not the solver's; cold_median_ns and cold_p99_ns of solves without a guess;
-// active, the mean number of active inequalities; iterations a problem; failures. Of the dual active set
-// method kkt, the largest residual of the conditions of Karush, Kuhn and Tucker, relative to the terms that
-// it is made of, and difference, the largest one from the other form's solution, relative to its norm; a
-// benchmark ends in an error if either exceeds 1e-8, or a solve fails. ALGLIB's difference is that from the
-// full problem's solution by the dual active set method.
+// Counters: median_ns and p99_ns over the problems, each with its least time over all iterations, so that
+// other load of the machine does not count; cold_median_ns and cold_p99_ns without a warm start; active, the
+// mean number of active inequalities; iterations per problem; failures. For the dual active set method also
+// kkt, the largest residual of the Karush-Kuhn-Tucker conditions relative to its terms, and difference, the
+// largest relative difference from the solution of the other form. A benchmark fails if one of the two
+// exceeds 1e-8 or a solve fails. The difference of ALGLIB is relative to the solution of the full problem by
+// the dual active set method.
 
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
+#include <tenon/tests/controllers/legged/whole_body/full_whole_body_qp.h>
 #include <tenon/tests/controllers/optimization/kkt_residual.h>
 #include <tenon/tests/controllers/optimization/owned_qp.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 
+#include "least_times.h"
 #include <benchmark/benchmark.h>
 #include <libalglib/optimization.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <functional>
 #include <limits>
 #include <map>
@@ -77,7 +77,7 @@ Sequence Trot() {
   return made;
 }
 
-// What the controller is asked for from tick `first` to `last` of a loop.
+// The inputs of the controller from tick `first` to `last` of a loop.
 template <class Loop>
 Sequence Record(const auto& params, const SimulatorOptions& options, int first, int last) {
   DiagramBuilder builder;
@@ -129,19 +129,13 @@ const Sequence& Walk(const std::string& name) {
   return found != recorded.end() ? found->second : recorded.emplace(name, walks.at(name)()).first->second;
 }
 
-WholeBodyQpParams Params(const Sequence& walk, bool eliminate) {
-  WholeBodyQpParams params = walk.params;
-  params.eliminate = eliminate;
-  return params;
-}
-
 struct Stored : test::OwnedQp {
   using OwnedQp::OwnedQp;
-  Eigen::VectorXd x;  // its solution
+  Eigen::VectorXd x;  // solution of the problem
 };
 
-// Moves `count` limits of torque past the problem's solution, by 0.2 N m, the same of all problems: lower or
-// upper ones of joints on all legs.
+// Moves `count` torque limits past the problem's solution by 0.2 N m. They are lower or upper limits of
+// joints on all legs, and the same in all problems.
 void MoveRows(int count, Stored* qp) {
   constexpr std::array<std::array<int, 2>, 8> kRows{
       {{0, 1}, {3, 2}, {1, 3}, {2, 5}, {0, 5}, {1, 1}, {3, 4}, {2, 0}}};  // legs, limits
@@ -156,20 +150,21 @@ struct Set {
   int moved = 0;
 };
 
-// The problems of a set in one form, with the solutions of solves without a guess.
+// The problems of a set in one form, with their solutions without a warm start.
 std::vector<Stored> MakeProblems(const Set& set, bool eliminate) {
   std::vector<Stored> problems;
   const Sequence& walk = Walk(set.walk);
-  const WholeBodyQpParams params = Params(walk, eliminate);
   WholeBodyQp maker(walk.limit);
-  DualActiveSet solver(30, 60);
+  DualActiveSet solver = test::FullWholeBodySolver();
   for (const auto& [dynamics, task] : walk.tasks) {
     WholeBodySolution solution;
     maker.Solve(dynamics, task, params, &solution);
-    // At touchdown some torques are at their limits already, and the moved ones would contradict those.
+    // At touchdown some torques are at their limits already, and the moved limits would contradict them.
     if (set.moved > 0 && solution.num_active > 0) continue;
-    Stored& qp = problems.emplace_back(maker.problem());
-    qp.x = maker.solver().x();
+    Stored& qp = problems.emplace_back(
+        eliminate ? maker.problem() : test::FullWholeBodyQp(dynamics, task, walk.params, walk.limit).view());
+    solver.Solve(qp.view());
+    qp.x = solver.x();
     if (set.moved == 0) continue;
     MoveRows(set.moved, &qp);
     solver.Solve(qp.view());
@@ -178,34 +173,12 @@ std::vector<Stored> MakeProblems(const Set& set, bool eliminate) {
   return problems;
 }
 
-/// The least time that each problem of a sequence takes.
-class Times {
- public:
-  explicit Times(std::size_t problems) : ns_(problems, std::numeric_limits<double>::infinity()) {}
-  template <class F>
-  auto Measure(std::size_t problem, F&& f) {
-    const auto begin = std::chrono::steady_clock::now();
-    const auto result = f();
-    const std::chrono::duration<double, std::nano> elapsed = std::chrono::steady_clock::now() - begin;
-    ns_[problem] = std::min(ns_[problem], elapsed.count());
-    return result;
-  }
-  void Report(benchmark::State& state, const std::string& prefix = "") {
-    std::sort(ns_.begin(), ns_.end());
-    state.counters[prefix + "median_ns"] = ns_[ns_.size() / 2];
-    state.counters[prefix + "p99_ns"] = ns_[ns_.size() * 99 / 100];
-  }
-
- private:
-  std::vector<double> ns_;
-};
-
 void Solve(benchmark::State& state, const Set& set, bool eliminate) {
   const std::vector<Stored> problems = MakeProblems(set, eliminate), others = MakeProblems(set, !eliminate);
-  DualActiveSet solver(30, 60);
+  DualActiveSet solver = test::FullWholeBodySolver();
   std::vector<int> guess;
   guess.reserve(30);
-  Times warm(problems.size()), cold(problems.size());
+  LeastTimes warm(problems.size()), cold(problems.size());
   long iterations = 0, failures = 0;
   for (auto _ : state) {
     guess.clear();
@@ -243,16 +216,15 @@ void Solve(benchmark::State& state, const Set& set, bool eliminate) {
     state.SkipWithError("a solve failed, or is not the minimum");
 }
 
-void MakeAndSolve(benchmark::State& state, bool eliminate) {
+void MakeAndSolve(benchmark::State& state) {
   const Sequence& walk = Walk("qp");
-  const WholeBodyQpParams params = Params(walk, eliminate);
   WholeBodyQp qp(walk.limit);
   WholeBodySolution solution;
-  Times times(walk.tasks.size());
+  LeastTimes times(walk.tasks.size());
   for (auto _ : state) {
     for (std::size_t k = 0; k < walk.tasks.size(); ++k) {
       const auto& [dynamics, task] = walk.tasks[k];
-      times.Measure(k, [&] { return qp.Solve(dynamics, task, params, &solution); });
+      times.Measure(k, [&] { return qp.Solve(dynamics, task, walk.params, &solution); });
     }
   }
   times.Report(state);
@@ -260,7 +232,7 @@ void MakeAndSolve(benchmark::State& state, bool eliminate) {
 
 void SolveByAlglib(benchmark::State& state, bool interior_point) {
   const std::vector<Stored> problems = MakeProblems({"qp"}, false);
-  Times times(problems.size());
+  LeastTimes times(problems.size());
   long iterations = 0, failures = 0;
   double difference = 0;
   for (auto _ : state) {
@@ -331,8 +303,7 @@ const bool kRegistered = [] {
     Register((name + std::string("/eliminated")).c_str(), 10, Solve, set, true);
     Register((name + std::string("/full")).c_str(), 10, Solve, set, false);
   }
-  Register("whole_body_qp/eliminated", 10, MakeAndSolve, true);
-  Register("whole_body_qp/full", 10, MakeAndSolve, false);
+  Register("whole_body_qp", 10, MakeAndSolve);
   Register("qp/alglib_ipm", 2, SolveByAlglib, true);
   Register("qp/alglib_aul", 2, SolveByAlglib, false);
   return true;

@@ -1,5 +1,5 @@
-// One real-time iteration of the SLQ on the cable robot: 15 kg on four cables, horizon 1 s, along the circle
-// of 0.5 m radius in 10 s. The start is 2 cm off, so that every call has something to do.
+// One real-time iteration of the SLQ on the cable robot: 15 kg on four cables, horizon 1 s, along a circle of
+// 0.5 m radius in 10 s. The start is 2 cm off the path, so that no call starts at the solution.
 
 #include <tenon/controllers/cdpr/cdpr_tracking_problem.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>

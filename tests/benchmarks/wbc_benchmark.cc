@@ -1,18 +1,19 @@
-// What a millisecond of a walk costs: DogBot trots for two seconds, after two in which it gets going, with
-// control and optimisation at 1 kHz.
+// Computing times of one millisecond of a walk. DogBot trots for two seconds, after two seconds of starting,
+// with control and optimization at 1 kHz.
 //
-//   wbc/tick     the whole-body controller: model, task, optimisation, torques
-//   wbc/model    of these the model
-//   loop/BLOCK   each block alone, at every tick with what it reads in the walk; the plant integrated over
-//                the millisecond with the walk's torques, which takes it along the same motion
-//   loop/all     all of it, wired, with a log at 1 kHz; loop/all_unlogged without the log
+//   wbc/tick     the whole-body controller: model, task, optimization, torques
+//   wbc/model    the model of the whole-body controller
+//   loop/BLOCK   one block alone, at each tick with its inputs of the walk; the plant is integrated over the
+//                millisecond with the torques of the walk, along the same motion
+//   loop/all     the whole diagram with a log at 1 kHz; loop/all_unlogged without the log
 //
-// Counters: median_ns, p99_ns and mean_ns of a tick; of the plant, evaluations of its derivatives per ms; of
-// the loop, real_time_factor.
+// Counters: median_ns, p99_ns and mean_ns of a tick; for the plant also evaluations of its derivatives per
+// ms; for the loop also real_time_factor.
 
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 
+#include "least_times.h"
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -26,6 +27,7 @@ namespace tenon {
 namespace {
 
 constexpr int kFirst = 2000, kTicks = 4000;
+constexpr std::size_t kMeasured = kTicks - kFirst;
 
 const test::TrotLoop& Trot() {
   static const test::TrotLoop trot;
@@ -41,37 +43,13 @@ const std::vector<test::TrotTick>& Recording() {
   return ticks;
 }
 
-/// The least time of each tick over the iterations, which do the same every time: what the machine does
-/// besides is not the block's.
-class Times {
- public:
-  template <class F>
-  void Measure(int tick, F&& f) {
-    const auto begin = std::chrono::steady_clock::now();
-    f();
-    const std::chrono::duration<double, std::nano> elapsed = std::chrono::steady_clock::now() - begin;
-    double& least = ns_[static_cast<std::size_t>(tick - kFirst)];
-    least = std::min(least, elapsed.count());
-  }
-  void Report(benchmark::State& state) {
-    std::sort(ns_.begin(), ns_.end());
-    state.counters["median_ns"] = ns_[ns_.size() / 2];
-    state.counters["p99_ns"] = ns_[ns_.size() * 99 / 100];
-    state.counters["mean_ns"] =
-        std::accumulate(ns_.begin(), ns_.end(), 0.0) / static_cast<double>(ns_.size());
-  }
-
- private:
-  std::vector<double> ns_ = std::vector<double>(kTicks - kFirst, 1e300);
-};
-
-/// Ticks a block with its inputs of each tick, as `give(context, block, tick)` sets them.
+/// Measures the ticks of a block, whose inputs are set by `give(context, block, tick)`.
 template <class Block, class Give>
 void Replay(benchmark::State& state, const Block& original, const Give& give) {
   DiagramBuilder builder;
   const Block& block = builder.Add<Block>("block", original.params);
   const auto diagram = builder.BuildWithOpenInputs();
-  Times times;
+  LeastTimes times(kMeasured);
   for (auto _ : state) {
     Simulator simulator(*diagram);
     for (int n = 0; n < kTicks; ++n) {
@@ -80,7 +58,7 @@ void Replay(benchmark::State& state, const Block& original, const Give& give) {
       if (n < kFirst) {
         tick();
       } else {
-        times.Measure(n, tick);
+        times.Measure(static_cast<std::size_t>(n - kFirst), tick);
       }
     }
   }
@@ -180,10 +158,11 @@ void FootSensor(benchmark::State& state) {
 void Model(benchmark::State& state) {
   const QuadrupedModel model(Loop().locomotion.whole_body.params.robot);
   QuadrupedDynamics dynamics;
-  Times times;
+  LeastTimes times(kMeasured);
   for (auto _ : state) {
     for (int n = kFirst; n < kTicks; ++n) {
-      times.Measure(n, [&] { model.Calc(Recording()[static_cast<std::size_t>(n)].state, &dynamics); });
+      times.Measure(static_cast<std::size_t>(n - kFirst),
+                    [&] { model.Calc(Recording()[static_cast<std::size_t>(n)].state, &dynamics); });
       benchmark::DoNotOptimize(dynamics);
     }
   }
@@ -199,7 +178,7 @@ void Plant(benchmark::State& state) {
       });
   builder.Connect(torque, plant.torque);
   const auto diagram = builder.BuildWithOpenInputs();
-  Times times;
+  LeastTimes times(kMeasured);
   long evaluations = 0, measured = 0;
   for (auto _ : state) {
     Simulator simulator(*diagram, test::TrotLoop::Options("plant"));
@@ -207,7 +186,7 @@ void Plant(benchmark::State& state) {
     simulator.RunTo((kFirst - 1) / 1000.0);
     const long before = simulator.statistics().evaluations;
     for (int n = kFirst; n < kTicks; ++n) {
-      times.Measure(n, [&] { simulator.RunTo(n / 1000.0); });
+      times.Measure(static_cast<std::size_t>(n - kFirst), [&] { simulator.RunTo(n / 1000.0); });
     }
     evaluations += simulator.statistics().evaluations - before;
     measured += kTicks - kFirst;
@@ -218,8 +197,8 @@ void Plant(benchmark::State& state) {
   state.counters["evaluations"] = static_cast<double>(evaluations) / static_cast<double>(measured);
 }
 
-/// The run repeats bit for bit, so that each hundredth of a second does the same work every time: of each the
-/// least time over the iterations counts, whatever else the machine does.
+/// The run repeats bit by bit. The least time of each hundredth of a second over the iterations counts, so
+/// that other load of the machine does not count.
 void All(benchmark::State& state, bool logged) {
   constexpr int kChunk = 10;
   std::vector<double> best((kTicks - kFirst) / kChunk, 1e300);

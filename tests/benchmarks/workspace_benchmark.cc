@@ -1,5 +1,5 @@
-// Poses of a cable robot a second, on one core: kinematics, structure matrix, facets and margins at each; and
-// cells with a proof over the whole cell.
+// Poses of a cable robot per second on one core, with kinematics, structure matrix, facets and margins of
+// each pose; and cells per second, with a proof over the whole cell.
 
 #include <tenon/controllers/cdpr/cdpr_workspace.h>
 #include <tenon/plants/robots/load_robot.h>

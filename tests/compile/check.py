@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a user's compiler says and how long it takes, against the installed headers.
+"""Checks the errors and the compile times of users' programs against the installed headers.
 
 usage: check.py errors COMMAND...   every file of errors/ is refused for the reason in its first line, in 10 lines at most
        check.py headers COMMAND...  the headers of headers.txt take no longer than it says, as multiples of <Eigen/Dense>

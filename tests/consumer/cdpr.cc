@@ -20,7 +20,7 @@ int main() {
   const auto diagram = builder.Build();
   tenon::Simulator simulator(*diagram, tenon::RecommendedOptions(loop));
   simulator.RunTo(1);
-  const Eigen::Vector3d p = simulator.context().Eval(loop.plant.platform).p_WB;
+  const Eigen::Vector3d p = simulator.context().Eval(loop.world.plant.platform).p_WB;
   std::printf("the platform hangs at (%.4f, %.4f, %.4f) m\n", p[0], p[1], p[2]);
   return (p - Eigen::Vector3d(0, 0, 2)).norm() < 1e-3 ? 0 : 1;
 }

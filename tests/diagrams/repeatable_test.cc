@@ -55,9 +55,9 @@ Eigen::VectorXd EndOf(Simulator& simulator, double time) {
 }
 
 TEST(RepeatableTest, ThreadsGiveTheNumbersOfOne) {
-  for (const auto& [name, diagram, options] : Cases()) {
+  for (const Case& each : Cases()) {
     const auto run = [&](Eigen::VectorXd* end) {
-      Simulator simulator(*diagram, options);
+      Simulator simulator(*each.diagram, each.options);
       *end = EndOf(simulator, 0.6);
     };
     Eigen::VectorXd alone, first, second;
@@ -65,8 +65,8 @@ TEST(RepeatableTest, ThreadsGiveTheNumbersOfOne) {
     std::thread one(run, &first), two(run, &second);
     one.join();
     two.join();
-    EXPECT_EQ(first, alone) << name;
-    EXPECT_EQ(second, alone) << name;
+    EXPECT_EQ(first, alone) << each.name;
+    EXPECT_EQ(second, alone) << each.name;
   }
 }
 

@@ -62,7 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     simulator.RunTo(0.01);
     return simulator.context().Save();
   }();
-  // The input is what differs from a good one, byte by byte; it may be longer.
+  // The input is the difference to a good one, byte by byte; it may be longer.
   std::vector<std::byte> bytes = kGood;
   bytes.resize(std::max(bytes.size(), kHeader + size));
   for (std::size_t i = 0; i < size; ++i) bytes[kHeader + i] ^= static_cast<std::byte>(data[i]);

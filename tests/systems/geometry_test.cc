@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 namespace tenon::geometry_test {
-namespace {
 
 using ::testing::ElementsAre;
 
@@ -48,24 +47,4 @@ TEST(GeometryTest, ConstantsAndMotionSurviveSaveAndRestore) {
   EXPECT_EQ(geometry[1].kind, ShapeKind::kBox);
 }
 
-TEST(GeometryTest, ShapesSayWhatTheyAre) {
-  const Shape arrow = Shape::Arrow(ShapeRole::kEstimate, "estimate", 0.01);
-  EXPECT_EQ(arrow.kind, ShapeKind::kArrow);
-  EXPECT_EQ(arrow.scale, 0.01);
-  EXPECT_EQ(arrow.q_W, (Vec<4>{1, 0, 0, 0}));
-  EXPECT_TRUE(arrow.visible);
-  const Shape cable = Shape::Segment(ShapeRole::kLine, "cable", 0.02, "N");
-  EXPECT_EQ(cable.size[0], 0.02);
-  EXPECT_EQ(cable.unit, "N");
-  const Shape leg = Shape::Capsule(ShapeRole::kBody, "leg", 0.03, 0.3);
-  EXPECT_EQ(leg.size[1], 0.3);
-  const auto triangle =
-      std::make_shared<const TriangleMesh>(TriangleMesh{{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
-  const Shape mesh = Shape::Mesh(ShapeRole::kBody, "trunk", triangle);
-  EXPECT_EQ(mesh.kind, ShapeKind::kMesh);
-  EXPECT_EQ(mesh.mesh, triangle);
-  EXPECT_EQ(Shape::Trace(ShapeRole::kReference, "path", 0.05).size[0], 0.05);
-}
-
-}  // namespace
 }  // namespace tenon::geometry_test

@@ -12,7 +12,6 @@
 #include <vector>
 
 namespace tenon::allocation_guard_test {
-namespace {
 
 /// A place that the compiler must believe to be read, so that it cannot leave out the allocation.
 void* volatile sink;
@@ -31,13 +30,6 @@ class AllocationGuardTest : public ::testing::Test {
     if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   }
 };
-
-TEST_F(AllocationGuardTest, CountsNothingWhereNothingIs) {
-  const AllocationGuard guard;
-  double buffer[100] = {};
-  sink = buffer;
-  EXPECT_EQ(guard.count(), 0);
-}
 
 TEST_F(AllocationGuardTest, CountsNew) {
   const AllocationGuard guard;
@@ -81,13 +73,6 @@ TEST_F(AllocationGuardTest, LeavesAllocationAsItIs) {
   std::free(zeros);
 }
 
-TEST_F(AllocationGuardTest, CountsEigen) {
-  const AllocationGuard guard;
-  const Eigen::VectorXd vector = Eigen::VectorXd::Zero(100);
-  sink = const_cast<double*>(vector.data());
-  EXPECT_EQ(guard.count(), 1);
-}
-
 TEST_F(AllocationGuardTest, CountsFromItsOwnBeginning) {
   const AllocationGuard outer;
   const auto first = std::make_unique<int>(1);
@@ -121,5 +106,4 @@ TEST(AllocationGuardWithoutCountingTest, CountsZero) {
   EXPECT_EQ(guard.count(), 0);
 }
 
-}  // namespace
 }  // namespace tenon::allocation_guard_test

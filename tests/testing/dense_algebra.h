@@ -2,12 +2,12 @@
 
 #include <Eigen/Core>
 
-// Eigen's decompositions for tests, compiled once and for any size: each of them, of each size and of each
-// expression, would cost the test that calls it seconds of compiling.
+// Eigen's decompositions for tests, compiled once for matrices of any size. Each instance in a test would
+// take seconds to compile.
 
 namespace tenon::test {
 
-/// Of a regular matrix, by LU with partial pivoting.
+/// The inverse of a regular matrix, by LU with partial pivoting.
 Eigen::MatrixXd Inverse(const Eigen::MatrixXd& A);
 
 /// X of A X = B, A square and regular, by LU with partial pivoting.
@@ -15,7 +15,7 @@ Eigen::MatrixXd Solve(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 
 Eigen::VectorXcd Eigenvalues(const Eigen::MatrixXd& A);
 
-/// Of a symmetric matrix: A = V diag(eigenvalues) V', the eigenvalues in ascending order.
+/// Modes of a symmetric matrix A = V diag(eigenvalues) V', the eigenvalues in ascending order.
 struct SymmetricModes {
   explicit SymmetricModes(const Eigen::MatrixXd& A);
 

@@ -28,8 +28,8 @@ Eigen::MatrixXd NumericalJacobian(const F& f, const X& x) {
   return jacobian;
 }
 
-/// Whether `jacobian` is the derivative of f: vector -> vector at x. Each element may be off by
-/// `tolerance` * (1 + its size); if one is off by more, says which is worst.
+/// Checks that `jacobian` is the derivative of f: vector -> vector at x. The error of each element may be
+/// `tolerance` * (1 + its absolute value). The failure message names the worst element.
 ///
 ///     EXPECT_TRUE(IsJacobian(J, [&](const Vec<3>& q) -> Vec<2> { return Foot(q); }, q, 1e-7));
 template <class J, class F, class X>

@@ -7,7 +7,6 @@
 #include <limits>
 
 namespace tenon::derivative_check_test {
-namespace {
 
 using ::testing::HasSubstr;
 
@@ -65,5 +64,4 @@ TEST(DerivativeCheckTest, RefusesNan) {
   EXPECT_THAT(result.message(), HasSubstr("element (1, 1) is nan"));
 }
 
-}  // namespace
 }  // namespace tenon::derivative_check_test

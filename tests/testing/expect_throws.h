@@ -7,8 +7,8 @@
 
 namespace tenon {
 
-/// Whether `call` throws an ErrorType (or what derives from it) whose text holds all the `parts`; if not,
-/// says what happened instead, with the actual text.
+/// Succeeds if `call` throws an ErrorType, or a type derived from it, whose text contains all `parts`. The
+/// failure message says what happened instead, with the actual text.
 ///
 ///     EXPECT_TRUE(Throws<ParameterError>([] { Pd pd({.kp = -1}); }, "kp", "positive"));
 template <class ErrorType = std::exception, class F, class... Parts>

@@ -5,7 +5,6 @@
 #include <gtest/gtest-spi.h>
 
 namespace tenon::expect_throws_test {
-namespace {
 
 using ::testing::HasSubstr;
 
@@ -47,5 +46,4 @@ TEST(ThrowsTest, FailsTheTestWithTheActualText) {
                           "it reads: actual text");
 }
 
-}  // namespace
 }  // namespace tenon::expect_throws_test

@@ -6,7 +6,6 @@
 #include <limits>
 
 namespace tenon::matchers_test {
-namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -71,5 +70,4 @@ TEST(IsNearTest, FailsTheTestReadably) {
                           "whose element (1, 0) is 3 instead of 2, off by 1");
 }
 
-}  // namespace
 }  // namespace tenon::matchers_test

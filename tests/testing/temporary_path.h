@@ -4,17 +4,26 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 
 namespace tenon::test {
 
-/// A path in the temporary directory where nothing is yet, and no other process writes: tests run at once.
-/// Who writes there removes it.
+/// A path in the temporary directory where no file exists and no other process writes: tests may run at the
+/// same time. The caller removes what it writes.
 inline std::filesystem::path TemporaryPath(std::string name) {
   std::replace(name.begin(), name.end(), '/', '_');  // of a test with parameters
   auto path = std::filesystem::temp_directory_path() / (std::to_string(getpid()) + "_" + name);
   std::filesystem::remove_all(path);
   return path;
+}
+
+/// The content of a file; "" if it cannot be read.
+inline std::string FileText(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
 }
 
 }  // namespace tenon::test

@@ -10,7 +10,7 @@
 
 namespace tenon {
 
-/// One block alone, with its inputs in the hands of the test:
+/// Runs one block whose inputs the test sets:
 ///
 ///     TestRig<Pd> rig(PdParams{.kp = 3});
 ///     rig.Fix(rig.system().x, {1, 0}).Fix(rig.system().ref, 2).Tick();
@@ -36,10 +36,10 @@ class TestRig {
 
   /// The block; writable, so that members can be named in `Fix`.
   Block& system() { return *block_; }
-  /// The same: `rig[rig->u]`.
+  /// Access to members of the block: `rig[rig->u]`.
   Block* operator->() { return block_; }
 
-  /// Gives an input a value, from now on.
+  /// Fixes the value of an input.
   template <class T>
   TestRig& Fix(const InputPort<T>& input, const std::type_identity_t<T>& value) {
     context().Set(input, value);
@@ -52,8 +52,8 @@ class TestRig {
     return *this;
   }
 
-  /// The first call does what is due at t = 0, every other one advances to the block's next tick and does
-  /// what is due there: sampled outputs, then updates. Throws RunError if the block has no sample times.
+  /// The first call runs the tick at t = 0; every other call advances to the next tick of the block and runs
+  /// it: sampled outputs, then updates. Throws RunError if the block has no sample times.
   TestRig& Tick() {
     if (!started_) return RunTo(context().time());
     const double next = simulator_->next_tick_time();
@@ -63,8 +63,8 @@ class TestRig {
     }
     return RunTo(next);
   }
-  /// Runs up to and including the tick at `time` [s], or to where a monitor of the block ends the run: what
-  /// it says can be read like any other value.
+  /// Runs up to and including the tick at `time` [s], or to the time at which a monitor of the block ends the
+  /// run; the verdict can be read like any other value.
   TestRig& RunTo(double time) {
     static_cast<void>(simulator_->AdvanceTo(time));
     started_ = true;

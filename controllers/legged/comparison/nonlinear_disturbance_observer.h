@@ -12,7 +12,7 @@
 
 namespace tenon {
 
-/// How the gain matrix Lambda of the observer depends on X, of which publications differ.
+/// Gain matrix Lambda of the observer in terms of X; publications differ.
 enum class NdoReading {
   kM,        ///< Lambda = X M_q^-1
   kInverse,  ///< Lambda = X^-1 M_q^-1
@@ -22,30 +22,31 @@ constexpr auto EnumNames(NdoReading) {
 }
 
 struct NonlinearDisturbanceObserverParams {
-  QuadrupedDescription robot;  ///< what the observer believes
+  QuadrupedDescription robot;  ///< model of the observer
   NdoReading reading = NdoReading::kM;
-  double gain = 10;                  ///< X, the same for all joints [N m s/rad], or its inverse [rad/(N m s)]
-  double min_singular_value = 0.02;  ///< of a leg's Jacobian, as in LegMomentumObserver [m]
+  double gain = 10;                  ///< X of all joints [N m s/rad], or its inverse [rad/(N m s)]
+  double min_singular_value = 0.02;  ///< of a leg's Jacobian, see SolveFootForces [m]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };
 
-/// The nonlinear disturbance observer that Morlando 2023 compares its leg observer with, in the decoupled
-/// coordinates of the legs (DecoupledDynamics),
+/// The nonlinear disturbance observer that Morlando 2023 compares the leg momentum observer with, in the
+/// decoupled coordinates of the legs (DecoupledDynamics):
 ///
 ///     M_q qdd + C_q nu = tau + J_q^T f + F,
 ///     F_hat = z + p,   p = x qd,   Lambda = x M_q^-1,
 ///     z' = -Lambda z + Lambda (C_q nu - tau - J_q^T f - p),
 ///
-/// with x = X or X^-1, so that F_hat' = Lambda (F - F_hat): of first order, as fast as the legs are light. In
-/// steps of h by the implicit rule, stable for all x,
+/// with x = X or X^-1, so that F_hat' = Lambda (F - F_hat), a first-order filter whose bandwidth grows as the
+/// inertia of the legs falls. It is discretised with step h by the implicit Euler method, which is stable for
+/// all x:
 ///
 ///     F_hat[n] = F_hat[n-1] + x (M_q + x h)^-1 (M_q (qd[n] - qd[n-1]) + h (C_q nu - tau - J_q^T f
 ///                - F_hat[n-1])),
 ///
 /// where tau is the torque of the interval and C_q nu - J_q^T f the mean of its ends. The first tick only
-/// remembers, so that it may start on a moving robot. Ports, and what becomes of F_hat at the feet, are as
-/// with LegMomentumObserver of LegDynamics::kThesis.
+/// stores its values, so the observer may start on a moving robot. LegMomentumObserver with
+/// LegDynamics::kThesis has equal ports and converts F_hat to foot forces in the same way.
 ///
 ///     | port        | kind            | type             |
 ///     | state       | input           | LeggedState      |
@@ -59,7 +60,7 @@ class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanc
  public:
   using LeafSystem::LeafSystem;
 
-  /// Of the last tick.
+  /// Values of the last tick.
   struct Memory {
     bool started = false;
     Vec<12> qd = Vec<12>::Zero();
@@ -82,14 +83,15 @@ class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanc
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
-  Parameter<double> gain{this, {"gain"}, params.gain, "X, in N m s/rad, or its inverse"};
-  Parameter<double> min_singular_value{this,
-                                       {"min_singular_value", "m"},
-                                       params.min_singular_value,
-                                       "of a leg's Jacobian; below, its foot force is damped"};
+  Parameter<double> gain{this, {"gain"}, params.gain, "observer gain X [N m s/rad], or its inverse"};
+  Parameter<double> min_singular_value{
+      this,
+      {"min_singular_value", "m"},
+      params.min_singular_value,
+      "lower bound of a leg's singular values, below which its foot force is damped"};
 
-  DiscreteState<Vec<12>> held_torque{this,
-                                     {"held_torque", "N m", kJointElements}};  ///< of the interval that ends
+  DiscreteState<Vec<12>> held_torque{
+      this, {"held_torque", "N m", kJointElements}};  ///< torque of the last interval
   Update<Vec<12>> next_torque{held_torque, Sampled{params.rate}, Uses(torque),
                               [](const Vec<12>& torque) -> const Vec<12>& { return torque; }};
   Scratch<Memory> memory{this, "memory", Memory()};

@@ -11,7 +11,8 @@ void ComObserverGains::Validate() const {
   for (const auto& [name, value] : {std::pair{"force_bandwidth_rad_per_s", force_bandwidth},
                                     std::pair{"torque_bandwidth_rad_per_s", torque_bandwidth}}) {
     Demand(std::isfinite(value) && value > 0,
-           fmt::format("{} = {} must be positive: the estimate would not follow", name, value));
+           fmt::format("{} = {} must be finite and positive; with 0 the estimate stays at its initial value",
+                       name, value));
   }
 }
 
@@ -45,7 +46,7 @@ WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootFor
   }
   if (!before.started || before.force_source != gains.force_source) return memory.estimate;
 
-  // The mean wrench of the interval that ends now.
+  // Mean force and moment over the last interval.
   const Vec<3> change = (memory.linear - before.linear) / period;
   const Vec<3> force = from_imu ? Vec<3>(mass * specific_force_W + change - before.ground)
                                 : Vec<3>(change + weight - (before.ground + memory.ground) / 2);

@@ -13,16 +13,16 @@
 
 namespace tenon {
 
-/// What an observer takes the acceleration of the centre of mass from.
+/// Source of the CoM's acceleration.
 enum class ForceSource {
-  kImu,       ///< the inertial unit of the trunk, and the legs' motion relative to it
-  kMomentum,  ///< the velocity of the centre of mass, which the trunk's must be known for
+  kImu,       ///< the IMU of the trunk, and the CoM's velocity relative to it
+  kMomentum,  ///< the CoM's velocity, which requires the trunk's velocity
 };
 constexpr auto EnumNames(ForceSource) {
   return std::array{Named{ForceSource::kImu, "imu"}, Named{ForceSource::kMomentum, "momentum"}};
 }
 
-/// What is tuned of an observer of the net wrench.
+/// Gains of ComObserver.
 struct ComObserverGains {
   double force_bandwidth = 20;   ///< K_l [rad/s]
   double torque_bandwidth = 20;  ///< K_a [rad/s]
@@ -36,43 +36,43 @@ struct ComObserverGains {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// With these a ComObserver is the centroidal momentum observer of Focchi et al. 2020: force and torque from
-/// the momenta, with gains of 25 and 10 rad/s.
+/// Gains that make ComObserver the centroidal momentum observer of Focchi et al. 2020: force and moment from
+/// the momenta, at 25 and 10 rad/s.
 constexpr ComObserverGains CentroidalMomentumObserver() {
   return {25, 10, ForceSource::kMomentum};
 }
 
 struct ComObserverParams {
-  QuadrupedDescription robot;  ///< what the observer believes
+  QuadrupedDescription robot;  ///< model of the observer
   ComObserverGains gains;
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Estimates the net wrench on a quadruped of everything but gravity and the ground, about its centre of mass
-/// x: the hybrid observer of Morlando 2023, section 2.4.2, in its exact form. With L the angular momentum
-/// about x, and the ground's forces f_i at p_i,
+/// Estimates the net external wrench on a quadruped, without gravity and ground forces, about its centre of
+/// mass x: the hybrid observer of Morlando 2023, section 2.4.2, in exact discrete form. With L the angular
+/// momentum about x, and the ground forces f_i at p_i,
 ///
 ///     tau' = K_a (tau_ext - tau),   tau_ext = L' - sum_i (p_i - x) x f_i              (2.15) to (2.18)
 ///     f'   = K_l (f_ext - f),       f_ext   = m x'' + m g e_z - sum_i f_i             (2.19) to (2.21)
 ///
-/// each first-order filter being exact in time for a wrench that is constant in each interval. Neither L' nor
-/// x'' is differentiated: a filter needs their means over an interval only, and these are differences of
-/// momenta. So tau_ext has the mean (L[n] - L[n-1]) / h minus the mean moment of the ground at the ends.
+/// where each first-order filter is exact in time for a wrench that is constant over each interval. Neither
+/// L' nor x'' is computed by differentiation: the filters need only their means over an interval, which are
+/// differences of momenta. The mean of tau_ext is (L[n] - L[n-1]) / h minus the mean moment of the ground
+/// forces at both ends.
 ///
-/// **Force.** The trunk's velocity is hard to know, but its specific force s is measured at the point I of
-/// the inertial unit, and the centre of mass moves relative to I with a velocity u = x' - v_I that joint
-/// speeds and angular velocity tell. So, from m (v_I' + g e_z) = m R_WB s,
+/// **Force.** The trunk's velocity is poorly known, but the IMU at point I measures its specific force s, and
+/// joint speeds and angular velocity yield the CoM's velocity u = x' - v_I relative to I. From
+/// m (v_I' + g e_z) = m R_WB s follows
 ///
 ///     f_ext = m R_WB s + m u' - sum_i f_i,   the mean of u' being (u[n] - u[n-1]) / h,
 ///
-/// with the inertial unit and the ground at the instant of the unit's sample, the start of the interval: the
-/// shaking of a stiff contact is in both and cancels. No velocity of the trunk, no gravity and no angular
-/// acceleration is needed. `kMomentum` takes the mean of m x'' from x' itself, and that of f_i from both
-/// ends.
+/// with s and f_i at the start of the interval, when s is sampled: vibration of a stiff contact is in both
+/// and cancels. Neither the velocity of the trunk, nor gravity, nor angular acceleration is needed.
+/// `kMomentum` uses the mean of m x'' from x' itself, and the mean of f_i at both ends.
 ///
-/// The ground's forces act where each foot's sphere touches the plane that is told. All forces of the
-/// surroundings are in the wrench, wherever they act; estimates of other observers do not enter.
+/// The ground forces act where each foot's sphere touches the `ground` plane. The wrench contains all
+/// external forces, wherever they act; it does not depend on the estimates of other observers.
 ///
 ///     | port        | kind            | type                                      |
 ///     | state       | input           | LeggedState; v_W is read by kMomentum only |
@@ -82,21 +82,21 @@ struct ComObserverParams {
 ///     | estimate    | output, sampled | WrenchEstimate                            |
 ///     | gains       | parameter       | ComObserverGains                          |
 ///
-/// The estimate depends on the present state and foot forces, and on the inertial unit one tick ago, so that
-/// a controller may use it for the torque of the same tick, which the unit feels at once. Another source of
-/// the force that is set in a run goes on from the present estimate.
+/// The estimate depends on the present state and foot forces and on the IMU sample of the previous tick, so a
+/// controller may use it for the torque of the same tick, which affects the IMU without delay. If
+/// `gains.force_source` changes during a run, the filter continues from the present estimate.
 class ComObserver final : public LeafSystem<ComObserverParams> {
  public:
   using LeafSystem::LeafSystem;
 
-  /// Of the last tick.
+  /// Values of the last tick.
   struct Memory {
     bool started = false;
     ForceSource force_source = ForceSource::kImu;
     Vec<3> linear = Vec<3>::Zero();   ///< m u, or m x' [kg m/s]
     Vec<3> angular = Vec<3>::Zero();  ///< L [kg m^2/s]
-    Vec<3> ground = Vec<3>::Zero();   ///< force [N]
-    Vec<3> moment = Vec<3>::Zero();   ///< of the ground about x [N m]
+    Vec<3> ground = Vec<3>::Zero();   ///< sum of the ground forces [N]
+    Vec<3> moment = Vec<3>::Zero();   ///< of the ground forces about x [N m]
     WrenchEstimate estimate;
 
     static FieldList Fields() {
@@ -115,9 +115,10 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   InputPort<ImuMeasurement> imu{this, {"imu"}};
-  Parameter<ComObserverGains> gains{this, {"gains"}, params.gains, "bandwidths, and the source of the force"};
+  Parameter<ComObserverGains> gains{this, {"gains"}, params.gains, "bandwidths, and source of the force"};
 
-  DiscreteState<Vec<3>> specific_force_W{this, {"specific_force_W", "m/s^2"}};  ///< when the interval began
+  DiscreteState<Vec<3>> specific_force_W{this,
+                                         {"specific_force_W", "m/s^2"}};  ///< at the start of the interval
   Update<Vec<3>> next_specific_force{specific_force_W, Sampled{params.rate}, Uses(state, imu),
                                      [](const LeggedState& state, const ImuMeasurement& imu) -> Vec<3> {
                                        return state.R_WB() * imu.specific_force_B;

@@ -22,7 +22,7 @@ constexpr int Rows(int leg) {
   return Filter::kFeet + 3 * leg;
 }
 
-/// What the sensors say without their biases.
+/// Measurements without the estimated biases.
 struct Unbiased {
   Unbiased(const ContactAidedMean& mean, const ImuMeasurement& inertial)
       : f_B(inertial.specific_force_B - mean.specific_force_bias_B),
@@ -39,9 +39,9 @@ TENON_VECTOR_CLONES void Multiply(const Filter::Covariance& a, const Filter::Cov
 
 void ContactAidedNoise::Validate() const {
   const auto check = [](const char* name, double value) {
-    Demand(
-        std::isfinite(value) && value > 0,
-        fmt::format("noise.{} = {} must be positive: give a perfect sensor a small deviation", name, value));
+    Demand(std::isfinite(value) && value > 0,
+           fmt::format("noise.{} = {} must be finite and positive; use a small value for a perfect sensor",
+                       name, value));
   };
   check("specific_force", specific_force);
   check("angular_velocity", angular_velocity);
@@ -91,7 +91,7 @@ Filter::Covariance PropagationJacobian(const ContactAidedMean& mean, const Conta
   const ContactAidedMean next = Propagate(mean, input, anchored, T, radius, gravity);
   const Unbiased imu(mean, input.inertial);
   const Matrix3d R = mean.R_WB(), up = CrossMatrix(Vec<3>::UnitZ()), normal = CrossMatrix(input.normal_W);
-  // How an error of the rate turns everything in the interval.
+  // Rotation over the interval due to an error of the angular velocity.
   const Matrix3d turned = -T * RotationFromQuaternion(QuaternionProduct(
                                    mean.q_WB, QuaternionFromRotationVector(T / 2 * imu.w_B)));
   Filter::Covariance F = Filter::Covariance::Identity();
@@ -106,7 +106,7 @@ Filter::Covariance PropagationJacobian(const ContactAidedMean& mean, const Conta
   for (int leg = 0; leg < kNumLegs; ++leg) {
     if (!anchored[At(leg)]) continue;
     const Vec<3> turn_W = R * (T * imu.w_B + input.turn_B[At(leg)]);
-    // The normal is the ground's, and does not turn with the error of the attitude.
+    // The ground's normal does not depend on the attitude error.
     F.block<3, 3>(Rows(leg), Filter::kAttitude) = radius * CrossMatrix(turn_W) * normal;
     F.block<3, 3>(Rows(leg), Filter::kRateBias) =
         CrossMatrix(next.feet_W[At(leg)]) * turned + radius * T * normal * R;
@@ -152,7 +152,7 @@ void ContactAidedFilter::Predict(const ContactAidedInput& input, const ContactAi
   Multiply(FP, F_transposed, &covariance);
   mean = Propagate(mean, input, anchored, T, radius, gravity);
 
-  // A sample's noise acts as its bias does, for one tick.
+  // Sensor noise enters like the bias, for one period.
   Eigen::Matrix<double, kErrors, 6, Eigen::DontAlign> G;
   G.leftCols<3>() = noise.specific_force * F.middleCols<3>(kForceBias);
   G.rightCols<3>() = noise.angular_velocity * F.middleCols<3>(kRateBias);
@@ -171,7 +171,7 @@ void ContactAidedFilter::Anchor(int leg, const FootMeasurement& foot) {
   anchored[At(leg)] = true;
   const Matrix3d R = mean.R_WB();
   mean.feet_W[At(leg)] = mean.p_WI + R * foot.p_IF_B;
-  // Its error is that of p, and the measurement's.
+  // The foot's error is the error of p plus the measurement error.
   const FootRow row = covariance.middleRows<3>(kPosition);
   covariance.middleRows<3>(Rows(leg)) = row;
   covariance.middleCols<3>(Rows(leg)) = row.transpose();
@@ -186,7 +186,7 @@ void ContactAidedFilter::Release(int leg) {
 }
 
 int ContactAidedFilter::Correct(const std::array<FootMeasurement, kNumLegs>& feet, double outlier) {
-  // One foot after the other, all linearised at the same mean.
+  // Sequential update by each foot, linearised at one mean.
   const Matrix3d R = mean.R_WB();
   Error error = Error::Zero();
   std::array<bool, kNumLegs> moved{};
@@ -205,7 +205,7 @@ int ContactAidedFilter::Correct(const std::array<FootMeasurement, kNumLegs>& fee
       continue;
     }
     error += HP.transpose() * weighted;
-    const FootRow half = llt.matrixL().solve(HP);  // P -= HP^T S^-1 HP, symmetric as it is computed
+    const FootRow half = llt.matrixL().solve(HP);  // P -= HP^T S^-1 HP, symmetric by construction
     covariance -= half.transpose().lazyProduct(half);
   }
   mean = Plus(mean, error);

@@ -11,15 +11,15 @@
 
 namespace tenon {
 
-/// What the filter believes of its sensors and of the ground, as standard deviations per axis.
+/// Noise model of ContactAidedFilter: standard deviations per axis.
 struct ContactAidedNoise {
   double specific_force = 0.05;              ///< white, per sample [m/s^2]
   double angular_velocity = 0.005;           ///< white, per sample [rad/s]
   double specific_force_bias_walk = 1e-4;    ///< [m/s^2 after 1 s, growing with sqrt(t)]
   double angular_velocity_bias_walk = 1e-5;  ///< [rad/s after 1 s, growing with sqrt(t)]
   double encoder = 1e-4;                     ///< white, per sample [rad]
-  double foot = 5e-4;       ///< of a foot's place against the leg's kinematics, white, per sample [m]
-  double foot_walk = 2e-3;  ///< what a standing foot wanders [m after 1 s, growing with sqrt(t)]
+  double foot = 5e-4;                        ///< foot position by the leg's kinematics, white, per sample [m]
+  double foot_walk = 2e-3;                   ///< drift of a stance foot [m after 1 s, growing with sqrt(t)]
 
   static FieldList Fields() {
     using N = ContactAidedNoise;
@@ -31,11 +31,12 @@ struct ContactAidedNoise {
             {"foot", &N::foot, "m"},
             {"foot_walk", &N::foot_walk, "m/sqrt(s)"}};
   }
-  /// Throws ParameterError unless the deviations are finite and positive (a perfect sensor has a small one).
+  /// Throws ParameterError unless all deviations are finite and positive; use a small value for a perfect
+  /// sensor.
   void Validate() const;
 };
 
-/// Mean of the estimate. I is where the IMU sits, with the trunk's axes; W is the world, z up.
+/// Mean of the estimate. I is the IMU's frame, with the trunk's axes; W is the world, z up.
 struct ContactAidedMean {
   Vec<3> p_WI = Vec<3>::Zero();                     ///< [m]
   Vec<3> v_WI = Vec<3>::Zero();                     ///< [m/s]
@@ -56,42 +57,43 @@ struct ContactAidedMean {
   }
 };
 
-/// What one tick brings, besides its length.
+/// Inputs of one prediction step.
 struct ContactAidedInput {
-  ImuMeasurement inertial;              ///< at the beginning of the interval, in the trunk's axes
-  std::array<Vec<3>, kNumLegs> turn_B;  ///< of the shanks against the trunk, as rotation vectors [rad]
-  Vec<3> normal_W{0, 0, 1};             ///< of the ground
+  ImuMeasurement inertial;  ///< at the start of the interval, in the trunk's axes
+  std::array<Vec<3>, kNumLegs>
+      turn_B;                ///< rotation of the shanks relative to the trunk, as rotation vectors [rad]
+  Vec<3> normal_W{0, 0, 1};  ///< unit normal of the ground
 };
 
-/// Where a foot is, from its leg's joints.
+/// Position of a foot from its leg's joint angles.
 struct FootMeasurement {
-  Vec<3> p_IF_B;               ///< from the IMU to the centre of the sphere, in the trunk's axes [m]
+  Vec<3> p_IF_B;               ///< centre of the foot's sphere from the IMU, in the trunk's axes [m]
   Eigen::Matrix3d covariance;  ///< [m^2]
 };
 
-/// Kalman filter on IMU and legs: Bloesch et al. 2012, "State estimation for legged robots: consistent fusion
-/// of leg kinematics and IMU", in which places of standing feet are part of the state, so that a foot which
-/// stands still tells of the trunk's motion and not of its place. With f = f_read - b_f, w = w_read - b_w,
-/// period T and a = R f + g, one tick is
+/// Extended Kalman filter on IMU and leg kinematics (Bloesch et al. 2012, "State estimation for legged
+/// robots: consistent fusion of leg kinematics and IMU"). The positions of stance feet are part of the state,
+/// so that a stance foot measures the trunk's motion and not its absolute position. With f = f_read - b_f, w
+/// = w_read - b_w, period T and a = R f + g, the prediction is
 ///
 ///     p += T v + T^2/2 a,   v += T a,   R <- R exp([T w]x),   p_i += rho (R (T w + turn_i)) x n
 ///
-/// The last says that a standing foot, a sphere of radius rho on ground with the normal n, rolls with its
-/// shank: it is the point in contact that stands still and not the centre. A foot that is anchored is
-/// measured by
+/// The last equation states that a stance foot, a sphere of radius rho on ground with normal n, rolls with
+/// its shank: its contact point is at rest, not its centre. An anchored foot is measured by
 ///
 ///     0 = p_i - p - R y_i + noise,   y_i the place from the joints;
 ///
-/// a foot that is not has no part in the estimate, and no covariance.
+/// and other feet are not part of the estimate and have no covariance.
 ///
 /// The error (xi_p, xi_v, theta, db_f, db_w, xi_1 ... xi_4) is the right-invariant one of Hartley et al.
 /// 2020, "Contact-aided invariant extended Kalman filtering": with E = exp([theta]x),
 ///
 ///     R = E R_hat,   p = E p_hat + xi_p,   v = E v_hat + xi_v,   p_i = E p_hat_i + xi_i,   b = b_hat + db.
 ///
-/// In it the measurement is linear, and what cannot be seen, position and yaw, stays so: with plain
-/// differences the filter thinks its velocity 1.6 times as good as it is after a start with 1 degree of tilt.
-/// Nothing is known of the height of the ground; the errors of position and yaw grow, slowly.
+/// With this error the measurement is linear, and the unobservable position and yaw stay unobservable. With
+/// the plain difference as error, the filter underestimates its velocity deviation by a factor of 1.6 after a
+/// start with a tilt error of 1 degree. The height of the ground is unknown; the errors of position and yaw
+/// grow slowly.
 struct ContactAidedFilter {
   static constexpr int kPosition = 0, kVelocity = 3, kAttitude = 6, kForceBias = 9, kRateBias = 12,
                        kFeet = 15, kErrors = kFeet + 3 * kNumLegs;
@@ -103,21 +105,22 @@ struct ContactAidedFilter {
   Covariance covariance = Covariance::Zero();
   std::array<bool, kNumLegs> anchored{};
 
-  /// Starts with errors of p, v, attitude and biases that know nothing of each other, with these standard
-  /// deviations; no foot is anchored.
+  /// Starts with uncorrelated errors of p, v, attitude, b_f and b_w with these standard deviations, and no
+  /// anchored foot.
   void Start(const ContactAidedMean& mean, const Eigen::Matrix<double, 5, 1>& deviation);
-  /// The covariance of p - p_hat [m^2], and that of v - v_hat [m^2/s^2].
+  /// Covariances of p - p_hat [m^2] and v - v_hat [m^2/s^2].
   Eigen::Matrix3d PositionCovariance() const { return PlainCovariance(kPosition, mean.p_WI); }
   Eigen::Matrix3d VelocityCovariance() const { return PlainCovariance(kVelocity, mean.v_WI); }
-  /// One tick of length T [s] on.
+  /// Advances the estimate by the period T [s].
   void Predict(const ContactAidedInput& input, const ContactAidedNoise& noise, double T, double radius,
                double gravity);
-  /// From now on the foot stands where the joints say that it is.
+  /// Adds a foot to the estimate, at the measured position.
   void Anchor(int leg, const FootMeasurement& foot);
-  /// The foot leaves the ground, and the estimate.
+  /// Removes a foot from the estimate.
   void Release(int leg);
-  /// Corrects by all anchored feet. One whose squared Mahalanobis distance is above `outlier` has slipped or
-  /// was lifted: it is anchored anew where it is. Returns how many.
+  /// Corrects the estimate by all anchored feet. A foot whose squared Mahalanobis distance exceeds `outlier`
+  /// has slipped or was lifted and is anchored again at its measured position. Returns the number of such
+  /// feet.
   int Correct(const std::array<FootMeasurement, kNumLegs>& feet, double outlier);
 
   static FieldList Fields() {
@@ -130,19 +133,19 @@ struct ContactAidedFilter {
   Eigen::Matrix3d PlainCovariance(int rows, const Vec<3>& value) const;
 };
 
-/// The mean with an error added, as the error is defined.
+/// The mean corrected by an error, see ContactAidedFilter.
 ContactAidedMean Plus(const ContactAidedMean& mean, const ContactAidedFilter::Error& error);
-/// The mean one tick on. Feet that are not `anchored` stay.
+/// The mean after one period T [s]. Feet that are not `anchored` do not move.
 ContactAidedMean Propagate(const ContactAidedMean& mean, const ContactAidedInput& input,
                            const std::array<bool, kNumLegs>& anchored, double T, double radius,
                            double gravity);
-/// The derivative of its error by the error before, to second order in T w; feet that are not `anchored` have
-/// none.
+/// Derivative of the error after Propagate() with respect to the error before, to second order in T w; zero
+/// rows for feet that are not `anchored`.
 ContactAidedFilter::Covariance PropagationJacobian(const ContactAidedMean& mean,
                                                    const ContactAidedInput& input,
                                                    const std::array<bool, kNumLegs>& anchored, double T,
                                                    double radius, double gravity);
-/// p_i - p - R y; its derivative by the error is that of xi_i - xi_p where it is 0.
+/// p_i - p - R y [m]. Where it is 0, its derivative with respect to the error equals that of xi_i - xi_p.
 Vec<3> FootResidual(const ContactAidedMean& mean, int leg, const Vec<3>& p_IF_B);
 
 }  // namespace tenon

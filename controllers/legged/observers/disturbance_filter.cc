@@ -18,7 +18,7 @@ namespace {
 std::string Text(const std::vector<std::complex<double>>& poles) {
   std::vector<std::string> texts;
   for (const std::complex<double>& pole : poles) {
-    if (pole.imag() < 0) continue;  // told with its conjugate
+    if (pole.imag() < 0) continue;  // listed with its conjugate
     texts.push_back(pole.imag() == 0 ? fmt::format("{:.3g}", pole.real())
                                      : fmt::format("{:.3g} ± {:.3g}i", pole.real(), pole.imag()));
   }
@@ -41,9 +41,9 @@ std::vector<double> GainsOfPolynomial(const std::vector<double>& coefficients) {
 
 std::vector<double> ButterworthGains(int order, double bandwidth) {
   Demand(order >= 1 && order <= kMaxEstimatorOrder,
-         fmt::format("an estimator of order {}: give 1 to {}", order, kMaxEstimatorOrder));
+         fmt::format("the order of the estimator is {} but must be from 1 to {}", order, kMaxEstimatorOrder));
   Demand(std::isfinite(bandwidth) && bandwidth > 0,
-         fmt::format("an estimator of {} rad/s: its bandwidth must be positive", bandwidth));
+         fmt::format("the bandwidth of the estimator is {} rad/s but must be positive", bandwidth));
   const double step = std::numbers::pi / (2 * order);
   std::vector<double> gains;
   for (int i = 1; i <= order; ++i) gains.push_back(bandwidth * std::sin(i * step) / std::cos((i - 1) * step));
@@ -58,7 +58,7 @@ std::vector<std::complex<double>> EstimatorPoles(const std::vector<double>& gain
 
 double NoiseBandwidth(const std::vector<double>& gains) {
   DemandHurwitz(gains);
-  // The covariance P of gamma under white noise, A P + P A^T + b b^T = 0, as linear equations of its entries.
+  // The covariance P of gamma under white noise solves A P + P A^T + b b^T = 0, linear in its entries.
   const Eigen::MatrixXd A = EstimatorMatrix(gains);
   const Eigen::Index r = A.rows();
   Eigen::MatrixXd equations = Eigen::MatrixXd::Zero(r * r, r * r);
@@ -73,7 +73,7 @@ double NoiseBandwidth(const std::vector<double>& gains) {
 
 void DemandHurwitz(const std::vector<double>& gains) {
   Demand(!gains.empty() && gains.size() <= std::size_t{kMaxEstimatorOrder},
-         fmt::format("{} gains for an estimator: give K_1 to K_r, r from 1 to {}", gains.size(),
+         fmt::format("the estimator has {} gains: give K_1 to K_r with r from 1 to {}", gains.size(),
                      kMaxEstimatorOrder));
   const std::string list = fmt::format("{}", fmt::join(gains, ", "));
   Demand(std::all_of(gains.begin(), gains.end(), [](double gain) { return std::isfinite(gain); }),
@@ -104,7 +104,7 @@ Eigen::MatrixXd EstimatorMatrix(const std::vector<double>& gains) {
 DisturbanceFilter::DisturbanceFilter(const std::vector<double>& gains, double period) {
   DemandHurwitz(gains);
   const auto r = static_cast<Eigen::Index>(gains.size());
-  // exp of [[A, b], [0, 0]] T holds the transition and the input's integral.
+  // exp([[A, b], [0, 0]] T) contains the transition matrix and the integrated input matrix.
   Eigen::MatrixXd augmented = Eigen::MatrixXd::Zero(r + 1, r + 1);
   augmented.topLeftCorner(r, r) = period * EstimatorMatrix(gains);
   augmented(0, r) = period * gains.front();

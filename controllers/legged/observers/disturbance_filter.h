@@ -10,31 +10,31 @@
 
 namespace tenon {
 
-/// The gains K_1 ... K_r [1/s] of the linear estimator that momentum-based observers are made of (Morlando
-/// 2023, eqs. (2.9) to (2.13)). Of a disturbance F it makes F_hat = gamma_r with
+/// Maximum order r of the linear estimator in momentum-based observers (Morlando 2023, eqs. (2.9) to (2.13)).
+/// With gains K_1 ... K_r [1/s] it estimates a disturbance F by F_hat = gamma_r,
 ///
 ///     gamma_1' = K_1 (F - gamma_r),   gamma_i' = K_i (gamma_(i-1) - gamma_r),   i = 2 ... r,
 ///
-/// that is F_hat / F = c_0 / (s^r + c_(r-1) s^(r-1) + ... + c_0) with c_j = K_(j+1) K_(j+2) ... K_r. (The
-/// thesis prints its gains in the opposite order, with which the estimate diverges.)
+/// which is F_hat / F = c_0 / (s^r + c_(r-1) s^(r-1) + ... + c_0) with c_j = K_(j+1) K_(j+2) ... K_r. (The
+/// thesis prints its gains in reverse order, with which the estimate diverges.)
 inline constexpr int kMaxEstimatorOrder = 12;
 
 /// The gains of a polynomial c_0, ..., c_(r-1), the leading coefficient being 1: K_(j+1) = c_j / c_(j+1).
-/// Throws ParameterError for what DemandHurwitz refuses.
+/// Throws ParameterError under the conditions of DemandHurwitz.
 std::vector<double> GainsOfPolynomial(const std::vector<double>& coefficients);
 
-/// Butterworth's polynomial: flat up to the bandwidth w [rad/s], where a sine has lost 3 dB,
+/// Gains of a Butterworth filter with the cut-off frequency w [rad/s], where the gain has dropped by 3 dB:
 ///
 ///     K_i = w sin(i pi / 2r) / cos((i - 1) pi / 2r);
 ///
-/// order 1 is the low-pass of gain w, order 3 is (w/2, w, 2w). Throws ParameterError unless the order is from
+/// (w) for order 1, (w/2, w, 2w) for order 3. Throws ParameterError unless the order is from
 /// 1 to kMaxEstimatorOrder and the bandwidth positive.
 std::vector<double> ButterworthGains(int order, double bandwidth);
 
-/// An estimator by its order and bandwidth, see ButterworthGains.
+/// Order and bandwidth of an estimator designed by ButterworthGains.
 struct ButterworthDesign {
   int order = 1;           ///< of the estimator
-  double bandwidth = 100;  ///< where its gain has fallen by 3 dB [rad/s]
+  double bandwidth = 100;  ///< cut-off frequency, at -3 dB [rad/s]
 
   static FieldList Fields() {
     return {Required("order", &ButterworthDesign::order),
@@ -45,42 +45,42 @@ struct ButterworthDesign {
 /// The roots of the characteristic polynomial [1/s].
 std::vector<std::complex<double>> EstimatorPoles(const std::vector<double>& gains);
 
-/// The noise-equivalent bandwidth [Hz]: white noise of density S comes out with a variance of S times this,
-/// half the integral of the squared impulse response. K / 4 for order 1.
+/// The noise-equivalent bandwidth [Hz], half the integral of the squared impulse response: white noise of
+/// one-sided density S yields an estimate with variance S times this bandwidth. K / 4 for order 1.
 double NoiseBandwidth(const std::vector<double>& gains);
 
-/// Throws ParameterError, with the roots, unless all of them lie in the left half-plane; and if there are no
-/// gains, too many, or some are not finite.
+/// Throws ParameterError if there are no gains or more than kMaxEstimatorOrder, if one is not finite, or if a
+/// pole of the estimator is not in the left half-plane; the message lists the poles.
 void DemandHurwitz(const std::vector<double>& gains);
 
-/// A of gamma' = A gamma + (K_1, 0, ..., 0) F, the estimator above.
+/// System matrix A of the estimator gamma' = A gamma + (K_1, 0, ..., 0) F.
 Eigen::MatrixXd EstimatorMatrix(const std::vector<double>& gains);
 
-/// That estimator in samples: exact for a disturbance that is constant over each
-/// interval, and so in the mean for any other, by the matrix exponential, which is computed once.
+/// The estimator in discrete time, by the matrix exponential: exact for a disturbance that is constant over
+/// each interval.
 class DisturbanceFilter {
  public:
-  /// gamma_1 ... gamma_r of N disturbances, in columns; the last is the estimate.
+  /// State of N estimators: columns gamma_1 ... gamma_r, of which the last is the estimate.
   template <int N>
   using Memory = Eigen::Matrix<double, N, Eigen::Dynamic, Eigen::DontAlign, N, kMaxEstimatorOrder>;
 
-  /// Not a filter yet: good to be assigned to.
+  /// An empty filter, to be assigned to.
   DisturbanceFilter() = default;
-  /// `period` in s. Throws what DemandHurwitz throws.
+  /// `period` in s. Throws ParameterError under the conditions of DemandHurwitz.
   DisturbanceFilter(const std::vector<double>& gains, double period);
 
   template <int N>
   Memory<N> Start() const {
     return Memory<N>::Zero(N, input_.size());
   }
-  /// The memory of a filter of another order goes on in this one, at rest at its estimate.
+  /// Adapts the state of a filter of another order to this one, at rest at its estimate.
   template <int N>
   void Fit(Memory<N>* memory) const {
     if (memory->cols() == input_.size()) return;
     const Vec<N> estimate = Estimate<N>(*memory);
     *memory = estimate.replicate(1, input_.size());
   }
-  /// Past an interval with the mean disturbance `mean`; no allocation.
+  /// Advances the state by one interval with the mean disturbance `mean`. Does not allocate.
   template <int N>
   void Advance(const Vec<N>& mean, Memory<N>* memory) const {
     const Memory<N> before = *memory;

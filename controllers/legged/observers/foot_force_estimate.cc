@@ -7,7 +7,7 @@ FootForces FootForceEstimate::CalcForces(const FootForces& shank, const JointMot
   const Eigen::Matrix3d R_WB = RotationFromQuaternion(q_WB);
   FootForces forces_W;
   for (int leg = 0; leg < kNumLegs; ++leg)
-    forces_W[leg] = R_WB * (params.robot.ShankRotation(leg, joints.q) * shank[leg]);
+    forces_W[leg] = R_WB * (params.robot.PoseOfLeg(leg, joints.q).R_BJ[kJointsPerLeg - 1] * shank[leg]);
   return forces_W;
 }
 

@@ -11,12 +11,12 @@ namespace tenon {
 struct FootForceEstimateParams {
   QuadrupedDescription robot;
   Rate rate = Hz(1000);
-  Vec<4> initial_q_WB{1, 0, 0, 0};  ///< attitude until the first estimate
+  Vec<4> initial_q_WB{1, 0, 0, 0};  ///< attitude at the first tick
 };
 
-/// The forces on the feet in the world's axes, from sensors in the shanks: f_W = R_WB R_BJ(q) f_J, with the
-/// estimated attitude of the tick before, since the estimate of this one depends on which feet stand, and
-/// that on the forces.
+/// Foot forces in the axes of W from force sensors in the shanks: f_W = R_WB R_BJ(q) f_J. R_WB is the
+/// estimated attitude of the previous tick, since the estimate of this tick depends on which feet stand, and
+/// these depend on the forces.
 ///
 ///     | port   | kind            | type                                              |
 ///     | shank  | input           | FootForces, each in the axes of its last body [N] |

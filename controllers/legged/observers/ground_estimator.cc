@@ -9,7 +9,7 @@
 namespace tenon {
 namespace {
 
-constexpr double kAnyHeight = 1e3;  // standard deviation of the first foothold's [m]
+constexpr double kAnyHeight = 1e3;  // standard deviation of the height before the first foothold [m]
 
 Eigen::Matrix3d Unpacked(const Vec<6>& c) {
   Eigen::Matrix3d P;
@@ -23,7 +23,7 @@ Vec<6> Packed(const Eigen::Matrix3d& P) {
   return c;
 }
 
-/// The filter's step to a foothold: height and slope are seen from there, have wandered, and are corrected.
+/// Prediction and correction at a foothold; the plane's reference point moves there.
 void Correct(const Vec<3>& foothold_W, const GroundBelief& belief, double roughness,
              GroundEstimator::Memory& memory) {
   GroundPlane& plane = memory.plane;
@@ -51,11 +51,12 @@ void GroundBelief::Validate() const {
   for (const auto& [name, value] :
        {std::pair{"roughness", roughness}, std::pair{"start_roughness", start_roughness}})
     Demand(std::isfinite(value) && value > 0,
-           fmt::format("{} = {} m must be positive: four feet are never quite in a plane", name, value));
+           fmt::format("{} = {} m must be finite and positive: four feet never lie exactly in a plane", name,
+                       value));
   for (const auto& [name, value] : {std::pair{"level_walk", level_walk}, std::pair{"slope_walk", slope_walk},
                                     std::pair{"doubt", doubt}, std::pair{"start_slope", start_slope}})
     Demand(std::isfinite(value) && value >= 0,
-           fmt::format("{} = {} must be finite and not negative; 0 stays as it is", name, value));
+           fmt::format("{} = {} must be finite and at least 0; 0 turns it off", name, value));
 }
 
 void GroundEstimatorParams::Validate() const {

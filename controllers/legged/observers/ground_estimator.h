@@ -13,14 +13,14 @@
 
 namespace tenon {
 
-/// What an estimator believes of the ground, as standard deviations.
+/// Noise model of GroundEstimator: standard deviations.
 struct GroundBelief {
-  double roughness = 0.03;         ///< of single footholds from the plane: of blocks of 3 cm, say [m]
-  double level_walk = 0.02;        ///< by how much the plane's height changes from foothold to foothold [m]
-  double slope_walk = 0.003;       ///< and its slope, along each axis
-  double start_slope = 1;          ///< of the slope where the walk begins,
-  double start_roughness = 0.005;  ///< and of the ground there, on which the robot was put down [m]
-  double doubt = 3;                ///< a slope of fewer of its own deviations is told as level
+  double roughness = 0.03;         ///< height of a foothold above the plane, 3 cm for blocks [m]
+  double level_walk = 0.02;        ///< change of the plane's height from foothold to foothold [m]
+  double slope_walk = 0.003;       ///< change of its slope from foothold to foothold, along each axis
+  double start_slope = 1;          ///< slope at the start of the walk
+  double start_roughness = 0.005;  ///< roughness of the first footholds [m]
+  double doubt = 3;                ///< dead band of the output slope, in standard deviations of the slope
 
   static FieldList Fields() {
     return {{"roughness_m", &GroundBelief::roughness},
@@ -30,7 +30,8 @@ struct GroundBelief {
             {"start_roughness_m", &GroundBelief::start_roughness},
             {"doubt", &GroundBelief::doubt}};
   }
-  void Validate() const;  ///< throws ParameterError unless roughness is positive and the rest not negative
+  void Validate()
+      const;  ///< throws ParameterError unless both roughnesses are positive and the rest is at least 0
 };
 
 struct GroundEstimatorParams {
@@ -40,15 +41,16 @@ struct GroundEstimatorParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Feels the slope of the ground by the feet: a Kalman filter on height and slope of a plane, measured by the
-/// lowest place, along its normal, of each foot that comes to stand,
+/// Estimates the slope of the ground from the footholds by a Kalman filter on the height and the slope of a
+/// plane. The measurements are the lowest points, along the plane's normal, of feet at touchdown,
 ///
 ///     z_i = h + s . (p_i - p) + roughness,    h and s wander from one foothold to the next,
 ///
-/// so that what single blocks have in height is averaged out, and a ramp is not. The slope that is told is (1
-/// - (doubt sigma / |s|)^2)+ s with the filter's deviation sigma of s, after James and Stein: on blocks,
-/// footholds at a slope that is none would be late or early at every step. The plane that is told has this
-/// slope and goes through the middle of the feet that stand; it stays while none does.
+/// so that the heights of single blocks average out and a ramp does not. The slope of the output is
+/// (1 - (doubt sigma / |s|)^2)+ s, with the filter's standard deviation sigma of s (a James-Stein shrinkage):
+/// a slope that is estimated wrongly on blocks would make touchdowns late or early at every step. The output
+/// plane has this slope and passes through the centroid of the stance feet; it stays constant while no foot
+/// stands.
 ///
 ///     | port     | kind            | type            |
 ///     | state    | input           | LeggedState     |
@@ -59,13 +61,13 @@ class GroundEstimator final : public LeafSystem<GroundEstimatorParams> {
  public:
   using LeafSystem::LeafSystem;
 
-  /// What the estimator remembers.
+  /// Memory of the estimator.
   struct Memory {
     bool started = false;
-    std::array<bool, kNumLegs> stood{};  ///< at the last tick
-    GroundPlane plane;                   ///< of the filter, p_W the last foothold's place
+    std::array<bool, kNumLegs> stood{};  ///< stance feet of the last tick
+    GroundPlane plane;                   ///< estimate of the filter; p_W is the last foothold
     Vec<6> covariance = Vec<6>::Zero();  ///< of (height, slope): hh, hx, hy, xx, xy, yy
-    GroundPlane told;
+    GroundPlane told;                    ///< output of the last tick
 
     static FieldList Fields() {
       return {{"started", &Memory::started},
@@ -78,8 +80,7 @@ class GroundEstimator final : public LeafSystem<GroundEstimatorParams> {
 
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<ContactSchedule> schedule{this, {"schedule"}};
-  Parameter<GroundBelief> belief{
-      this, {"belief"}, params.belief, "how rough the ground is, and how it changes"};
+  Parameter<GroundBelief> belief{this, {"belief"}, params.belief, "noise model of the ground"};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<GroundPlane> ground{this,
                                  {"ground"},

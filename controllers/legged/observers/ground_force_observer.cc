@@ -8,16 +8,15 @@
 namespace tenon {
 void ContactThresholds::Validate() const {
   Demand(std::isfinite(touch) && leave > 0 && leave < touch,
-         fmt::format("leave = {} must be positive and below touch = {}: a foot would come and go", leave,
-                     touch));
+         fmt::format("leave = {} must be positive and below touch = {}, for hysteresis", leave, touch));
 }
 
 void GroundForceObserverParams::Validate() const {
   Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-  Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
+  Demand(gravity > 0, fmt::format("gravity = {} m/s^2 must be positive", gravity));
   thresholds.Validate();
   Demand(std::isfinite(min_singular_value) && min_singular_value > 0,
-         fmt::format("min_singular_value = {} m must be positive: a straight leg has no inverse",
+         fmt::format("min_singular_value = {} m must be finite and positive, or a straight leg is singular",
                      min_singular_value));
 }
 

@@ -13,10 +13,10 @@
 
 namespace tenon {
 
-/// When a foot stands, by the part of its force that presses it on the ground, over the robot's weight.
+/// Hysteresis of the stance detection, in normal force over the robot's weight.
 struct ContactThresholds {
-  double touch = 0.12;  ///< a foot with more has touched down: no push of 20 N on a knee of 21 kg looks so
-  double leave = 0.04;  ///< and one with less has left
+  double touch = 0.12;  ///< touchdown above this ratio; exceeds a 20 N push on the knee of a 21 kg robot
+  double leave = 0.04;  ///< lift-off below this ratio
 
   static FieldList Fields() {
     return {{"touch_weight_ratio", &ContactThresholds::touch},
@@ -26,26 +26,26 @@ struct ContactThresholds {
 };
 
 struct GroundForceObserverParams {
-  QuadrupedDescription robot;  ///< what the observer believes
+  QuadrupedDescription robot;  ///< model of the observer
   ContactThresholds thresholds = {};
   double gravity = kGravity;         ///< [m/s^2]
-  double min_singular_value = 0.02;  ///< of a leg's Jacobian, as in LegMomentumObserver [m]
+  double min_singular_value = 0.02;  ///< of a leg's Jacobian, see SolveFootForces [m]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };
 
-/// The forces of the ground of a robot without sensors in its feet: what acts on the joints of its legs, as a
-/// leg observer that knows of no foot forces tells it, taken for a force F_i where the foot touches the
-/// ground,
+/// Ground forces of a robot without foot sensors. The joint torques F_i of a leg observer that knows no foot
+/// forces are attributed to a force at the foot's contact point,
 ///
-///     J_leg^T f_i = F_i,
+///     J_leg^T f_i = F_i
 ///
-/// of the legs that stand, zero of the others. A foot stands from when f_i . n rises above `touch` until it
-/// falls below `leave`. Whatever else pushes a standing leg is in its force, and nobody can tell it apart.
+/// for stance legs; forces of swing legs are zero. A foot stands from when f_i . n rises above `touch` until
+/// it falls below `leave`. Other external forces on a standing leg cannot be distinguished from its ground
+/// force and are part of it.
 ///
 ///     | port       | kind            | type                                                              |
 ///     | state      | input           | LeggedState                                                       |
-///     | leg_forces | input           | LegForceEstimate of a LegMomentumObserver told of no foot forces  |
+///     | leg_forces | input           | LegForceEstimate of a LegMomentumObserver without foot forces     |
 ///     | ground     | input           | GroundPlane; level if not connected                               |
 ///     | forces     | output, sampled | FootForces in W [N]                                               |
 ///     | thresholds | parameter       | ContactThresholds                                                 |
@@ -60,7 +60,8 @@ class GroundForceObserver final : public LeafSystem<GroundForceObserverParams> {
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
-  Parameter<ContactThresholds> thresholds{this, {"thresholds"}, params.thresholds, "when a foot stands"};
+  Parameter<ContactThresholds> thresholds{
+      this, {"thresholds"}, params.thresholds, "hysteresis of the stance detection"};
   Scratch<std::array<bool, kNumLegs>> stands{this, "stands", {true, true, true, true}};
   OutputPort<FootForces> forces{this,
                                 {"forces"},

@@ -15,21 +15,21 @@
 
 namespace tenon {
 
-/// Which equations of motion an observer takes for the legs.
+/// Equations of motion of the legs in an observer.
 enum class LegDynamics {
-  kExact,   ///< the joints' rows of the floating robot: forces on the trunk do not appear in them
-  kThesis,  ///< decoupled from the trunk, whose disturbances are neglected
+  kExact,   ///< the joints' rows of the floating-base dynamics, which forces on the trunk do not enter
+  kThesis,  ///< decoupled from the trunk, neglecting forces on it; see DecoupledDynamics
 };
 constexpr auto EnumNames(LegDynamics) {
   return std::array{Named{LegDynamics::kExact, "exact"}, Named{LegDynamics::kThesis, "thesis"}};
 }
 
-/// What is tuned of a leg observer.
+/// Gains of LegMomentumObserver.
 struct LegObserverGains {
   std::vector<double> gains;                     ///< K_1 ... K_r [1/s]; see GainsOfPolynomial
-  std::optional<ButterworthDesign> butterworth;  ///< instead of `gains`
+  std::optional<ButterworthDesign> butterworth;  ///< an alternative to `gains`
   LegDynamics dynamics = LegDynamics::kExact;
-  double min_singular_value = 0.02;  ///< of a leg's Jacobian; below, its foot force is damped [m]
+  double min_singular_value = 0.02;  ///< of a leg's Jacobian, see SolveFootForces [m]
 
   static FieldList Fields() {
     return {{"gains_per_s", &LegObserverGains::gains},
@@ -37,38 +37,38 @@ struct LegObserverGains {
             {"dynamics", &LegObserverGains::dynamics},
             {"min_singular_value_m", &LegObserverGains::min_singular_value}};
   }
-  /// K_1 ... K_r [1/s], given or designed. With neither, (100, 256): a second order with a damping of 0.8
-  /// that settles fast; noise and lag are those of the first order at 100 rad/s, see docs/observers.md.
+  /// K_1 ... K_r [1/s] from `gains` or `butterworth`. With neither, (100, 256): second order with a damping
+  /// ratio of 0.8, with the noise and the lag of the first order at 100 rad/s, see docs/observers.md.
   std::vector<double> Gains() const;
   void Validate() const;  ///< throws ParameterError; the poles must be stable, see DemandHurwitz
 };
 
 struct LegMomentumObserverParams {
-  QuadrupedDescription robot;  ///< what the observer believes
+  QuadrupedDescription robot;  ///< model of the observer
   LegObserverGains gains;
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Estimates what unknown forces do to the joints of a quadruped's legs, swinging or standing, from the
-/// momentum of the legs (Morlando 2023, section 2.4.2, of any order r). Of the momentum rho the known part is
+/// Estimates the joint torques of unknown external forces on a quadruped's legs, in swing or stance, from the
+/// momentum of the legs (Morlando 2023, section 2.4.2, with any order r). The momentum rho changes by
 ///
 ///     rho' = alpha + F,   alpha = C^T nu - g + tau + sum_i J_i^T f_i        (joints' rows)
 ///
-/// and the estimator (2.10), (2.11) of the torques F that are left, in which integrals over each interval
-/// take the torque of that interval and the mean of C^T nu - g and J^T f at its ends, gives (2.9):
+/// with a known part alpha and the unknown torques F. The estimator (2.10), (2.11), in which integrals over
+/// an interval use its torque and the mean of C^T nu - g and J^T f at its ends, yields (2.9):
 ///
 ///     F_hat = K_1 K_2 ... K_r / (s^r + K_r s^(r-1) + K_r K_(r-1) s^(r-2) + ... ) F.
 ///
-/// It is exact in time for an F that is constant in each interval. rho(0) is subtracted, so that it may start
-/// on a moving robot. `kExact` uses the rows of the floating robot, p_j = S_j . H_j, in which gravity appears
-/// and forces on the trunk do not; `kThesis` those of DecoupledDynamics, (2.6) and (2.7). Whatever else acts
-/// at the joints, say their friction, is part of the estimate.
+/// It is exact in time for an F that is constant over each interval. rho(0) is subtracted, so the observer
+/// may start on a moving robot. `kExact` uses the joints' rows of the floating-base dynamics, p_j = S_j .
+/// H_j, with gravity and without forces on the trunk; `kThesis` uses DecoupledDynamics, (2.6) and (2.7).
+/// Other torques at the joints, such as friction, are part of the estimate.
 ///
-/// The ground's forces act where each foot's sphere touches the plane that is told. The estimate is also told
-/// as forces at the spheres' centres, J_leg^T f = F_hat for each leg (kThesis: J_q^T f = F_hat for all). Near
-/// a singular leg, one that is straight, say, the part of f that the joints hardly feel goes to zero instead
-/// of to infinity, see SolveFootForces.
+/// The ground forces act where each foot's sphere touches the `ground` plane. The estimate is also output as
+/// forces at the spheres' centres, J_leg^T f = F_hat for each leg (kThesis: J_q^T f = F_hat for all legs). In
+/// a nearly singular leg, the component of f that hardly affects the joints tends to zero, see
+/// SolveFootForces.
 ///
 ///     | port        | kind            | type             |
 ///     | state       | input           | LeggedState      |
@@ -78,17 +78,17 @@ struct LegMomentumObserverParams {
 ///     | estimate    | output, sampled | LegForceEstimate |
 ///     | gains       | parameter       | LegObserverGains |
 ///
-/// The estimate depends on the present state and foot forces, and on the torque as it was set one tick ago,
-/// so that a controller may use it for the torque of the same tick. Gains of another order, or other
-/// dynamics, that are set in a run go on from the present estimate.
+/// The estimate depends on the present state and foot forces and on the torque of the previous tick, so a
+/// controller may use it for the torque of the same tick. If the order of the gains or the dynamics change
+/// during a run, the estimator continues from the present estimate.
 class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
  public:
   using LeafSystem::LeafSystem;
 
-  /// The momentum, what is known of its rate without the torque, and the estimator.
+  /// The momentum, the known part of its rate without the torque, and the state of the estimator.
   struct Memory {
     bool started = false;
-    LegDynamics dynamics = LegDynamics::kExact;  ///< that the momentum is of
+    LegDynamics dynamics = LegDynamics::kExact;  ///< dynamics that `momentum` was computed with
     Vec<12> momentum = Vec<12>::Zero();
     Vec<12> known_rate = Vec<12>::Zero();
     DisturbanceFilter::Memory<12> estimator;
@@ -111,11 +111,11 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   Parameter<LegObserverGains> gains{
-      this, {"gains"}, params.gains, "of the estimator, and the dynamics that it takes"};
+      this, {"gains"}, params.gains, "gains of the estimator, and dynamics of the legs"};
   Shared<DisturbanceFilter> filter{this, "filter", Uses(gains), &LegMomentumObserver::CalcFilter};
 
-  DiscreteState<Vec<12>> held_torque{this,
-                                     {"held_torque", "N m", kJointElements}};  ///< of the interval that ends
+  DiscreteState<Vec<12>> held_torque{
+      this, {"held_torque", "N m", kJointElements}};  ///< torque of the last interval
   Update<Vec<12>> next_torque{held_torque, Sampled{params.rate}, Uses(torque),
                               [](const Vec<12>& torque) -> const Vec<12>& { return torque; }};
   Scratch<Memory> memory{this, "memory", Memory{.estimator = CalcFilter(params.gains).Start<12>()}};

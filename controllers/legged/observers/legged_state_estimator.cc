@@ -18,7 +18,7 @@ void LeggedStateEstimatorParams::Validate() const {
   noise.Validate();
   const auto check = [](const char* name, double value) {
     Demand(std::isfinite(value) && value > 0,
-           fmt::format("{} = {} must be positive: say how much it may be off", name, value));
+           fmt::format("{} = {} must be finite and positive; give a standard deviation", name, value));
   };
   check("start.position", start.position);
   check("start.velocity", start.velocity);
@@ -34,9 +34,9 @@ void LeggedStateEstimatorParams::Validate() const {
                      robot.contact.stiffness));
   Demand(std::isfinite(gravity), fmt::format("gravity = {} is not finite; give m/s^2", gravity));
   Demand(initial.q_WB.allFinite() && initial.q_WB.norm() > 0.5,
-         "initial.q_WB is no rotation; give a unit quaternion (w, x, y, z), 1 0 0 0 for none");
+         "initial.q_WB is not a rotation; give a unit quaternion (w, x, y, z), 1 0 0 0 for the identity");
   Demand(initial.p_WB.allFinite() && initial.v_W.allFinite() && initial.w_W.allFinite(),
-         "initial, where the robot starts, is not finite; give its pose and velocity");
+         "initial is not finite; give the pose and velocity at which the robot starts");
 }
 
 void LeggedStateEstimator::Start(const JointMotion& joints, double settle_time, Memory& memory) const {
@@ -50,7 +50,7 @@ void LeggedStateEstimator::Start(const JointMotion& joints, double settle_time, 
   memory.filter.Start(mean, (Vec<5>() << start.position, start.velocity, start.attitude,
                              start.specific_force_bias, start.angular_velocity_bias)
                                 .finished());
-  memory.stance_time.fill(settle_time);  // feet that stand at the start have settled
+  memory.stance_time.fill(settle_time);  // stance feet at the start have settled
   memory.q = joints.q;
   memory.started = true;
 }
@@ -63,7 +63,7 @@ double LeggedStateEstimator::RollingRadius(const std::array<bool, kNumLegs>& anc
 }
 
 void LeggedStateEstimator::CalcLegs(const JointMotion& joints, QuadrupedDynamics* legs) const {
-  LeggedState at_origin;  // W is the trunk's frame
+  LeggedState at_origin;  // makes W coincide with B
   at_origin.q = joints.q;
   model_.Calc(at_origin, legs);
 }
@@ -99,7 +99,7 @@ LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu
     feet[leg].covariance = std::pow(noise.encoder, 2) * foot.J_leg * foot.J_leg.transpose();
     feet[leg].covariance.diagonal().array() += std::pow(noise.foot, 2);
   }
-  // First those leave that no longer stand, and last those come that stand from now on.
+  // Feet that no longer stand are released before the prediction, new stance feet are anchored at the end.
   std::array<bool, kNumLegs> counts{};
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);

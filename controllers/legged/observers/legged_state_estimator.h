@@ -16,8 +16,7 @@
 
 namespace tenon {
 
-/// How far the robot may be from where it is said to start, and the sensors from what they should read:
-/// standard deviations per axis.
+/// Standard deviations per axis of the initial state and of the sensors' biases.
 struct LeggedStartDeviation {
   double position = 1e-3;               ///< [m]
   double velocity = 1e-3;               ///< [m/s]
@@ -28,28 +27,28 @@ struct LeggedStartDeviation {
 
 struct LeggedStateEstimatorParams {
   QuadrupedDescription robot;
-  LeggedState initial;         ///< where it starts
-  LeggedStartDeviation start;  ///< how well this is known
+  LeggedState initial;         ///< initial state
+  LeggedStartDeviation start;  ///< accuracy of `initial`
   ContactAidedNoise noise;
-  double settle_time = 0.02;  ///< a foot counts once it has been in stance so long [s]
+  double settle_time = 0.02;  ///< time in stance before a foot is used [s]
   double outlier = 25;  ///< squared Mahalanobis distance (3 degrees of freedom) above which a foot has moved
   double gravity = kGravity;  ///< [m/s^2]
-  Rate rate = Hz(1000);       ///< of the filter; that of IMU and encoders should not be lower
+  Rate rate = Hz(1000);       ///< of the filter; the rates of IMU and encoders should be at least as high
 
   /// Throws ParameterError unless deviations, noise and `outlier` are finite and positive, `settle_time` is
-  /// not negative, and the rest is finite, quaternions with a direction.
+  /// at least 0, the rest is finite, and initial.q_WB is not zero.
   void Validate() const;
 };
 
-/// What the estimator knows of itself. Deviations are standard deviations along the axes of W.
+/// Diagnostics of LeggedStateEstimator: standard deviations along the axes of W, biases and feet.
 struct LeggedEstimatorDiagnostics {
   Vec<3> position_deviation = Vec<3>::Zero();       ///< [m]
-  Vec<3> velocity_deviation = Vec<3>::Zero();       ///< of the IMU's place [m/s]
-  Vec<3> attitude_deviation = Vec<3>::Zero();       ///< about the axes [rad]
+  Vec<3> velocity_deviation = Vec<3>::Zero();       ///< of the IMU [m/s]
+  Vec<3> attitude_deviation = Vec<3>::Zero();       ///< rotations about the axes [rad]
   Vec<3> specific_force_bias_B = Vec<3>::Zero();    ///< estimated [m/s^2]
   Vec<3> angular_velocity_bias_B = Vec<3>::Zero();  ///< estimated [rad/s]
-  int feet = 0;                                     ///< that count
-  long moved_feet = 0;  ///< since the start: how often a standing foot was anchored anew
+  int feet = 0;                                     ///< number of feet in use
+  long moved_feet = 0;                              ///< number of outliers since the start
 
   static FieldList Fields() {
     using D = LeggedEstimatorDiagnostics;
@@ -72,17 +71,18 @@ struct LeggedEstimate {
   }
 };
 
-/// The trunk's pose and velocity from IMU, encoders and the knowledge which feet stand: ContactAidedFilter
-/// with a quadruped's kinematics. Joint angles and speeds are passed on as the encoders give them; the
-/// angular velocity is the gyroscope's without its estimated bias.
+/// Estimates the trunk's pose and velocity from IMU, encoders and the contact schedule by ContactAidedFilter.
+/// Joint angles and speeds are the encoders' measurements; the angular velocity is the gyroscope's
+/// measurement minus its estimated bias.
 ///
-/// The IMU's sample of a tick is used at the next one, to go from the one to the other: it feels the torque
-/// that follows from this very estimate. The angular velocity so is one tick old.
+/// The IMU sample of a tick is used at the next tick, for the prediction over the interval between them,
+/// since the IMU depends on the torque that follows from this estimate. The estimated angular velocity is
+/// therefore one tick old.
 ///
-/// Feet roll with the radius that is left when the robot's weight, shared by those that count, has pressed
-/// them into the ground, foot_radius - m g / (n k) - b / 2 with the contact's stiffness k and blend b.
-/// A foot counts once it has been in stance for `settle_time`, when the ground below has taken its load; in
-/// swing, late or searching it does not.
+/// Feet roll with the radius that remains when the robot's weight, shared by n feet, deforms the contacts:
+/// foot_radius - m g / (n k) - b / 2 with the contact's stiffness k and blend b. A foot is used after it has
+/// been in stance for `settle_time`, when the ground carries its load; feet in swing, late or searching are
+/// not used.
 ///
 ///     | port        | kind            | type                        |
 ///     | imu         | input           | ImuMeasurement              |
@@ -100,7 +100,7 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
  public:
   using LeafSystem::LeafSystem;
 
-  /// What the estimator remembers.
+  /// Memory of the estimator.
   struct Memory {
     bool started = false;
     ContactAidedFilter filter;
@@ -121,10 +121,9 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
   InputPort<JointMotion> joints{this, {"joints"}};
   InputPort<ContactSchedule> schedule{this, {"schedule"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
-  Parameter<ContactAidedNoise> noise{
-      this, {"noise"}, params.noise, "standard deviations that the filter believes in"};
+  Parameter<ContactAidedNoise> noise{this, {"noise"}, params.noise, "noise model of the filter"};
   Parameter<double> settle_time{
-      this, {"settle_time", "s"}, params.settle_time, "a foot counts once it has been in stance so long"};
+      this, {"settle_time", "s"}, params.settle_time, "time in stance before a foot is used"};
   Parameter<double> outlier{
       this, {"outlier"}, params.outlier, "squared Mahalanobis distance above which a foot has moved"};
   Scratch<Memory> memory{this, "memory"};

@@ -10,14 +10,14 @@
 
 namespace tenon {
 
-/// How the optimisations of the CoM's spline went; zeros without any.
+/// Statistics of the optimisations of the CoM spline; zeros without a spline.
 struct ComDiagnostics {
-  long solves = 0;    ///< since the start of the run
-  long failures = 0;  ///< of these found nothing, so that the old plan went on
-  long failures_in_a_row = 0;
-  int iterations = 0;                   ///< of the last
-  QpStatus status = QpStatus::kSolved;  ///< of the last
-  int constraint = -1;                  ///< that its status is about, see QpReport
+  long solves = 0;                      ///< since the start of the run
+  long failures = 0;                    ///< failed solves, after which the previous plan stays
+  long failures_in_a_row = 0;           ///< failed solves since the last success
+  int iterations = 0;                   ///< iterations of the last solve
+  QpStatus status = QpStatus::kSolved;  ///< status of the last solve
+  int constraint = -1;                  ///< constraint that the status refers to, see QpReport
 
   static FieldList Fields() {
     return {{"solves", &ComDiagnostics::solves},
@@ -29,16 +29,16 @@ struct ComDiagnostics {
   }
 };
 
-/// A plan of the CoM's motion, made at one time and valid until the next.
+/// Plan of the CoM's motion, valid until the next plan.
 struct ComPlan {
-  int footsteps = -1;         ///< the schedule's count when it was made; none yet
-  double start = 0;           ///< when it was made [s]
-  PlanarPath path;            ///< then
-  PeriodicPendulum pendulum;  ///< the CoM over ground, after blending,
-  PlanarSpline spline;        ///< or, if it has segments, this, and beyond its end the path
+  int footsteps = -1;         ///< the schedule's count of footsteps when it was made; -1: no plan yet
+  double start = 0;           ///< time when it was made [s]
+  PlanarPath path;            ///< commanded path at `start`
+  PeriodicPendulum pendulum;  ///< horizontal motion of the CoM after blending, if `spline` is empty
+  PlanarSpline spline;        ///< horizontal motion of the CoM; continues as `path` beyond its end
   GroundPlane ground;         ///< below the robot
-  double blend = 0;           ///< time until the old plan is forgotten [s]
-  /// What is left of the old plan: (x, y, z, yaw, slope), coefficients of t^0 ... t^3.
+  double blend = 0;           ///< duration of the transition from the previous plan [s]
+  /// Difference to the previous plan, in (x, y, z, yaw, slope), as coefficients of t^0 ... t^3.
   std::array<Vec<6>, 4> remainder{Vec<6>::Zero(), Vec<6>::Zero(), Vec<6>::Zero(), Vec<6>::Zero()};
   ComDiagnostics diagnostics;
 

@@ -54,7 +54,7 @@ void Fade(const Vec<6>& offset, const Vec<6>& rate, double blend, ComPlan* plan)
 void ZmpPlanParams::Validate() const {
   constexpr int kMost = (ZmpSpline::kMaxPhases - 1) / 2;
   Demand(horizon >= 1 && horizon <= kMost,
-         fmt::format("horizon_steps is {}: plan 1 to {} steps ahead", horizon, kMost));
+         fmt::format("horizon_steps is {}, but must be from 1 to {}", horizon, kMost));
   Demand(half_width > 0, fmt::format("half_width_m is {} m: it must be positive", half_width));
   Demand(margin >= 0, fmt::format("margin_m is {} m: it must not be negative", margin));
   spline.Validate();
@@ -62,12 +62,12 @@ void ZmpPlanParams::Validate() const {
 
 void ComPlannerParams::Validate() const {
   zmp.Validate();
-  Demand(blend > 0, fmt::format("a plan is blended in within {} s: it must be positive", blend));
+  Demand(blend > 0, fmt::format("blend is {} s: it must be positive", blend));
   Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
 }
 
-/// At rest where the robot stands in its nominal stance, until there is another one; its CoM need not be over
-/// the centre of its feet.
+/// The initial plan: at rest in the nominal stance, in which the CoM need not be above the centre of the
+/// feet.
 ComPlan ComPlanner::FirstPlan(double time, const GroundPlane& ground) const {
   ComPlan plan;
   plan.start = time;
@@ -103,7 +103,7 @@ void ComPlanner::CalcPlan(const double& time, const ContactSchedule& schedule, c
   if (walks && params.reference == ComReference::kZmpSpline) {
     const PlanarPoint begin{old.position.head<2>(), old.velocity.head<2>(), old.acceleration.head<2>()};
     if (PlanSpline(schedule, begin, command.height[0], zmp, optimizer, plan)) {
-      for (Vec<6>& c : plan->remainder) c.head<2>().setZero();  // the spline has no need of it
+      for (Vec<6>& c : plan->remainder) c.head<2>().setZero();  // the spline itself starts at the reference
     } else {
       memory.diagnostics = plan->diagnostics;
       *plan = memory;
@@ -113,7 +113,7 @@ void ComPlanner::CalcPlan(const double& time, const ContactSchedule& schedule, c
   memory = *plan;
 }
 
-/// The cycle from the beginning of the present step on.
+/// Plans one cycle from the start of the present step.
 void ComPlanner::PlanPendulum(const ContactSchedule& schedule, ComPlan* plan) const {
   plan->pendulum.Begin(plan->path, std::sqrt(params.gravity / stance.com_height));
   ForEachPlannedPhase(plan->path, plan->ground.slope, schedule, stance, schedule.timing.num_steps,
@@ -171,7 +171,7 @@ BodyReference ComPlanner::CalcReference(const double& time, const ComPlan& plan,
   const Vec<3> euler = EulerOnSlope(slope, yaw);
   reference.q_WB = QuaternionFromEuler(euler);
   reference.w_W = EulerRateMatrix(euler) * EulerRateOnSlope(slope, slope_rate, yaw, yaw_rate);
-  reference.alpha_W[2] = pose.acceleration[3];  // slopes are gentle, and change slowly
+  reference.alpha_W[2] = pose.acceleration[3];  // neglects the rate of the slope
   return reference;
 }
 

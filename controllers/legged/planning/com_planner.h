@@ -16,7 +16,7 @@
 
 namespace tenon {
 
-/// How the CoM goes over ground in a walk.
+/// Horizontal motion of the CoM in a walk.
 enum class ComReference {
   kPendulum,   ///< the periodic motion of the linear inverted pendulum, in closed form
   kZmpSpline,  ///< an optimised spline whose ZMP stays in the support polygons
@@ -26,11 +26,11 @@ constexpr auto EnumNames(ComReference) {
                     Named{ComReference::kZmpSpline, "zmp_spline"}};
 }
 
-/// Lengths as in SupportPolygon; choices for feet of 0.03 m and steps of 0.25 s.
+/// Parameters of ComReference::kZmpSpline; the defaults are chosen for feet of 0.03 m and steps of 0.25 s.
 struct ZmpPlanParams {
-  int horizon = 2;           ///< steps that are planned ahead, at most 4
-  double half_width = 0.03;  ///< of the line between two feet [m]
-  double margin = 0.01;      ///< of the ZMP to the edges of the support [m]
+  int horizon = 2;           ///< number of planned steps, 1 to 4
+  double half_width = 0.03;  ///< of the support of two feet, see SupportPolygon [m]
+  double margin = 0.01;      ///< distance of the ZMP from the edges of the support [m]
   ZmpSplineParams spline;
 
   static FieldList Fields() {
@@ -46,18 +46,18 @@ struct ComPlannerParams {
   QuadrupedDescription robot;
   ComReference reference = ComReference::kPendulum;
   ZmpPlanParams zmp;                       ///< of kZmpSpline
-  Vec<2> start_position = Vec<2>::Zero();  ///< of B at the beginning [m]
-  double start_yaw = 0;                    ///< [rad]
-  double blend = 0.5;         ///< time of going over to a new plan: about a cycle of the trot [s]
+  Vec<2> start_position = Vec<2>::Zero();  ///< initial position of B [m]
+  double start_yaw = 0;                    ///< initial heading [rad]
+  double blend = 0.5;         ///< duration of the transition to a new plan, about a cycle of the trot [s]
   double gravity = kGravity;  ///< [m/s^2]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Plans CoM and trunk (Morlando 2023, section 2.4.1), replanning whenever the schedule counts a footstep.
+/// Plans the motion of CoM and trunk (Morlando 2023, section 2.4.1), anew at each footstep of the schedule.
 ///
-///     ports in   schedule     which feet stand and when they will swing
-///                command      velocities; the gait is the scheduler's
+///     ports in   schedule     contact states and timing of the gait
+///                command      velocities and height; the gait is not used
 ///                ground       below the robot
 ///     parameters zmp          ZmpPlanParams, from the next plan on
 ///                blend        [s], from the next plan on
@@ -66,24 +66,28 @@ struct ComPlannerParams {
 ///                path         the commanded path and its twist, for the footholds; sampled
 ///                diagnostics  of the optimisation
 ///
-/// The commanded path goes on from where the last plan has brought it, with the velocities commanded at the
-/// footstep. Along it the feet are planted so that each is at its nominal place below the robot in the middle
-/// of its stance. The CoM is at the nominal height h above the ground, straight up, and moves over it as the
-/// linear inverted pendulum x'' = (g / h) (x - p) of which p is the centre of the feet that stand in each
-/// phase: of all its motions the one that repeats itself from cycle to cycle (PeriodicPendulum). So the ZMP,
-/// (2.4) and (2.5) with L' = 0, stays in the middle of the support polygon, on a slope too: there (g + z'')
-/// (x - p) = x'' (z - z_p) with z - z_p = h + s (x - p) and z'' = s x'' is the same pendulum. Or else the CoM
-/// moves on a spline (see ZmpSpline) from where the reference has brought it, acceleration included, over the
-/// phases of the next `horizon` steps and the stance that follows, and ends on the path, with its velocity.
-/// If no spline keeps the ZMP in the polygons, the old plan goes on, its path too, until the next footstep: a
-/// failure, which is counted. Standing, the CoM rests over the path. The commanded height is added at every
-/// tick; a spline's ZMP is that of the height commanded when it was made. The trunk is parallel to the ground
-/// and heads along the path.
+/// **Path.** At each footstep the commanded path is continued from its present point with the commanded
+/// velocities. Footholds are planned at the nominal place below the robot in the middle of each stance.
 ///
-/// Position, velocity, attitude and its rate do not jump at a new plan: what the old one said differently is
-/// taken over as a cubic in time that fades within `blend`. A plan that repeats the old one changes nothing.
-/// The reference is never restarted at the actual state, or the tracking error would hide itself. A plan is a
-/// function of the time, and so goes on through a wait of the gait clock for a late foot.
+/// **CoM.** The CoM is at the nominal height h above the ground. Its horizontal motion is that of the linear
+/// inverted pendulum x'' = (g / h) (x - p), with p the centroid of the stance feet of each phase: the
+/// solution that repeats from cycle to cycle (PeriodicPendulum). Thus the ZMP, (2.4) and (2.5) with L' = 0,
+/// stays in the middle of the support polygon. On a slope s the pendulum is unchanged, since in (g + z'') (x
+/// - p) = x'' (z - z_p), z - z_p = h + s (x - p) and z'' = s x''.
+///
+/// With ComReference::kZmpSpline the CoM follows a spline (see ZmpSpline) that starts at the present
+/// reference, acceleration included, spans the phases of the next `horizon` steps and the stance that
+/// follows, and ends on the path with its velocity. If no spline keeps the ZMP in the polygons, the previous
+/// plan and its path stay until the next footstep, and the failure is counted.
+///
+/// When the robot stands, the CoM rests above the path. The commanded height is added at every tick; the ZMP
+/// of a spline is computed with the height commanded when it was made. The trunk is parallel to the ground
+/// and its heading follows the path.
+///
+/// **Transition.** Position, velocity, attitude and its rate are continuous at a new plan: their difference
+/// to the previous plan decays as a cubic in time within `blend`. A plan equal to the previous one changes
+/// nothing. The reference is never reset to the actual state, which would hide tracking errors. A plan
+/// depends on time, so it continues while the gait clock waits for a late foot.
 class ComPlanner final : public LeafSystem<ComPlannerParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -93,8 +97,8 @@ class ComPlanner final : public LeafSystem<ComPlannerParams> {
   InputPort<WalkCommand> command{this, {"command"}};
   InputPort<GroundPlane> ground{this, {"ground"}};
   Parameter<ZmpPlanParams> zmp{
-      this, {"zmp"}, params.zmp, "how a spline is planned, if that is the reference"};
-  Parameter<double> blend{this, {"blend", "s"}, params.blend, "time of going over to a new plan"};
+      this, {"zmp"}, params.zmp, "planning of the CoM spline, for the reference zmp_spline"};
+  Parameter<double> blend{this, {"blend", "s"}, params.blend, "duration of the transition to a new plan"};
   Scratch<ComPlan> memory{this, "memory", ComPlan()};
   Workspace<ZmpSpline> optimizer{this, "optimizer"};
   OutputPort<ComPlan> plan{this,

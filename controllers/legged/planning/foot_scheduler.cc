@@ -8,7 +8,7 @@
 namespace tenon {
 namespace {
 
-constexpr double kClockTolerance = 1e-9;  // sums of sample periods round [s]
+constexpr double kClockTolerance = 1e-9;  // above the rounding errors of the clock [s]
 
 bool SwingsIn(const ContactSchedule& schedule, std::size_t leg) {
   return schedule.timing.num_steps > 0 && schedule.timing.step[leg] == schedule.step;
@@ -18,14 +18,14 @@ bool StepIsOver(const ContactSchedule& schedule) {
   return schedule.step_time >= schedule.timing.step_duration() - kClockTolerance;
 }
 
-/// Whether the stance of this step is over, and its legs have not lifted off.
+/// True if the stance of this step is over and its legs have not lifted off.
 bool LiftsOff(const FootScheduler::Memory& memory) {
   const ContactSchedule& schedule = memory.schedule;
   return schedule.gait != Gait::kStand && !memory.lifted &&
          schedule.step_time >= schedule.timing.stance - kClockTolerance;
 }
 
-/// Whether a leg that is to stand while the others swing feels no ground.
+/// True if a leg that must stand during the swing of this step has no contact.
 bool OthersSearch(const ContactSchedule& schedule) {
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     if (!SwingsIn(schedule, i) && schedule.legs[i].state == ContactState::kSearching) return true;
@@ -33,7 +33,7 @@ bool OthersSearch(const ContactSchedule& schedule) {
   return false;
 }
 
-/// Phases and times to the next events, from the clock.
+/// Updates phases and times to the next events from the clock.
 void PlanLegs(bool lifted, ContactSchedule* schedule) {
   const GaitTiming& timing = schedule->timing;
   for (std::size_t i = 0; i < kNumLegs; ++i) {
@@ -75,12 +75,13 @@ void GaitProperties::Validate() const {
   Demand(swing > 0, fmt::format("swing_s = {} must be positive", swing));
   std::array<int, kNumLegs> count{};
   for (const std::vector<Leg>& group : swing_groups) {
-    Demand(!group.empty(), "swing_groups has an empty group: leave it out");
+    Demand(!group.empty(), "swing_groups has an empty group: remove it");
     for (const Leg leg : group) ++count[leg];
   }
-  Demand(swing_groups.size() >= 2, "swing_groups must be two at least, or all feet are in the air at once");
+  Demand(swing_groups.size() >= 2,
+         "swing_groups must have at least two groups, or all feet are in the air at once");
   for (std::size_t i = 0; i < kNumLegs; ++i) {
-    Demand(count[i] == 1, fmt::format("swing_groups must name every leg once, but '{}' stands there {} times",
+    Demand(count[i] == 1, fmt::format("swing_groups must contain each leg once, but contains '{}' {} times",
                                       kLegNames[i], count[i]));
   }
 }
@@ -119,7 +120,7 @@ void FootSchedulerParams::Validate() const {
   }
   Demand(touchdown_force > 0, fmt::format("touchdown_force_N is {} N: it must be positive", touchdown_force));
   Demand(early_touchdown_phase >= 0 && early_touchdown_phase <= 1,
-         fmt::format("early_touchdown_phase is {}: it is a part of the swing, from 0 to 1",
+         fmt::format("early_touchdown_phase is {}, but must be from 0 to 1, a fraction of the swing",
                      early_touchdown_phase));
   Demand(late_wait >= 0, fmt::format("late_wait_s is {} s: it must not be negative", late_wait));
   Demand(search_after > 0, fmt::format("search_after_s is {} s: it must be positive", search_after));
@@ -129,7 +130,7 @@ void GaitFile::Validate() const {
   Demand(
       touchdown_force > 0 && touchdown_force < 0.25,
       fmt::format(
-          "touchdown_force_mg is {}: it is a part of the weight, above 0 and below what a foot carries, 0.25",
+          "touchdown_force_mg is {}, but must be above 0 and below 0.25, the share of the weight on a foot",
           touchdown_force));
   For(1).Validate();
 }

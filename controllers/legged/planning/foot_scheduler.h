@@ -17,11 +17,11 @@ constexpr auto EnumNames(Leg) {
                     std::pair{kRearLeft, kLegNames[2]}, std::pair{kRearRight, kLegNames[3]}};
 }
 
-/// A gait as a user writes it down: groups of legs that swing together, one group after the other.
+/// Gait given by groups of legs that swing together, one group after the other.
 struct GaitProperties {
-  std::vector<std::vector<Leg>> swing_groups;  ///< every leg once
-  double stance = 0;                           ///< of all four feet, before each swing [s]
-  double swing = 0;                            ///< [s]
+  std::vector<std::vector<Leg>> swing_groups;  ///< each leg is in one group
+  double stance = 0;                           ///< duration of the stance of all feet before each swing [s]
+  double swing = 0;                            ///< duration of a swing [s]
 
   static FieldList Fields() {
     return {Required("swing_groups", &GaitProperties::swing_groups),
@@ -34,7 +34,7 @@ struct GaitProperties {
 struct GaitTable {
   GaitProperties crawl, trot, pace, gallop;
 
-  const GaitProperties& operator[](Gait gait) const;  ///< not of Gait::kStand
+  const GaitProperties& operator[](Gait gait) const;  ///< throws Error for Gait::kStand
   static FieldList Fields() {
     return {Required("crawl", &GaitTable::crawl), Required("trot", &GaitTable::trot),
             Required("pace", &GaitTable::pace), Required("gallop", &GaitTable::gallop)};
@@ -43,22 +43,21 @@ struct GaitTable {
 
 struct FootSchedulerParams {
   GaitTable gaits;
-  double touchdown_force = 0;        ///< a foot with more touches the ground [N]
-  double early_touchdown_phase = 0;  ///< part of the swing before which no touchdown counts
-  double late_wait = 0;              ///< how long the clock waits for a late or searching foot [s]
-  double search_after = 0;           ///< time without force after which a stance foot searches [s]
+  double touchdown_force = 0;        ///< force threshold of contact [N]
+  double early_touchdown_phase = 0;  ///< swing phase before which contact is ignored
+  double late_wait = 0;              ///< longest wait of the gait clock for a late or searching foot [s]
+  double search_after = 0;           ///< time without contact after which a stance foot searches [s]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A file such as controllers/gaits/standard.yaml, for robots of any weight; it tells where its numbers come
-/// from.
+/// Contents of a file such as controllers/gaits/standard.yaml, for robots of any weight.
 struct GaitFile {
   GaitTable gaits;
-  double touchdown_force = 0;        ///< over the robot's weight m g
-  double early_touchdown_phase = 0;  ///< as in FootSchedulerParams, and those that follow
-  double late_wait = 0;              ///< [s]
-  double search_after = 0;           ///< [s]
+  double touchdown_force = 0;        ///< force threshold of contact, over the robot's weight m g
+  double early_touchdown_phase = 0;  ///< see FootSchedulerParams
+  double late_wait = 0;              ///< see FootSchedulerParams [s]
+  double search_after = 0;           ///< see FootSchedulerParams [s]
 
   static FieldList Fields() {
     return {Required("gaits", &GaitFile::gaits), Required("touchdown_force_mg", &GaitFile::touchdown_force),
@@ -70,17 +69,17 @@ struct GaitFile {
   FootSchedulerParams For(double weight /* [N] */) const;
 };
 
-/// What decides about a leg's contact at a tick.
+/// Conditions of the transitions of a leg's contact state at a tick.
 struct ContactEvents {
-  bool lift_off = false;    ///< its swing begins now
-  bool may_land = false;    ///< so much of the swing is over that a touchdown counts
-  bool swing_over = false;  ///< the planned touchdown has come
-  bool wait_over = false;   ///< the clock waits no longer
-  bool loaded = false;      ///< its force is above the threshold
-  bool unloaded = false;    ///< it has been below for so long that the foot does not stand
+  bool lift_off = false;    ///< the swing starts
+  bool may_land = false;    ///< the swing phase exceeds early_touchdown_phase
+  bool swing_over = false;  ///< the planned end of the swing is reached
+  bool wait_over = false;   ///< late_wait has elapsed
+  bool loaded = false;      ///< the force exceeds touchdown_force
+  bool unloaded = false;    ///< the force has been below touchdown_force for search_after
 };
 
-/// The leg's next state. The first row that applies:
+/// The next contact state of a leg, by the first row that applies:
 ///
 /// | from      | if                    | to        |
 /// | --------- | --------------------- | --------- |
@@ -93,30 +92,31 @@ struct ContactEvents {
 /// | searching | loaded                | stance    |
 ContactState NextContactState(ContactState state, const ContactEvents& events);
 
-/// Decides which feet stand (Morlando 2023, section 2.4.1): by the gait's clock and by the measured forces.
+/// Determines the contact states of the feet (Morlando 2023, section 2.4.1) from a gait clock and measured
+/// forces.
 ///
-///     ports in   command      gait; the velocities are the planners'
-///                foot_forces  measured, of the ground on each foot [N]; their norm counts
-///     parameters gaits        GaitTable; a gait counts from where it begins
+///     ports in   command      gait; the velocities are not used
+///                foot_forces  measured ground forces, whose norm is compared with touchdown_force [N]
+///     parameters gaits        GaitTable; a change takes effect when a gait starts
 ///                touchdown_force, early_touchdown_phase, late_wait, search_after
 ///     ports out  schedule     sampled
 ///
-/// A step of the gait is a stance of all feet, then the swing of one group (GaitTiming). A foot that lands
-/// early stands from there on, without shortening the step. A foot that has not landed at the end of its
-/// swing is late: the clock waits for it, at most late_wait, then it is searching and the next step begins.
-/// So when a step begins, no leg is in swing or late. While a leg that is to carry the robot alone with
-/// others is searching, those others do not lift off; the clock waits for it as for a late foot. Gaits change
-/// at the beginning of a step; from standing at once. The gaits of this block have no flight phase: at most
-/// one group is in the air.
+/// A step of the gait is a stance of all feet, followed by the swing of one group (GaitTiming). A foot that
+/// lands early stands from then on, and the step is not shortened. A foot that has not landed at the end of
+/// its swing is late: the gait clock waits for it up to late_wait, then the foot is searching and the next
+/// step starts. Hence no leg is in swing or late when a step starts. While a leg that must support the robot
+/// is searching, the group of the step does not lift off; the clock waits for that leg as for a late foot.
+/// The gait changes at the start of a step, from standing at once. There is no flight phase: at most one
+/// group is in the air.
 class FootScheduler final : public LeafSystem<FootSchedulerParams> {
  public:
   using LeafSystem::LeafSystem;
 
-  /// The clock between ticks.
+  /// State of the gait clock.
   struct Memory {
     bool started = false;
-    bool lifted = false;                      ///< this step's legs have lifted off
-    double waited = 0;                        ///< before this lift-off, or before the next step [s]
+    bool lifted = false;                      ///< the legs of this step have lifted off
+    double waited = 0;                        ///< wait before the lift-off or before the next step [s]
     std::array<double, kNumLegs> unloaded{};  ///< time in stance without force [s]
     ContactSchedule schedule;
 
@@ -131,19 +131,21 @@ class FootScheduler final : public LeafSystem<FootSchedulerParams> {
 
   InputPort<WalkCommand> command{this, {"command"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
-  Parameter<GaitTable> gaits{this, {"gaits"}, params.gaits, "timetables"};
+  Parameter<GaitTable> gaits{this, {"gaits"}, params.gaits, "timing of the gaits"};
   Parameter<double> touchdown_force{
-      this, {"touchdown_force", "N"}, params.touchdown_force, "a foot with more touches the ground"};
+      this, {"touchdown_force", "N"}, params.touchdown_force, "force threshold of contact"};
   Parameter<double> early_touchdown_phase{this,
                                           {"early_touchdown_phase"},
                                           params.early_touchdown_phase,
-                                          "part of the swing before which no touchdown counts"};
-  Parameter<double> late_wait{
-      this, {"late_wait", "s"}, params.late_wait, "how long the clock waits for a late or searching foot"};
+                                          "swing phase before which contact is ignored"};
+  Parameter<double> late_wait{this,
+                              {"late_wait", "s"},
+                              params.late_wait,
+                              "longest wait of the gait clock for a late or searching foot"};
   Parameter<double> search_after{this,
                                  {"search_after", "s"},
                                  params.search_after,
-                                 "time without force after which a stance foot searches"};
+                                 "time without contact after which a stance foot searches"};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<ContactSchedule> schedule{this,
                                        {"schedule"},

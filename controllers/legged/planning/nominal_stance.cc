@@ -9,7 +9,7 @@
 namespace tenon {
 namespace {
 
-constexpr double kFullestExtension = 0.95;  // of the leg's length: the knee stays bent, J_leg regular
+constexpr double kFullestExtension = 0.95;  // fraction of the leg's length at which J_leg is still regular
 
 }  // namespace
 
@@ -26,7 +26,7 @@ NominalStance::NominalStance(const QuadrupedDescription& robot) {
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     const Eigen::Vector3d p_foot = dynamics.feet[i].p_W;
     foot[i] = p_foot.head<2>() - center_B;
-    // The leg turns about its second joint; what is left of its length beside the height is reach.
+    // The leg turns about its second joint, so height and horizontal reach are bounded by its length.
     const double length = robot.LegLength(static_cast<int>(i));
     const Eigen::Vector3d leg = p_foot - robot.HipPosition(static_cast<int>(i), robot.stance);
     longest[i] = kFullestExtension * length;

@@ -8,18 +8,18 @@
 
 namespace tenon {
 
-/// Where feet and CoM are when a robot stands in its nominal stance. The planners walk it along the path: the
-/// path's point is the centre of the four feet, its heading is the trunk's x.
+/// Geometry of a robot in its nominal stance, which the planners move along the path: the point of the path
+/// is the centre of the four feet, and its heading is the trunk's x.
 struct NominalStance {
   explicit NominalStance(const QuadrupedDescription& robot);
 
-  Eigen::Vector2d center_B;                    ///< of the feet [m]
-  std::array<Eigen::Vector2d, kNumLegs> foot;  ///< from the centre of the feet [m]
+  Eigen::Vector2d center_B;                    ///< centre of the feet [m]
+  std::array<Eigen::Vector2d, kNumLegs> foot;  ///< positions of the feet from their centre [m]
   Eigen::Vector3d com_B;                       ///< [m]
   Eigen::Matrix3d inertia_B;                   ///< about the CoM, joints locked [kg m^2]
-  double com_height;                           ///< above level ground [m]
-  std::array<double, kNumLegs> longest;        ///< from hip to foot, with the knee still bent [m]
-  std::array<double, kNumLegs> reach;          ///< how far a foot on the ground goes from there [m]
+  double com_height;                           ///< height of the CoM above level ground [m]
+  std::array<double, kNumLegs> longest;        ///< longest distance from hip to foot with a bent knee [m]
+  std::array<double, kNumLegs> reach;          ///< largest horizontal distance of a foothold from `foot` [m]
 };
 
 }  // namespace tenon

@@ -27,7 +27,8 @@ void PeriodicPendulum::Add(double duration, const Eigen::Vector2d& zmp_W) {
   cycle_ += duration;
 }
 
-// Everything is in the frame of the path's beginning, so that a distant robot loses no digits.
+// Computed in the frame of the path's start, so that precision does not depend on the distance from the
+// origin.
 void PeriodicPendulum::Solve() {
   if (num_phases_ == 0) return;
   const PlanarPath end = path_.At(cycle_);
@@ -37,7 +38,7 @@ void PeriodicPendulum::Solve() {
   const auto decay = [&](int k) {
     return std::exp(-frequency_ * phases_[static_cast<std::size_t>(k)].duration);
   };
-  // What the ZMPs alone make of a, backwards, and of b, forwards.
+  // Contributions of the ZMPs to a, backwards in time, and to b, forwards.
   Eigen::Vector2d a = Eigen::Vector2d::Zero(), b = Eigen::Vector2d::Zero();
   for (int k = num_phases_; k-- > 0;) {
     const Vec<2>& p = phases_[static_cast<std::size_t>(k)].zmp;
@@ -48,8 +49,9 @@ void PeriodicPendulum::Solve() {
     b = p + decay(k) * (b - p);
   }
   const Eigen::Matrix2d I = Eigen::Matrix2d::Identity();
-  a = (I - whole * R).inverse() * (a + whole * d);  // at the beginning: a = whole (R a + d) + its ZMPs' part
-  b = (R - whole * I).inverse() * (b - d);          // R b + d = whole b + its ZMPs' part
+  a = (I - whole * R).inverse() *
+      (a + whole * d);                      // at the start: a = whole (R a + d) + contribution of the ZMPs
+  b = (R - whole * I).inverse() * (b - d);  // at the end: R b + d = whole b + contribution of the ZMPs
   a = R * a + d;
   for (int k = num_phases_; k-- > 0;) {
     Phase& phase = phases_[static_cast<std::size_t>(k)];

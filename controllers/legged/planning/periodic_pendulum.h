@@ -7,26 +7,26 @@
 
 namespace tenon {
 
-/// The motion of a linear inverted pendulum whose ZMP p rests at one point after the other,
+/// The periodic motion of a linear inverted pendulum whose ZMP p is constant in each phase,
 ///
 ///     x'' = w^2 (x - p),    w^2 = g / height,
 ///
-/// that repeats itself from cycle to cycle along a path: cycle n + 1 is cycle n moved rigidly in the plane,
-/// which holds for a robot that walks straight or in circles. There is one such motion.
+/// along a path: cycle n + 1 is cycle n after a rigid motion in the plane, for a robot that walks straight or
+/// in circles. The motion is unique.
 ///
 /// In closed form: a = x + x'/w and b = x - x'/w obey a' = w (a - p) and b' = -w (b - p), so over a phase of
 /// duration T that ends at a_T and begins at b_0
 ///
 ///     a(t) = p + (a_T - p) e^(-w (T - t)),    b(t) = p + (b_0 - p) e^(-w t);
 ///
-/// no exponential grows. Around the cycle, end = rotation begin + translation gives a and b by two linear
-/// equations each. (Takenaka et al. 2009 call a the divergent component of motion.)
+/// without growing exponentials. The condition end = rotation begin + translation over a cycle yields two
+/// linear equations each for a and b. (Takenaka et al. 2009 call a the divergent component of motion.)
 class PeriodicPendulum {
  public:
   static constexpr int kMaxPhases = 8;
   struct Phase {
     double duration = 0;              ///< [s]
-    Vec<2> zmp = Vec<2>::Zero();      ///< p, from the path's beginning [m]
+    Vec<2> zmp = Vec<2>::Zero();      ///< p, from the start of the path [m]
     Vec<2> a_end = Vec<2>::Zero();    ///< [m]
     Vec<2> b_begin = Vec<2>::Zero();  ///< [m]
 
@@ -38,16 +38,16 @@ class PeriodicPendulum {
     }
   };
 
-  /// Begins anew, at rest over the path's beginning, until Solve. `frequency` is w [rad/s].
+  /// Clears the phases; the motion rests at the start of the path until Solve(). `frequency` is w [rad/s].
   void Begin(const PlanarPath& path, double frequency);
-  /// The ZMP rests at `zmp_W` for `duration` seconds. At most kMaxPhases.
+  /// Adds a phase of `duration` seconds with the ZMP at `zmp_W`. Throws RunError for more than kMaxPhases.
   void Add(double duration, const Eigen::Vector2d& zmp_W);
-  /// The phases are a cycle, and the path goes on with its twist.
+  /// Computes the motion with the added phases as cycle, along the path with its constant twist.
   void Solve();
 
-  /// At the time t >= 0 after the beginning; in any later cycle too.
+  /// The motion at time t >= 0 [s], in any cycle.
   PlanarPoint At(double t) const;
-  /// p at that time, in W; where two phases meet, the later one's.
+  /// The ZMP p at time t >= 0 in W [m]; at a junction, that of the later phase.
   Eigen::Vector2d ZmpAt(double t) const;
 
   static FieldList Fields() {

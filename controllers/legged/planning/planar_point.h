@@ -5,7 +5,7 @@
 
 namespace tenon {
 
-/// A point of a motion in the plane, in W.
+/// Point of a motion in the plane, in W.
 struct PlanarPoint {
   Vec<2> position = Vec<2>::Zero();      ///< x [m]
   Vec<2> velocity = Vec<2>::Zero();      ///< x' [m/s]

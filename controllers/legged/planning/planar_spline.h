@@ -7,12 +7,12 @@
 
 namespace tenon {
 
-/// A motion in the plane: polynomials in time of degree five at most, one after the other.
+/// Motion in the plane: a sequence of polynomials in time of degree up to five.
 struct PlanarSpline {
   static constexpr int kMaxSegments = 18;
   struct Segment {
     double duration = 0;                 ///< T [s]
-    std::array<Vec<2>, 6> coefficients;  ///< of (t/T)^0 ... (t/T)^5, t in the segment; from the origin [m]
+    std::array<Vec<2>, 6> coefficients;  ///< of (t/T)^0 ... (t/T)^5, relative to `origin` [m]
 
     Segment() { coefficients.fill(Vec<2>::Zero()); }
     static FieldList Fields() {
@@ -20,12 +20,12 @@ struct PlanarSpline {
     }
   };
 
-  Vec<2> origin = Vec<2>::Zero();  ///< so that a distant robot loses no digits [m]
-  double duration = 0;             ///< of all segments [s]
+  Vec<2> origin = Vec<2>::Zero();  ///< reference point near the motion, for precision [m]
+  double duration = 0;             ///< total duration [s]
   int num_segments = 0;
   std::array<Segment, kMaxSegments> segments;
 
-  /// At the time t after the beginning. Before and after the spline its first and last polynomial go on.
+  /// The motion at time t [s]; extrapolates the first and the last polynomial.
   PlanarPoint At(double t) const;
 
   static FieldList Fields() {

@@ -10,10 +10,10 @@
 
 namespace tenon {
 
-/// Calls visit(duration, feet) for the phases of the next `steps` steps, from the beginning of the present
-/// one on: the stance of all feet, then the swing with those that stand, of each step. `path` is then. A foot
-/// is planted where the path has it at its nominal place in the middle of its stance, on ground of this
-/// slope.
+/// Calls visit(duration, feet) for the phases of the next `steps` steps, from the start of the present step:
+/// the stance of all feet, then the swing with the remaining stance feet, of each step. `path` is the
+/// commanded path at that start. Footholds are the nominal ones below the path in the middle of each stance,
+/// on ground of this slope.
 template <class Visit>
 void ForEachPlannedPhase(const PlanarPath& path, const Vec<2>& slope, const ContactSchedule& schedule,
                          const NominalStance& stance, int steps, Visit&& visit) {

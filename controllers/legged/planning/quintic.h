@@ -7,12 +7,12 @@ struct MotionPoint {
   double position = 0, velocity = 0, acceleration = 0;
 };
 
-/// The polynomial of degree five from one point of motion to another in the time `duration` > 0, at the time
-/// t in it.
+/// The polynomial of degree five that connects two points of motion within `duration` > 0, at time t from its
+/// start.
 inline MotionPoint Quintic(const MotionPoint& begin, const MotionPoint& end, double duration, double t) {
   const double T = duration, s = t / T;
   const double c0 = begin.position, c1 = T * begin.velocity, c2 = T * T * begin.acceleration / 2;
-  // What the terms up to s^2 leave for the end.
+  // End conditions less the contribution of the terms up to s^2.
   const double p = end.position - c0 - c1 - c2;
   const double v = T * end.velocity - c1 - 2 * c2;
   const double a = T * T * end.acceleration - 2 * c2;

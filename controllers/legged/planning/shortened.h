@@ -4,7 +4,7 @@
 
 namespace tenon {
 
-/// The vector, or one in its direction that is `longest` if it is longer than that.
+/// The vector with its length limited to `longest`.
 template <int n>
 Eigen::Matrix<double, n, 1> Shortened(const Eigen::Matrix<double, n, 1>& v, double longest) {
   const double length = v.norm();

@@ -13,21 +13,20 @@ void StepReflex::Validate() const {
   Demand(retreat >= 0, fmt::format("retreat_m is {} m: it must not be negative", retreat));
   Demand(height > 0, fmt::format("height_m is {} m: it must be positive", height));
   Demand(rise_phase >= 0 && rise_phase <= 0.5,
-         fmt::format("rise_phase is {}: it must be 0 to 0.5, where the foot is highest", rise_phase));
+         fmt::format("rise_phase is {}, but must be from 0 to 0.5, where the foot is highest", rise_phase));
 }
 
 void StepProperties::Validate() const {
   Demand(height > 0, fmt::format("height_m = {} must be positive", height));
-  Demand(
-      std::isfinite(touchdown_speed) && touchdown_speed > 0,
-      fmt::format(
-          "touchdown_speed_m_per_s = {} must be finite and positive, or a late foot never finds the ground",
-          touchdown_speed));
+  Demand(std::isfinite(touchdown_speed) && touchdown_speed > 0,
+         fmt::format("touchdown_speed_m_per_s = {} must be finite and positive, or a late foot does not "
+                     "reach the ground",
+                     touchdown_speed));
   Demand(search_depth > 0, fmt::format("search_depth_m = {} must be positive", search_depth));
   Demand(velocity_feedback >= 0,
          fmt::format("velocity_feedback_s = {} must not be negative", velocity_feedback));
   Demand(retarget_phase >= 0 && retarget_phase < 1,
-         fmt::format("retarget_phase = {} must be at least 0 and less than 1, where the swing ends",
+         fmt::format("retarget_phase = {} must be at least 0 and below 1, the end of the swing",
                      retarget_phase));
   Demand(shift_bandwidth > 0,
          fmt::format("shift_bandwidth_rad_per_s = {} must be positive", shift_bandwidth));

@@ -4,14 +4,14 @@
 
 namespace tenon {
 
-/// What a foot does that meets the side of something in its swing, see SwingPlanner.
+/// Reflex of a swing foot that hits the side of an obstacle, see SwingPlanner.
 struct StepReflex {
-  bool enabled = true;      ///< a foot that meets the side of something gives its step up
-  double lag = 0.03;        ///< a foot that is farther off its course has met something, [m]
-  double force = 0.05;      ///< if it is pushed back by more, over the robot's weight m g
-  double retreat = 0.02;    ///< how far it goes back before it lands [m]
-  double height = 0.1;      ///< of its next step, at least [m]
-  double rise_phase = 0.3;  ///< part of that step in which it only rises
+  bool enabled = true;
+  double lag = 0.03;        ///< horizontal tracking error above which the reflex triggers [m]
+  double force = 0.05;      ///< force against the motion above which it triggers, over the weight m g
+  double retreat = 0.02;    ///< distance by which the foot moves back before it lands [m]
+  double height = 0.1;      ///< lower bound of the next step's height [m]
+  double rise_phase = 0.3;  ///< fraction of the next step in which the foot moves straight up
 
   static FieldList Fields() {
     return {{"enabled", &StepReflex::enabled}, {"lag_m", &StepReflex::lag},
@@ -21,19 +21,19 @@ struct StepReflex {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What a user chooses of the steps.
+/// Shape of the steps and choice of the footholds.
 struct StepProperties {
-  double height = 0.05;             ///< of the feet over the higher of take-off and foothold [m]
-  double touchdown_speed = 0.5;     ///< downwards, planned; a late foot gets 9 cm deeper in 0.25 s [m/s]
-  double search_depth = 0.2;        ///< how far below its foothold a foot searches at most [m]
-  double velocity_feedback = 0.03;  ///< of the foothold, per CoM velocity error [s]
-  double retarget_phase = 0.7;      ///< part of the swing in which the foothold is chosen anew at every tick
-  bool wrench_shift = true;         ///< moves the footholds against the estimated wrench
-  double free_shift = 0.08;         ///< what calls for less than this moves nothing [m]
-  double shift_bandwidth = 16;      ///< of its low-pass filter [rad/s]
-  double free_offset = 0.03;        ///< a CoM that is farther off takes its feet along [m]
-  double free_turn = 0.1;           ///< and so does a trunk that is turned more [rad]
-  double largest_shift = 0.1;       ///< of a foothold by the wrench, at most [m]
+  double height = 0.05;             ///< of the feet above the higher of lift-off and foothold [m]
+  double touchdown_speed = 0.5;     ///< planned, downwards; a late foot descends 9 cm in 0.25 s [m/s]
+  double search_depth = 0.2;        ///< largest depth of a searching foot below its foothold [m]
+  double velocity_feedback = 0.03;  ///< displacement of the foothold per CoM velocity error [s]
+  double retarget_phase = 0.7;      ///< swing phase up to which the foothold is updated at every tick
+  bool wrench_shift = true;         ///< shift the footholds against the estimated wrench
+  double free_shift = 0.08;         ///< dead band of the foothold shift [m]
+  double shift_bandwidth = 16;      ///< cut-off frequency of the foothold shift [rad/s]
+  double free_offset = 0.03;        ///< dead band of the CoM error that moves the footholds [m]
+  double free_turn = 0.1;           ///< dead band of the heading error that moves the footholds [rad]
+  double largest_shift = 0.1;       ///< saturation of the foothold shift [m]
   StepReflex reflex = {};
 
   static FieldList Fields() {

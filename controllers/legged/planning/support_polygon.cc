@@ -9,7 +9,7 @@
 namespace tenon {
 namespace {
 
-constexpr double kSamePoint = 1e-6;  // feet that are closer than this are one; so are lines [m]
+constexpr double kSamePoint = 1e-6;  // tolerance of coincident feet and of feet in a line [m]
 
 Eigen::Vector2d TurnedLeft(const Eigen::Vector2d& v) {
   return {-v[1], v[0]};
@@ -19,10 +19,10 @@ Eigen::Vector2d TurnedLeft(const Eigen::Vector2d& v) {
 
 SupportPolygon::SupportPolygon(std::span<const Eigen::Vector2d> feet, double half_width, double margin) {
   if (feet.empty() || feet.size() > kMaxFeet) {
-    throw Error(fmt::format("a support polygon of {} feet: give one to {}", feet.size(), kMaxFeet));
+    throw Error(fmt::format("a support polygon of {} feet: give one to {} feet", feet.size(), kMaxFeet));
   }
   if (AddLine(feet, half_width, margin)) return;
-  // Round the hull, the feet to the left; of feet in line the farthest is next.
+  // Counterclockwise around the hull; of several feet in a line the farthest is next.
   const auto is_before = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
     return a[0] != b[0] ? a[0] < b[0] : a[1] < b[1];
   };
@@ -48,9 +48,9 @@ SupportPolygon::SupportPolygon(std::span<const Eigen::Vector2d> feet, double hal
     if (next[i] < kMaxFeet) Add(TurnedLeft((feet[next[i]] - feet[i]).normalized()), feet[i], margin);
 }
 
-/// If all feet are in line, or in one place.
+/// Adds the rectangle if all feet are in a line or coincide; returns false otherwise.
 bool SupportPolygon::AddLine(std::span<const Eigen::Vector2d> feet, double half_width, double margin) {
-  Eigen::Vector2d begin = feet[0], end = feet[0];  // those that are farthest apart
+  Eigen::Vector2d begin = feet[0], end = feet[0];  // the two feet that are farthest apart
   for (std::size_t i = 0; i < feet.size(); ++i) {
     for (std::size_t j = i + 1; j < feet.size(); ++j) {
       if ((feet[j] - feet[i]).norm() <= (end - begin).norm()) continue;

@@ -7,13 +7,13 @@
 
 namespace tenon {
 
-/// The convex polygon in the plane in which the ZMP is to stay, as inequalities a x + b y + c >= 0 of its
-/// edges, (a, b) the unit normal that points inwards, c in metres.
+/// Convex polygon in the plane that bounds the ZMP, as inequalities a x + b y + c >= 0 of its edges, with the
+/// inward unit normal (a, b) and c in metres.
 ///
-/// It is the convex hull of the stance feet with each edge moved inwards by `margin`. Two feet, or several in
-/// line, span no area: the line is widened to a rectangle that reaches `half_width` to each side; its ends
-/// are moved inwards by the margin. One foot is such a line of no length, widened in both directions. A
-/// margin that is too large leaves an empty polygon: Depth is negative everywhere.
+/// The polygon is the convex hull of the stance feet with each edge moved inwards by `margin`. Feet in a line
+/// span no area: the line is widened by `half_width` to each side into a rectangle, whose ends are moved
+/// inwards by the margin. A single foot is treated as a line of length 0, widened in both directions. If the
+/// margin is too large the polygon is empty and Depth is negative everywhere.
 class SupportPolygon {
  public:
   static constexpr int kMaxFeet = 4;
@@ -22,12 +22,12 @@ class SupportPolygon {
     double c = 0;         ///< [m]
   };
 
-  SupportPolygon() = default;  ///< without edges: the whole plane
-  /// Of one to four feet [m]. Throws Error for other numbers of them.
+  SupportPolygon() = default;  ///< no edges: the whole plane
+  /// Polygon of one to four feet [m]. Throws Error for any other number.
   SupportPolygon(std::span<const Eigen::Vector2d> feet, double half_width, double margin);
 
   std::span<const Edge> edges() const { return {edges_.data(), static_cast<std::size_t>(num_edges_)}; }
-  /// The least a x + b y + c over the edges [m]: how far inside a point is; negative outside.
+  /// Distance of a point from the nearest edge, the minimum of a x + b y + c [m]; negative outside.
   double Depth(const Eigen::Vector2d& point) const;
 
  private:

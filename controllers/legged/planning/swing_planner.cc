@@ -11,9 +11,9 @@
 namespace tenon {
 namespace {
 
-constexpr double kLeastWeight = 0.5;  // of the robot's, that its feet carry at least while it walks
+constexpr double kLeastWeight = 0.5;  // lower bound of the load on the feet, over the robot's weight
 
-/// The motion over ground at the time t after lift-off.
+/// The horizontal motion at time t after lift-off.
 PlanarPoint Course(const SwingPlanner::LegMemory& leg, const StepProperties& step, double duration,
                    double t) {
   PlanarPoint course;
@@ -28,8 +28,8 @@ PlanarPoint Course(const SwingPlanner::LegMemory& leg, const StepProperties& ste
   return course;
 }
 
-/// Draws a foot that is farther from its hip than `longest` in, at its height: so it finds the ground sooner
-/// than if the leg were shortened.
+/// Limits the distance of a foot from its hip to `longest` by moving it horizontally. At constant height it
+/// reaches the ground sooner than along the leg.
 void KeepBent(const Eigen::Vector3d& hip, double longest, FootReference* foot) {
   const Eigen::Vector3d leg = foot->p_W - hip;
   if (leg.norm() <= longest) return;
@@ -49,11 +49,11 @@ FootReference Swing(const SwingPlanner::LegMemory& leg, const StepProperties& st
                     double duration) {
   const double t = phase * duration, half = duration / 2;
   const PlanarPoint course = Course(leg, step, duration, t);
-  // Heights as they were without the slope from lift-off on.
+  // Heights above a plane with the ground's slope through the lift-off point.
   const double z_begin = leg.lift_off[2], z_end = leg.ground.HeightAt(leg.lift_off.head<2>());
   const double z_top =
       std::max(z_begin, z_end) + (leg.high ? std::max(step.height, step.reflex.height) : step.height);
-  // At the top, the mean of what cubics from rest to rest would have on its two sides.
+  // The acceleration at the top is the mean of those of cubics from rest to rest on both sides.
   const MotionPoint top{z_top, 0, -3 * (2 * z_top - z_begin - z_end) / (half * half)};
   const double v = step.touchdown_speed;
   const MotionPoint touchdown{z_end, -v, v * v / step.search_depth};
@@ -107,7 +107,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
       if (before != leg.state || !memory.started) leg.foothold = foot[i];
     } else if (leg.state == ContactState::kSwing) {
       const double swing = schedule.timing.swing, t = schedule.legs[i].phase * swing;
-      // A leg that lands and lifts off again within a tick is in a new swing: its clock has gone back.
+      // A leg that lands and lifts off again within a tick starts a new swing: its time decreases.
       const bool lifts_off = before != leg.state || !memory.started || t < leg.time;
       leg.time = t;
       if (!lifts_off && (leg.blocked || schedule.legs[i].phase > step.retarget_phase)) continue;
@@ -141,7 +141,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
   *plan = memory;
 }
 
-/// The horizontal direction in which something pushes a swinging foot that is off its course back; else zero.
+/// The horizontal direction in which an obstacle pushes a swing foot back, zero without an obstacle.
 Eigen::Vector2d SwingPlanner::PushedBack(std::size_t i, const ContactSchedule& schedule, const LegMemory& leg,
                                          const Vec<3>& foot, const Vec<3>& force,
                                          const StepProperties& step) const {
@@ -173,7 +173,7 @@ PlanarPath SwingPlanner::BelowTheRobot(const PlanarPath& path, const BodyReferen
   below.position_W += off - Shortened<2>(off, step.free_offset);
   const double beyond = turn - std::clamp(turn, -step.free_turn, step.free_turn);
   below.yaw += beyond;
-  below.velocity = Eigen::Rotation2Dd(-beyond) * path.velocity;  // it goes where the path goes
+  below.velocity = Eigen::Rotation2Dd(-beyond) * path.velocity;  // keeps its direction in W
   return below;
 }
 

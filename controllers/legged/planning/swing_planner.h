@@ -27,75 +27,72 @@ struct SwingPlannerParams {
 
 /// Plans footholds and the motion of the feet in the air (Morlando 2023, section 2.4.1).
 ///
-///     ports in   schedule     which feet stand; phases of those that swing
-///                path         of the CoM planner, with its twist
-///                body         the CoM planner's reference, for the velocity error
-///                state        where the feet are
-///                ground       below the robot
-///                foot_forces  measured, of the ground on each foot, in W [N]; no reflex if not connected
-///                wrench       estimated disturbance, for wrench_shift; none if not connected
+///     ports in   schedule     contact states, and phases of the swing feet
+///                path         commanded path of the CoM planner, with its twist
+///                body         reference of the CoM planner, for the velocity error
+///                state        state of the robot
+///                ground       ground plane below the robot
+///                foot_forces  measured ground forces in W [N]; no reflex if not connected
+///                wrench       estimated external wrench, for wrench_shift; zero if not connected
 ///     parameter  step         StepProperties
 ///     ports out  feet         position, velocity, acceleration of all feet; sampled
-///                footholds    next place of a foot in the air, present one of one that stands [m]; sampled
+///                footholds    next foothold of a swing foot, present one of a stance foot [m]; sampled
 ///
-/// **Foothold.** Chosen at lift-off, and over ground anew at every tick until retarget_phase, so that in the
-/// middle of its coming stance the foot is at its nominal place below the path, plus k (v - v_ref) with the
-/// horizontal velocity of a CoM fixed to the trunk, plus the shift
+/// **Foothold.** The foothold is chosen at lift-off and updated horizontally at every tick until
+/// retarget_phase. It is the nominal place below the path in the middle of the coming stance, plus k (v -
+/// v_ref) with the horizontal velocity v of a CoM fixed to the trunk, plus the shift
 ///
 ///     s max(0, 1 - (d / |s|)^2),    s = ((h f_x + t_y) / N, (h f_y - t_x) / N),    N = max(m g - f_z, m g /
 ///     2),
 ///
-/// where s is where the ground's reaction must go to balance the wrench (f, t) on a CoM at height h; low-pass
-/// filtered and limited. Below d = free_shift the feet stay: the trunk takes up what is small, and feet that
-/// move for every push disturb the walk more than it does.
+/// where s is the displacement of the ground reaction that balances the wrench (f, t) on a CoM at height h,
+/// low-pass filtered and limited. The dead band d = free_shift leaves small wrenches to the whole-body
+/// controller, since moving footholds disturb the walk more than they do.
 ///
-/// Feet belong below the robot. Where friction does not hold it on its path, it is pushed along or turned,
-/// and feet that were planted below the path all the same would be out of its legs' reach: beyond free_offset
-/// and free_turn, the errors of CoM and heading move the path below which the feet are planted. Then drawn
-/// into the reach of the leg, seen from its nominal place at touchdown. Its height is that of the ground as
-/// it is felt at lift-off.
+/// Footholds follow the robot rather than the path if it is displaced or turned, which would bring footholds
+/// below the path out of reach: the errors of CoM and heading beyond free_offset and free_turn are added to
+/// the path. Finally the foothold is limited to the reach of the leg around its nominal place at touchdown.
+/// Its height is that of the ground plane at lift-off.
 ///
-/// **Swing.** From the measured place at lift-off. Over ground a polynomial of degree five from rest to rest,
-/// which a new foothold replaces by the one that goes on from where the old has come, with its velocity and
-/// acceleration; in height over the ground's slope two, each half of the swing long: lift and lower, joined
-/// with equal acceleration.
-/// It arrives with a small speed downwards. A foot that is late, or searches, goes on from there,
+/// **Swing.** A swing starts at the measured position. The horizontal motion is a polynomial of degree five
+/// from rest to rest; a new foothold continues it with its present velocity and acceleration. The height
+/// above the ground's slope consists of two such polynomials, up and down, each over half of the swing, with
+/// equal acceleration at the junction. The foot arrives with touchdown_speed v downwards. A late or searching
+/// foot continues as
 ///
 ///     z = z_0 - D (1 - e^(-v t / D)),
 ///
-/// bounded by the search depth D. Throughout the swing the acceleration does not jump, but at a reflex.
+/// bounded by the search depth D. The acceleration is continuous throughout the swing except at a reflex.
 ///
 /// **Step reflex** (after Focchi et al., Local reflex generation for obstacle negotiation in quadrupedal
-/// locomotion, CLAWAR 2013). A foot that meets the side of a block is held down by the friction of its own
-/// push, and would stay there from step to step while the robot walks on. So one that is farther off its
-/// course over ground than `lag`, and is pushed away from it by more than `force`, gives this step up: it
-/// goes back by `retreat` and lands. Its next step is at least `height` high, and goes straight up first,
-/// until rise_phase; in that one there is no reflex, nor is there in any step beyond retarget_phase. (A
-/// scheduler that takes every force for a touchdown from some phase on, as FootScheduler does, ends it
-/// there.) Both conditions count: a foot that is off its course and free belongs to a trunk that tips, and
-/// has to reach its foothold.
+/// locomotion, CLAWAR 2013). A foot that hits the side of a block is held down by the friction of its own
+/// push. If a swing foot deviates horizontally by more than `lag` and a force above `force` pushes it in the
+/// direction of its deviation, it aborts the step: it moves back by `retreat` and lands. Its next step is at
+/// least `height` high and moves straight up until rise_phase. There is no reflex in that next step and
+/// beyond retarget_phase. (FootScheduler ends the step at the force from early_touchdown_phase on.) Both
+/// conditions are required: a foot that deviates without a force belongs to a tipping trunk and must reach
+/// its foothold.
 ///
-/// In the air no foot is sent farther from its hip than a leg with a bent knee reaches, wherever the trunk
-/// is: through a straight one the knee would snap to the other side, and there is no force to get it back.
-/// It is drawn in at its height.
+/// **Reach.** The distance of a swing foot from its hip is limited to that of a leg with a bent knee, since a
+/// straight leg would snap through its singularity. The foot is moved horizontally, at constant height.
 class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
  public:
   using LeafSystem::LeafSystem;
   const NominalStance stance{params.robot};
 
-  /// One leg's motion since its last event.
+  /// Motion of a leg since its last event.
   struct LegMemory {
     ContactState state = ContactState::kStance;
-    PlanarPoint from;                  ///< over ground, where the course to the foothold began,
-    double from_time = 0;              ///< at this time after lift-off [s]
-    double time = 0;                   ///< after lift-off, at the tick before [s]
-    Vec<3> lift_off = Vec<3>::Zero();  ///< where the foot left the ground [m]
-    GroundPlane ground;                ///< then, at the feet's centres
-    Vec<3> foothold = Vec<3>::Zero();  ///< or where it stands [m]
-    Vec<3> hip = Vec<3>::Zero();       ///< [m]
-    double searching = 0;              ///< for how long, late included [s]
-    bool blocked = false;              ///< met something in this swing, or in the last one if it stands
-    bool high = false;                 ///< this swing follows one in which it did
+    PlanarPoint from;                  ///< start of the horizontal motion to the foothold
+    double from_time = 0;              ///< time of `from` after lift-off [s]
+    double time = 0;                   ///< time after lift-off, at the last tick [s]
+    Vec<3> lift_off = Vec<3>::Zero();  ///< position at lift-off [m]
+    GroundPlane ground;                ///< ground plane at lift-off, raised to the feet's centres
+    Vec<3> foothold = Vec<3>::Zero();  ///< next foothold, or position in stance [m]
+    Vec<3> hip = Vec<3>::Zero();       ///< position of the hip [m]
+    double searching = 0;              ///< time in the states late and searching [s]
+    bool blocked = false;  ///< the reflex triggered in this swing, or in the last one of a stance foot
+    bool high = false;     ///< this swing follows one with a reflex
 
     static FieldList Fields() {
       return {{"state", &LegMemory::state},
@@ -113,7 +110,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   };
   struct Memory {
     bool started = false;
-    Vec<2> shift = Vec<2>::Zero();  ///< of the footholds [m]
+    Vec<2> shift = Vec<2>::Zero();  ///< filtered shift of the footholds [m]
     std::array<LegMemory, kNumLegs> legs;
 
     static FieldList Fields() {
@@ -130,7 +127,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   InputPort<GroundPlane> ground{this, {"ground"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}, FootForces()};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate()};
-  Parameter<StepProperties> step{this, {"step"}, params.step, "shape of the steps, choice of the footholds"};
+  Parameter<StepProperties> step{
+      this, {"step"}, params.step, "shape of the steps and choice of the footholds"};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<Memory> plan{this,
                           {"plan"},

@@ -14,40 +14,38 @@ namespace tenon {
 
 struct TrunkPlannerParams {
   QuadrupedDescription robot;
-  double bandwidth = 20;   ///< of the filter through which the wrench goes [rad/s]
-  double sway_limit = 80;  ///< of the angular acceleration in stance; 0 keeps the trunk level [rad/s^2]
+  double bandwidth = 20;   ///< cut-off frequency of the low-pass filter of the wrench [rad/s]
+  double sway_limit = 80;  ///< limit of the angular acceleration in stance; 0 keeps the trunk level [rad/s^2]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Lets the trunk sway under a steady push, where two feet cannot hold it.
+/// Plans a sway of the trunk under a steady push that two stance feet cannot resist.
 ///
-/// Two feet exert no torque about the line between them. Of the wrench (f, t) on the CoM c, which the ground
-/// has to balance, the part about this line (p a point of it, n its direction) so turns the robot, with its
-/// inertia I about c, by
+/// Two feet exert no moment about the line between them. The component of the external wrench (f, t) on the
+/// CoM c about this line, with a point p and direction n, therefore rotates the robot, with inertia I about
+/// c, by
 ///
 ///     a = n . (t - (p - c) x f) / (n . I n) n,
 ///
-/// with the horizontal part of f: the CoM passes the line in the middle of the swing, so that weight and
-/// loads have no moment in the mean. (Feet that SwingPlanner has shifted against the push take a part of it,
-/// which is not taken off here.) f and t are low-pass filtered: what goes to and fro in a step is no steady
-/// push.
+/// with the horizontal part of f: the CoM crosses the line in the middle of the swing, so weight and vertical
+/// loads have no mean moment. (Shifted footholds of SwingPlanner balance a part of the push, which is not
+/// subtracted here.) f and t are low-pass filtered to remove oscillations within a step.
 ///
-/// A trunk that begins the swing level and at rest is tilted and turning at its end. This planner begins it
-/// with half of the rate the other way: in a swing of the duration T, at the time s,
+/// A trunk that starts the swing level and at rest is tilted and rotating at its end. This planner starts the
+/// swing with half of that rate in the opposite direction: at time s in a swing of duration T,
 ///
 ///     angle -s (T - s) a / 2,   rate (s - T / 2) a,   acceleration a,
 ///
-/// so that the trunk is level at both ends, with rates -a T / 2 and a T / 2; tilted by 1/8 a T^2 at most and
-/// not by 1/2 a T^2; and the torque that is asked for is the one that there is. In the stance of all feet, S
-/// seconds long, a cubic leads from the rate at the last touchdown to that of the coming lift-off: the torque
-/// that the push takes in the swing is given back here. Its acceleration, and with it a, is limited:
-/// a T / 2 <= sway_limit S / 6, so that a gait without such stances does not sway. While the gait clock
-/// waits, angle and rate stay as they are. Where the timetable leaves other than two feet on the ground in a
-/// swing, and standing, there is no sway, nor is there without a push.
+/// so that the trunk is level at both ends, with rates -a T / 2 and a T / 2, its largest tilt is a T^2 / 8
+/// instead of a T^2 / 2, and the planned moment is realisable. In the stance of all feet, with duration S, a
+/// cubic connects the rate at the last touchdown with that of the next lift-off, which returns the angular
+/// momentum of the push in the swing. Its acceleration is limited, and a with it: a T / 2 <= sway_limit S /
+/// 6, so a gait without such stances has no sway. While the gait clock waits, angle and rate are constant.
+/// There is no sway without a push, while standing, and in swings with more or fewer than two stance feet.
 ///
-/// The sway is a rotation about axes of W on top of the attitude of `body`, small in angle, and is added to
-/// its rates; CoM and the rest are passed on.
+/// The sway is a rotation in W composed with the attitude of `body`, small in angle, and is added to its
+/// rates. All other entries of `body` are passed on.
 ///
 ///     | port      | kind            | type            |
 ///     | body      | input           | BodyReference   |
@@ -62,9 +60,9 @@ class TrunkPlanner final : public LeafSystem<TrunkPlannerParams> {
   using LeafSystem::LeafSystem;
   const NominalStance stance{params.robot};
 
-  /// What the planner remembers.
+  /// Memory of the planner.
   struct Memory {
-    WrenchEstimate push;           ///< filtered
+    WrenchEstimate push;           ///< low-pass filtered wrench
     Vec<3> rate = Vec<3>::Zero();  ///< of the sway at the last touchdown [rad/s]
 
     static FieldList Fields() { return {{"push", &Memory::push}, {"rate", &Memory::rate, "rad/s"}}; }
@@ -74,10 +72,12 @@ class TrunkPlanner final : public LeafSystem<TrunkPlannerParams> {
   InputPort<ContactSchedule> schedule{this, {"schedule"}};
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate()};
-  Parameter<double> bandwidth{
-      this, {"bandwidth", "rad/s"}, params.bandwidth, "of the filter through which the wrench goes"};
+  Parameter<double> bandwidth{this,
+                              {"bandwidth", "rad/s"},
+                              params.bandwidth,
+                              "cut-off frequency of the low-pass filter of the wrench"};
   Parameter<double> sway_limit{
-      this, {"sway_limit", "rad/s^2"}, params.sway_limit, "of the angular acceleration in stance"};
+      this, {"sway_limit", "rad/s^2"}, params.sway_limit, "limit of the angular acceleration in stance"};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<BodyReference> reference{this,
                                       {"reference"},

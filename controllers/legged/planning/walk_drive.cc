@@ -8,12 +8,12 @@
 namespace tenon {
 namespace {
 
-constexpr double kSameHeight = 1e-6;  // the plan's, when the wheel was given back [m], [m/s]
+constexpr double kSameHeight = 1e-6;  // tolerance of the height when returning to the plan [m], [m/s]
 
 }  // namespace
 
 void WalkDriveParams::Validate() const {
-  Demand(gait != Gait::kStand, "gait is `stand`, with which nothing walks: set `stands` instead");
+  Demand(gait != Gait::kStand, "gait is `stand`, which does not move: set `stands` instead");
   Demand(acceleration > 0, fmt::format("acceleration_m_per_s2 = {} must be positive", acceleration));
   Demand(yaw_acceleration > 0,
          fmt::format("yaw_acceleration_rad_per_s2 = {} must be positive", yaw_acceleration));
@@ -46,7 +46,7 @@ WalkCommand WalkDrive::CalcCommand(const WalkCommand& planned, bool active, cons
   WalkCommand command;
   if (!active) {
     command = planned;
-    if (moves && command.gait == Gait::kStand) command.gait = gait;  // until it has slowed down
+    if (moves && command.gait == Gait::kStand) command.gait = gait;  // keeps walking until it has slowed down
   } else {
     command.gait = stands && !moves ? Gait::kStand : gait;
   }

@@ -8,20 +8,20 @@
 
 namespace tenon {
 
-/// Defaults: those of WalkSchedule, and a change of height that takes about a second.
+/// The default accelerations are those of WalkSchedule; a change of height takes about one second.
 struct WalkDriveParams {
   double acceleration = 0.5;    ///< [m/s^2]
   double yaw_acceleration = 1;  ///< [rad/s^2]
-  double height_bandwidth = 5;  ///< w of a change of height [rad/s]
-  Gait gait = Gait::kTrot;      ///< until another one is ordered
+  double height_bandwidth = 5;  ///< w, bandwidth of a change of height [rad/s]
+  Gait gait = Gait::kTrot;      ///< initial gait
   Rate rate = Hz(100);
 
   void Validate() const;  ///< throws ParameterError
 };
 
-/// How far a WalkDrive has come with what was ordered; what is commanded, or what is added to the plan.
+/// State of a WalkDrive: the present command while active, the remaining difference to the plan otherwise.
 struct DriveProgress {
-  bool active = false;               ///< it is commanded
+  bool active = false;               ///< true while `active` of the block is set
   Vec<3> velocity = Vec<3>::Zero();  ///< forward, left [m/s], yaw rate [rad/s]
   double height = 0;                 ///< [m]
   double height_rate = 0;            ///< [m/s]
@@ -34,38 +34,37 @@ struct DriveProgress {
   }
 };
 
-/// Takes the wheel of a walk: hands on what a schedule commands until it is active, and from then on what its
-/// Parameters order, as the robot can follow it.
+/// Overrides a planned walk: passes on the commands of a schedule, and while `active` is set, commands that
+/// follow its Parameters within acceleration limits.
 ///
 ///     ports in    planned   a WalkCommand; standing if not connected
 ///     port out    command   sampled
-///     parameters  active    whether the orders below are followed
+///     parameters  active    if set, the parameters below override `planned`
 ///                 velocity  forward, left [m/s], yaw rate [rad/s]
-///                 gait      of walking
-///                 stands    instead of walking, once the robot has slowed down
-///                 height    of the CoM above the nominal one [m]
+///                 gait      gait while moving
+///                 stands    stand, once the robot has slowed down
+///                 height    height of the CoM above the nominal one [m]
 ///
-/// Velocities change by the accelerations of the params at most, forward and left along the straight line
-/// between them. The height h goes over to the one ordered, h*, as
+/// Accelerations are limited by the params; forward and left velocities change along a straight line. The
+/// height h follows the commanded height h* by
 ///
 ///     h'' = w^2 (h* - h) - 2 w h',
 ///
-/// which does not overshoot; explicit Euler's step of it at every tick. Taking the wheel or giving it back,
-/// no velocity jumps that the schedule does not let jump: what differs from the plan goes to zero in the same
-/// way.
+/// which is critically damped, discretised by the explicit Euler method. When `active` changes, velocities do
+/// not jump beyond those of the schedule: the difference to the plan decays in the same way.
 class WalkDrive final : public LeafSystem<WalkDriveParams> {
  public:
   using LeafSystem::LeafSystem;
 
   InputPort<WalkCommand> planned{this, {"planned"}, WalkCommand{}};
-  Parameter<bool> active{this, {"active"}, false, "whether the orders are followed, or the plan"};
+  Parameter<bool> active{this, {"active"}, false, "if set, the parameters override the planned command"};
   Parameter<Vec<3>> velocity{this,
                              {"velocity", "m/s, m/s, rad/s", "forward,left,yaw"},
                              Vec<3>::Zero(),
-                             "ordered, in the frame of the heading"};
-  Parameter<Gait> gait{this, {"gait"}, params.gait, "of walking"};
-  Parameter<bool> stands{this, {"stands"}, false, "instead of walking"};
-  Parameter<double> height{this, {"height", "m"}, 0, "of the CoM above the nominal one"};
+                             "commanded velocity, in the frame of the heading"};
+  Parameter<Gait> gait{this, {"gait"}, params.gait, "gait while moving"};
+  Parameter<bool> stands{this, {"stands"}, false, "stand instead of walking"};
+  Parameter<double> height{this, {"height", "m"}, 0, "height of the CoM above the nominal one"};
   Scratch<DriveProgress> progress{this, "progress"};
   OutputPort<WalkCommand> command{this,
                                   {"command"},

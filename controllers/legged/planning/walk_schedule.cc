@@ -19,7 +19,7 @@ WalkCommand Between(const WalkCommand& from, const WalkCommand& to, double s) {
           from.yaw_rate + s * (to.yaw_rate - from.yaw_rate), Vec<3>::Zero()};
 }
 
-/// Height, its speed and acceleration of squats that last until `end`, at t.
+/// Height, velocity and acceleration at time t of squats that end at `end`.
 Vec<3> Squat(double amplitude, double w, double t, double end) {
   const double period = 2 * std::numbers::pi / w;
   MotionPoint size{1, 0, 0};
@@ -34,7 +34,7 @@ Vec<3> Squat(double amplitude, double w, double t, double end) {
 }  // namespace
 
 void WalkScheduleParams::Validate() const {
-  Demand(!segments.empty(), "segments is empty: give one at least");
+  Demand(!segments.empty(), "segments is empty: give at least one");
   Demand(acceleration > 0, fmt::format("acceleration_m_per_s2 = {} must be positive", acceleration));
   Demand(yaw_acceleration > 0,
          fmt::format("yaw_acceleration_rad_per_s2 = {} must be positive", yaw_acceleration));
@@ -67,7 +67,7 @@ std::vector<WalkSchedule::Piece> WalkSchedule::MakePieces(const WalkSchedulePara
     const double change = std::hypot(to.forward - from.forward, to.left - from.left);
     const double ramp = std::max(change / params.acceleration,
                                  std::abs(to.yaw_rate - from.yaw_rate) / params.yaw_acceleration);
-    // Simpson's rule for the way on the ramp: exact as long as the direction stays.
+    // Length of the ramp by Simpson's rule, exact while the direction is constant.
     const double way = ramp / 6 * (Speed(from) + 4 * Speed(Between(from, to, 0.5)) + Speed(to));
     const double duration = s.duration ? *s.duration : ramp + (*s.length - way) / Speed(to);
     Demand(duration >= ramp,
@@ -87,7 +87,7 @@ std::vector<WalkSchedule::Piece> WalkSchedule::MakePieces(const WalkSchedulePara
 
 WalkSchedule::Extent WalkSchedule::extent() const {
   Extent extent;
-  // Simpson's rule: exact on a ramp as long as the direction stays.
+  // Simpson's rule, exact on a ramp with a constant direction.
   const auto add = [&](double duration, const WalkCommand& from, const WalkCommand& to) {
     const WalkCommand middle = Between(from, to, 0.5);
     extent.length += duration / 6 * (Speed(from) + 4 * Speed(middle) + Speed(to));

@@ -9,16 +9,16 @@
 
 namespace tenon {
 
-/// A part of a walk with one gait and constant velocities: a straight line, an arc, a turn on the spot.
+/// Part of a walk with one gait and constant velocities: a straight line, an arc or a turn in place.
 struct WalkSegment {
-  Gait gait = Gait::kStand;             ///< how it walks, if it does
-  double forward = 0;                   ///< speed along its own x axis [m/s]
-  double left = 0;                      ///< speed along its own y axis [m/s]
-  double yaw_rate = 0;                  ///< turning to the left [rad/s]
-  std::optional<double> duration = {};  ///< how long it lasts, unless its length says it [s]
-  std::optional<double> length = {};    ///< of path, instead of the duration [m]
-  double squat_amplitude = 0;           ///< of the CoM's height about the nominal one [m]
-  double squat_frequency = 0.5;         ///< of that [Hz]
+  Gait gait = Gait::kStand;             ///< gait, or kStand
+  double forward = 0;                   ///< velocity along the robot's x [m/s]
+  double left = 0;                      ///< velocity along the robot's y [m/s]
+  double yaw_rate = 0;                  ///< positive to the left [rad/s]
+  std::optional<double> duration = {};  ///< alternative to `length` [s]
+  std::optional<double> length = {};    ///< length of the path, alternative to `duration` [m]
+  double squat_amplitude = 0;           ///< amplitude of the CoM's height [m]
+  double squat_frequency = 0.5;         ///< frequency of the CoM's height [Hz]
 
   static FieldList Fields() {
     return {Required("gait", &WalkSegment::gait),
@@ -33,9 +33,9 @@ struct WalkSegment {
 };
 
 struct WalkScheduleParams {
-  std::vector<WalkSegment> segments;  ///< one after the other
-  double acceleration = 0.5;          ///< between segments, a choice [m/s^2]
-  double yaw_acceleration = 1;        ///< the same of turning [rad/s^2]
+  std::vector<WalkSegment> segments;  ///< in order
+  double acceleration = 0.5;          ///< between segments [m/s^2]
+  double yaw_acceleration = 1;        ///< angular acceleration between segments [rad/s^2]
   Rate rate = Hz(100);
 
   static FieldList Fields() {
@@ -47,16 +47,16 @@ struct WalkScheduleParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Commands a walk that is known beforehand, from t = 0 on.
+/// Commands a predefined walk, starting at t = 0.
 ///
 ///     ports out  command   sampled
 ///
-/// A segment begins with the velocities at the end of the one before and goes over to its own on a ramp that
-/// is linear in time, as short as both accelerations allow; its duration and length include the ramp; one
-/// that stands has none at once. The gait changes at once. After the last segment the robot stands.
+/// A segment starts with the velocities at the end of the previous one and reaches its own by a ramp that is
+/// linear in time, as short as both accelerations allow; duration and length of a segment include its ramp. A
+/// segment that stands stops at once. The gait changes at once. After the last segment the robot stands.
 ///
-/// Squats are sines of the time since the segment's beginning; within their first and last period they grow
-/// and fade as a quintic, so that height, speed and acceleration do not jump.
+/// The squats are sines of the time since the start of the segment; their amplitude rises and falls as a
+/// quintic within the first and the last period, so that height, velocity and acceleration are continuous.
 ///
 /// Throws ParameterError for a segment with neither or both of duration and length, with a length but no
 /// speed, and one that is too short for its ramp or for two squats.
@@ -64,22 +64,22 @@ class WalkSchedule final : public LeafSystem<WalkScheduleParams> {
  public:
   using LeafSystem::LeafSystem;
 
-  /// How far the walk leads.
+  /// Total length and turn of the walk.
   struct Extent {
     double length = 0;  ///< of the path [m]
-    double turn = 0;    ///< sum of all turns, to either side [rad]
+    double turn = 0;    ///< sum of the absolute turns [rad]
   };
   Extent extent() const;
-  /// When the last segment ends [s].
+  /// End of the last segment [s].
   double end_time() const;
-  /// When the last segment has its own velocities [s].
+  /// End of the last segment's ramp [s].
   double last_ramp_end() const;
   OutputPort<WalkCommand> command{
       this, {"command"}, Sampled{params.rate}, Uses(time), &WalkSchedule::CalcCommand};
 
  private:
   struct Piece {
-    double begin, ramp, end;  // times; the ramp's is its duration
+    double begin, ramp, end;  // begin and end are times, ramp is a duration
     WalkCommand from, to;
     double amplitude, frequency;  // of the squats [m], [rad/s]
   };

@@ -9,7 +9,7 @@ namespace tenon {
 namespace {
 
 constexpr int kCoefficients = 6;
-// Gauss's rule of four points on [0, 1]: exact up to degree seven.
+// Gauss-Legendre quadrature with four points on [0, 1], exact up to degree seven.
 constexpr std::array<double, 4> kGaussPoint{0.069431844202973712, 0.33000947820757187, 0.66999052179242813,
                                             0.93056815579702629};
 constexpr std::array<double, 4> kGaussWeight{0.17392742256872693, 0.32607257743127307, 0.32607257743127307,
@@ -51,7 +51,7 @@ QpReport ZmpSpline::Solve(const ZmpSplineProblem& problem, const ZmpSplineParams
                           PlanarSpline* spline) {
   const auto phases = problem.phases.size();
   if (phases == 0 || phases > kMaxPhases) {
-    throw RunError(fmt::format("a spline over {} support phases: give one to {}", phases, kMaxPhases));
+    throw RunError(fmt::format("a spline over {} support phases: give one to {} phases", phases, kMaxPhases));
   }
   segments_per_phase_ = params.order == SplineOrder::kCubic ? 2 : 1;
   free_ = params.order == SplineOrder::kCubic ? 1 : 3;
@@ -81,7 +81,7 @@ QpReport ZmpSpline::Solve(const ZmpSplineProblem& problem, const ZmpSplineParams
   return report;
 }
 
-/// The coefficients of each segment: three from the end of the one before, the others from its variables.
+/// Coefficients of each segment: three from the end of the previous one, the others from its variables.
 void ZmpSpline::MakeSegments(const ZmpSplineProblem& problem) {
   num_segments_ = 0;
   for (const SupportPhase& phase : problem.phases) {
@@ -103,13 +103,13 @@ void ZmpSpline::MakeSegments(const ZmpSplineProblem& problem) {
       map.row(1) = T * Derivative(1, k - 1, 1);
       map.row(2) = T * T / 2 * Derivative(2, k - 1, 1);
     }
-    for (int i = 0; i < free_; ++i) {  // u s^m integrated twice is u s^(m + 2) / ((m + 1) (m + 2))
+    for (int i = 0; i < free_; ++i) {  // the second integral of u s^m is u s^(m + 2) / ((m + 1) (m + 2))
       map(3 + i, k * free_ + i) = T * T / ((i + 2) * (i + 3));
     }
   }
 }
 
-/// x, x' or x'' at s in a segment.
+/// x, x' or x'' at s in a segment, by `order`.
 ZmpSpline::Functional ZmpSpline::Derivative(int order, int segment, double s) const {
   const auto map = maps_.block(kCoefficients * segment, 0, kCoefficients, n_ + 2);
   Functional f = Functional::Zero(n_ + 2);
@@ -121,7 +121,7 @@ ZmpSpline::Functional ZmpSpline::Derivative(int order, int segment, double s) co
   return f;
 }
 
-/// weight |f - target|^2, as half of the quadratic form.
+/// Adds weight |f - target|^2 to the cost.
 void ZmpSpline::AddSquare(const Functional& f, const Eigen::Vector2d& target, double weight) {
   const auto linear = f.head(n_);
   for (int i = 0; i < n_; ++i) {
@@ -153,7 +153,7 @@ void ZmpSpline::AddCost(const ZmpSplineProblem& problem, double path_weight) {
 void ZmpSpline::AddEnd(const ZmpSplineProblem& problem, double end_weight) {
   const int last = num_segments_ - 1;
   AddSquare(Derivative(2, last, 1), problem.end.acceleration, end_weight);
-  H_.block(n_, n_, n_, n_) = H_.topLeftCorner(n_, n_);  // x and y cost the same
+  H_.block(n_, n_, n_, n_) = H_.topLeftCorner(n_, n_);  // x and y have equal costs
   const Functional position = Derivative(0, last, 1), velocity = Derivative(1, last, 1);
   A_eq_.setZero();
   for (int axis = 0; axis < 2; ++axis) {

@@ -20,11 +20,11 @@ constexpr auto EnumNames(SplineOrder) {
   return std::array{Named{SplineOrder::kCubic, "cubic"}, Named{SplineOrder::kQuintic, "quintic"}};
 }
 
-/// Weights are relative to that of the squared acceleration, which is one.
+/// Weights relative to that of the squared acceleration, which is 1.
 struct ZmpSplineParams {
-  SplineOrder order = SplineOrder::kCubic;  ///< of the polynomials
-  double path_weight = 10;                  ///< of the squared deviation from the path [1/s^4]
-  double end_weight = 0.1;                  ///< of the squared error of the acceleration at the end [s]
+  SplineOrder order = SplineOrder::kCubic;  ///< degree of the polynomials
+  double path_weight = 10;                  ///< weight of the squared deviation from the path [1/s^4]
+  double end_weight = 0.1;                  ///< weight of the squared acceleration error at the end [s]
 
   static FieldList Fields() {
     return {{"order", &ZmpSplineParams::order},
@@ -34,50 +34,50 @@ struct ZmpSplineParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A stretch of time in which the same feet stand.
+/// A time interval with constant support.
 struct SupportPhase {
   double duration = 0;  ///< [s]
   SupportPolygon polygon;
 };
 
-/// The prescribed height of the CoM above its feet: constant, after a cubic in time that fades.
+/// Prescribed height of the CoM above the feet: a constant plus a cubic in time that ends at fade_duration.
 struct HeightProfile {
-  double rest = 0;               ///< [m]
-  double fade_duration = 0;      ///< [s]
-  std::array<double, 4> fade{};  ///< coefficients of t^0 ... t^3, until then [m/s^n]
+  double rest = 0;               ///< the constant [m]
+  double fade_duration = 0;      ///< duration of the cubic [s]
+  std::array<double, 4> fade{};  ///< coefficients of t^0 ... t^3 of the cubic [m/s^n]
 
   double At(double t) const;
   double Acceleration(double t) const;
 };
 
-/// What a spline is to do, from t = 0 on.
+/// Problem of ZmpSpline, starting at t = 0.
 struct ZmpSplineProblem {
-  std::span<const SupportPhase> phases;  ///< one after the other
-  PlanarPoint begin{}, end{};            ///< of the end's, the acceleration is but wished for
-  PlanarPath path{};                     ///< at t = 0
+  std::span<const SupportPhase> phases;  ///< consecutive
+  PlanarPoint begin{}, end{};            ///< boundary conditions; the final acceleration is only weighted
+  PlanarPath path{};                     ///< path at t = 0
   HeightProfile height{};
   double gravity = kGravity;  ///< [m/s^2]
 };
 
-/// The motion of the CoM over ground as a spline whose zero moment point stays in the support polygons
-/// (Morlando 2023, section 2.4.1). Of the motions x(t) that have the given position, velocity and
-/// acceleration at the beginning, position and velocity at the end T, and no jump up to the acceleration,
+/// The horizontal motion of the CoM as a spline whose zero moment point stays in the support polygons
+/// (Morlando 2023, section 2.4.1). Over motions x(t) with given initial position, velocity and acceleration,
+/// given final position and velocity at T, and continuous acceleration,
 ///
 ///     min  integral of |x''|^2 + path_weight |x - path|^2 over [0, T]  +  end_weight |x''(T) - a_end|^2
 ///     a x_z + b y_z + c >= 0  for all edges of each polygon,   x_z = x - z x'' / (g + z''), eqs. (2.4),
 ///     (2.5)
 ///
-/// with L' = 0 and the height z prescribed, so that it is a quadratic programme. The acceleration at the end
-/// is not prescribed: that would fix the ZMP there.
+/// with L' = 0 and prescribed height z, which makes it a quadratic program. The final acceleration is not
+/// prescribed, since that would fix the final ZMP.
 ///
-/// Each phase has two cubic polynomials or one of degree five. In s = t / T_k, from 0 to 1 in segment k, the
-/// acceleration is x''(s) = x''(0) + u_1 s (+ u_2 s^2 + u_3 s^3). Position, velocity and acceleration at a
-/// segment's beginning are those at the end of the one before, so beginning and junctions are met by
-/// construction, and the u are the variables, at most 54. The smoothness is integrated exactly, and so is the
-/// deviation from a straight path by cubics; the other deviations by Gauss's rule of four points a segment.
-/// The ZMP is bounded at kSamplesPerPhase times of each phase, evenly spaced and its end among them, and at
-/// its beginning as well if another phase precedes. Between them it may leave the polygon by some x'' dt^2 /
-/// 8, half a millimetre in a walk.
+/// Each phase has two cubic polynomials or one of degree five. In segment k, with s = t / T_k from 0 to 1,
+/// the acceleration is x''(s) = x''(0) + u_1 s (+ u_2 s^2 + u_3 s^3). Each segment starts with the final
+/// position, velocity and acceleration of the previous one, so the initial and junction conditions hold by
+/// construction, and the variables are the u, at most 54. The integral is exact for the acceleration, and for
+/// the deviation of cubics from a straight path; other deviations use Gauss-Legendre quadrature with four
+/// points a segment. The ZMP is constrained at kSamplesPerPhase times of each phase, evenly spaced up to its
+/// end, and also at its start if it follows another phase. Between these times it may leave the polygon by
+/// about x'' dt^2 / 8, half a millimetre in a walk.
 class ZmpSpline {
  public:
   static constexpr int kMaxPhases = 9;
@@ -85,18 +85,19 @@ class ZmpSpline {
 
   ZmpSpline();
 
-  /// Writes `spline` if a solution was found. No allocation. Throws RunError if there are no phases or more
-  /// than kMaxPhases.
+  /// Writes `spline` if the solve succeeds. Does not allocate. Throws RunError for no phases or more than
+  /// kMaxPhases.
   QpReport Solve(const ZmpSplineProblem& problem, const ZmpSplineParams& params, PlanarSpline* spline);
 
-  /// The last problem, in all u of x, then all of y; and its solution.
+  /// The quadratic program of the last Solve(), in the u of x, then of y.
   QuadraticProgram quadratic_program() const;
   const DualActiveSet& solver() const { return solver_; }
 
  private:
   static constexpr int kMaxPerCoordinate = 27;
   static constexpr int kMaxRows = kMaxPhases * (kSamplesPerPhase + 1) * SupportPolygon::kMaxFeet;
-  /// Linear in the variables of one coordinate, with the constants of x and y in the last two columns.
+  /// Affine function of the variables of one coordinate, with the constants of x and y in the last two
+  /// columns.
   using Functional = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, kMaxPerCoordinate + 2>;
 
   void MakeSegments(const ZmpSplineProblem& problem);

@@ -11,7 +11,7 @@
 namespace tenon {
 namespace {
 
-/// The penalty on |f|^2: 0 for a regular leg.
+/// Weight of |f|^2, see SolveFootForces: 0 for a regular leg.
 double Damping(const Eigen::Matrix3d& J, double min_singular_value) {
   // The smallest singular value is |det J| over the product of the others, which is at most |J|^2 / 2.
   if (2 * std::abs(J.determinant()) >= min_singular_value * J.squaredNorm()) return 0;

@@ -11,16 +11,16 @@ namespace tenon {
 
 void JointPdParams::Validate() const {
   Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-  Demand(std::isfinite(stiffness) && stiffness > 0,
-         fmt::format("stiffness = {} must be positive: an error of the joints would not be corrected",
-                     stiffness));
+  Demand(
+      std::isfinite(stiffness) && stiffness > 0,
+      fmt::format("stiffness = {} must be finite and positive; with 0 errors are not corrected", stiffness));
   Demand(std::isfinite(damping) && damping >= 0,
-         fmt::format("damping = {} must not be negative: it would feed oscillations", damping));
-  Demand(std::isfinite(gravity), fmt::format("gravity is {}; give m/s^2", gravity));
+         fmt::format("damping = {} must be finite and at least 0; negative damping is unstable", damping));
+  Demand(std::isfinite(gravity), fmt::format("gravity = {} must be finite; give m/s^2", gravity));
 }
 
 JointPdParams MakeJointPd(const QuadrupedDescription& robot) {
-  constexpr double kStiffness = 3.8860629, kDamping = 0.30989852;  // over m g l and m g l t
+  constexpr double kStiffness = 3.8860629, kDamping = 0.30989852;  // in units of m g l and m g l t
   const RobotScale scale = ScaleOf(robot);
   const double moment = scale.Weight() * scale.length;
   return {.robot = robot, .stiffness = kStiffness * moment, .damping = kDamping * moment * scale.Time()};
@@ -32,7 +32,7 @@ Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity) {
   QuadrupedDynamics dynamics;
   QuadrupedModel(robot, gravity).Calc(x, &dynamics);
 
-  // Sum of the forces, and their moments about the CoM about x and y.
+  // Rows: sum of the forces, and their moments about the CoM around x and y.
   Eigen::Matrix<double, 3, kNumLegs> balance;
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const Eigen::Vector3d arm = dynamics.foot(leg).p_W - dynamics.com_W;
@@ -41,7 +41,8 @@ Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity) {
   const auto solver = balance.completeOrthogonalDecomposition();
   if (solver.rank() < 3)
     throw ParameterError(
-        fmt::format("the feet of '{}' are in a line in its nominal stance: nothing can stand so; spread them",
+        fmt::format("the feet of '{}' lie in a line in the nominal stance, in which it cannot stand; change "
+                    "nominal_stance",
                     robot.name));
   const Eigen::Vector4d normal = solver.solve(Eigen::Vector3d(robot.mass() * gravity, 0, 0));
 

@@ -10,7 +10,7 @@
 namespace tenon {
 
 struct JointPdParams {
-  QuadrupedDescription robot = {};   ///< what the controller believes
+  QuadrupedDescription robot = {};   ///< model of the controller
   double stiffness = 0;              ///< K_p [N m/rad]
   double damping = 0;                ///< K_d [N m s/rad]
   bool gravity_compensation = true;  ///< add StandingTorque
@@ -20,18 +20,17 @@ struct JointPdParams {
   void Validate() const;  ///< throws ParameterError unless K_p > 0 and K_d >= 0
 };
 
-/// Gains of DogBot, 500 N m/rad and 10 N m s/rad, for a robot of any size and weight: K_p = 3.886 m g l per
-/// rad and K_d = 0.3099 m g l t, see RobotScale. A push of a tenth of the robot's weight moves the trunk by a
-/// hundredth of the leg's length.
+/// Gains for a robot of any size and weight, K_p = 3.886 m g l per rad and K_d = 0.3099 m g l t, see
+/// RobotScale. They are scaled from DogBot's 500 N m/rad and 10 N m s/rad. A push of a tenth of the robot's
+/// weight moves the trunk by a hundredth of the leg's length.
 JointPdParams MakeJointPd(const QuadrupedDescription& robot);
 
 /// The joint torques at which a robot stands still in its nominal stance, level, on four feet [N m]:
 ///
 ///     tau = g_q - sum_i J_i^T f_i,   f_i = (0, 0, N_i),
 ///
-/// with g_q the joints' rows of the gravity term and N the smallest vertical forces (in the sum of their
-/// squares) that carry the weight without a moment about the centre of mass. Throws ParameterError if there
-/// are none, the feet being in a line.
+/// with g_q the joints' rows of the gravity term and N the vertical forces of least norm that carry the
+/// weight without a moment about the centre of mass. Throws ParameterError if the feet lie in a line.
 Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity);
 
 /// Holds joint angles:
@@ -49,9 +48,8 @@ class JointPd final : public LeafSystem<JointPdParams> {
 
   InputPort<JointMotion> joints{this, {"joints"}};
   InputPort<Vec<12>> reference{this, {"reference", "rad"}, params.robot.stance};
-  Parameter<double> stiffness{
-      this, {"stiffness", "N m/rad"}, params.stiffness, "torque per error of the angle"};
-  Parameter<double> damping{this, {"damping", "N m s/rad"}, params.damping, "torque against the speed"};
+  Parameter<double> stiffness{this, {"stiffness", "N m/rad"}, params.stiffness, "K_p"};
+  Parameter<double> damping{this, {"damping", "N m s/rad"}, params.damping, "K_d"};
   OutputPort<Vec<12>> torque{this,
                              {"torque", "N m", kJointElements},
                              Sampled{params.rate},

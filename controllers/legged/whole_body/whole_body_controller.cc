@@ -14,7 +14,7 @@
 namespace tenon {
 namespace {
 
-// L' = A nu' from here on; the legs' rows of (2.3) stay as they are.
+// Drops A' nu from L' = A nu' + A' nu, and leaves the legs' rows of (2.3) unchanged.
 void NeglectAngularMomentumBias(QuadrupedDynamics* dynamics) {
   Vec<6> bias = Vec<6>::Zero();
   bias.tail<3>() = dynamics->angular_momentum_bias_W;
@@ -24,9 +24,9 @@ void NeglectAngularMomentumBias(QuadrupedDynamics* dynamics) {
   dynamics->angular_momentum_bias_W.setZero();
 }
 
-/// How to turn an attitude into its reference: first the trunk's z axis, by the shortest way, then about it.
-/// Rotation vectors [rad]. That of both together would, where the robot is turned by much, point the way out
-/// of a tilt by half of that turn wrongly.
+/// Rotation vectors [rad] from an attitude to its reference: the tilt aligns the z axes by the shortest
+/// rotation, the turn then rotates about the reference's z axis. A single rotation vector would correct the
+/// tilt in a wrong direction when the heading error is large.
 struct TiltAndTurn {
   Eigen::Vector3d tilt, turn;
 };
@@ -36,7 +36,7 @@ TiltAndTurn AttitudeError(const Eigen::Matrix3d& R_WB, const Eigen::Matrix3d& re
   return {upright.angle() * upright.axis(), -std::atan2(ahead[1], ahead[0]) * reference.col(2)};
 }
 
-/// A force of the ground without what is beyond the pyramid of this friction sideways.
+/// The ground force with its tangential components clamped to the friction pyramid.
 Eigen::Vector3d WithinFriction(const Eigen::Vector3d& force, const Eigen::Vector3d& normal, double friction) {
   const double pressing = std::max(0.0, force.dot(normal)), most = friction * pressing;
   const Eigen::Vector3d t_1 = FirstTangent(normal), t_2 = normal.cross(t_1);
@@ -51,30 +51,30 @@ void WholeBodyGains::Validate() const {
        {std::pair{"com_stiffness", com_stiffness}, std::pair{"trunk_stiffness", trunk_stiffness},
         std::pair{"swing_stiffness", swing_stiffness}}) {
     Demand(value > 0 && std::isfinite(value),
-           fmt::format("{} = {} must be finite and positive: errors would not be corrected", name, value));
+           fmt::format("{} = {} must be finite and positive; with 0 errors are not corrected", name, value));
   }
   for (const auto& [name, value] :
        {std::pair{"com_damping", com_damping}, std::pair{"trunk_damping", trunk_damping},
         std::pair{"swing_damping", swing_damping}, std::pair{"stance_damping", stance_damping}}) {
     Demand(value >= 0 && std::isfinite(value),
-           fmt::format("{} = {} must be finite and not negative: it would feed oscillations", name, value));
+           fmt::format("{} = {} must be finite and at least 0; negative damping is unstable", name, value));
   }
   for (const auto& [name, value] :
        {std::pair{"com_limit", com_limit}, std::pair{"grip_limit", grip_limit},
         std::pair{"turn_limit", turn_limit}, std::pair{"swing_limit", swing_limit}})
     Demand(value > 0, fmt::format("{} = {} must be positive", name, value));
   Demand(stretch_limit > 0 && stretch_limit <= 1,
-         fmt::format("stretch_limit = {} must be above 0 and at most 1, a straight leg", stretch_limit));
-  Demand(std::isfinite(stretch_stiffness) && stretch_stiffness >= 0,
-         fmt::format("stretch_stiffness = {} must be finite and not negative: it would stretch legs",
-                     stretch_stiffness));
+         fmt::format("stretch_limit = {} must be above 0 and at most 1 (a straight leg)", stretch_limit));
+  Demand(
+      std::isfinite(stretch_stiffness) && stretch_stiffness >= 0,
+      fmt::format("stretch_stiffness = {} must be finite and at least 0; 0 turns it off", stretch_stiffness));
   qp.Validate();
 }
 
 void WholeBodyParams::Validate() const {
   gains.Validate();
   Demand(max_failures_in_a_row >= 0,
-         fmt::format("max_failures_in_a_row = {} must not be negative: every solve would end the run",
+         fmt::format("max_failures_in_a_row = {} must be at least 0; 0 ends the run at the first failure",
                      max_failures_in_a_row));
 }
 
@@ -165,21 +165,19 @@ void WholeBodyController::CalcPlan(const QuadrupedDynamics& dynamics, const Legg
   ++diagnostics.solves;
   diagnostics.failures += !report.ok();
   diagnostics.failures_in_a_row = report.ok() ? 0 : diagnostics.failures_in_a_row + 1;
-  diagnostics.full_solves += !qp.eliminated();
   diagnostics.iterations = report.iterations;
   diagnostics.status = report.status;
   diagnostics.constraint = report.constraint;
   *plan = last;
-  plan->diagnostics.solve_time = elapsed.count();  // alone: what carries on is the same in every run
+  plan->diagnostics.solve_time = elapsed.count();  // not in `last`: the memory must be equal in every run
 }
 
 Verdict WholeBodyController::CheckSolves(const WholeBodyPlan& plan, long max_failures_in_a_row) const {
   const WholeBodyDiagnostics& last = plan.diagnostics;
   if (last.failures_in_a_row <= max_failures_in_a_row) return {};
   return fmt::format(
-      "the whole-body optimisation failed {} times in a row, the last time as {}: the robot cannot do what "
-      "is "
-      "asked of it; lower the speed, or look at friction and torque limits",
+      "the whole-body optimisation failed {} times in a row, last with status {}: the command exceeds what "
+      "friction and torque limits allow; lower the speed, or check `friction` and the torque limits",
       last.failures_in_a_row, EnumName(last.status));
 }
 

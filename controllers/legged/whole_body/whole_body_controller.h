@@ -15,39 +15,39 @@
 
 namespace tenon {
 
-/// How the forces that act on the legs are met.
+/// Compensation of external forces on the legs.
 enum class LegCompensation {
-  kExact,   ///< by torques: F_hat is taken off the torques of all legs, within their limits
-  kThesis,  ///< by accelerations: eq. (2.41) for the swing feet, nothing in the torques
+  kExact,   ///< torques: F_hat is subtracted from the torques of all legs, within their limits
+  kThesis,  ///< accelerations: eq. (2.41) for the swing feet, torques unchanged
 };
 constexpr auto EnumNames(LegCompensation) {
   return std::array{Named{LegCompensation::kExact, "exact"}, Named{LegCompensation::kThesis, "thesis"}};
 }
 
-/// The dynamics that the optimisation believes.
+/// Equations of motion in the optimisation.
 enum class BodyDynamics {
-  kExact,      ///< of all 18 coordinates, the estimated wrench in them
-  kDecoupled,  ///< eq. (2.3): without the wrench, see DecoupledDynamics, and without A' nu in L'
+  kExact,      ///< all 18 coordinates, with the estimated wrench
+  kDecoupled,  ///< eq. (2.3), see DecoupledDynamics: without the wrench, and without A' nu in L'
 };
 constexpr auto EnumNames(BodyDynamics) {
   return std::array{Named{BodyDynamics::kExact, "exact"}, Named{BodyDynamics::kDecoupled, "decoupled"}};
 }
 
-/// What is tuned of the whole-body controller; read from a file such as diagrams/profiles/standard.yaml.
+/// Gains of the whole-body controller, read from a file such as diagrams/profiles/standard.yaml.
 struct WholeBodyGains {
-  double com_stiffness = 2500;    ///< [N/m]
-  double com_damping = 400;       ///< [N s/m]
-  double com_limit = 0.08;        ///< an error of the CoM counts up to this length [m]
-  double grip_limit = 2;          ///< of what friction holds sideways: the ground is not asked for more
-  double trunk_stiffness = 250;   ///< angular acceleration per angle [1/s^2]
-  double trunk_damping = 50;      ///< [1/s]
-  double turn_limit = 0.2;        ///< an error of the heading counts up to this angle [rad]
-  double swing_stiffness = 4900;  ///< acceleration of a swing foot per error [1/s^2]
-  double swing_damping = 140;     ///< [1/s]
-  double swing_limit = 200;       ///< of both together: a foot that is stuck does not get all torque [m/s^2]
-  double stance_damping = 50;     ///< deceleration of a stance foot that moves, per velocity [1/s]
-  double stretch_limit = 0.97;    ///< of the leg's length, hip to foot: beyond, a stance foot is drawn in,
-  double stretch_stiffness = 2500;  ///< with this acceleration per length [1/s^2]
+  double com_stiffness = 2500;      ///< K_p [N/m]
+  double com_damping = 400;         ///< K_d [N s/m]
+  double com_limit = 0.08;          ///< saturation of the CoM position error [m]
+  double grip_limit = 2;            ///< saturation of the tangential ground force, in multiples of friction
+  double trunk_stiffness = 250;     ///< k_p: angular acceleration per angle [1/s^2]
+  double trunk_damping = 50;        ///< k_d [1/s]
+  double turn_limit = 0.2;          ///< saturation of the heading error [rad]
+  double swing_stiffness = 4900;    ///< acceleration of a swing foot per position error [1/s^2]
+  double swing_damping = 140;       ///< acceleration of a swing foot per velocity error [1/s]
+  double swing_limit = 200;         ///< saturation of a swing foot's feedback acceleration [m/s^2]
+  double stance_damping = 50;       ///< k_s: deceleration of a moving stance foot per velocity [1/s]
+  double stretch_limit = 0.97;      ///< r: extension of a stance leg, over its length, that is not corrected
+  double stretch_stiffness = 2500;  ///< k_l: acceleration towards the hip per length beyond that [1/s^2]
   BodyDynamics dynamics = BodyDynamics::kExact;
   LegCompensation compensation = LegCompensation::kExact;
   WholeBodyQpParams qp = {};
@@ -70,36 +70,34 @@ struct WholeBodyGains {
             {"leg_compensation", &WholeBodyGains::compensation},
             {"qp", &WholeBodyGains::qp}};
   }
-  /// Throws ParameterError unless limits and stiffnesses are positive (that of the stretch may be 0, its
-  /// limit is at most 1), damping is not negative, and the QP's are valid.
+  /// Throws ParameterError unless limits and stiffnesses are positive (stretch_stiffness may be 0,
+  /// stretch_limit is at most 1), dampings are at least 0, and `qp` is valid.
   void Validate() const;
 };
 
 struct WholeBodyParams {
-  QuadrupedDescription robot;  ///< what the controller believes; gives the torque limits
+  QuadrupedDescription robot;  ///< the controller's model, with the torque limits
   WholeBodyGains gains;
-  Rate qp_rate = Hz(1000);           ///< of the optimisation
-  Rate rate = Hz(1000);              ///< of the torques
-  long max_failures_in_a_row = 100;  ///< more end the run
+  Rate qp_rate = Hz(1000);           ///< rate of the optimisation
+  Rate rate = Hz(1000);              ///< rate of the torques
+  long max_failures_in_a_row = 100;  ///< number of consecutive failed solves above which the run ends
   void Validate() const;             ///< throws ParameterError
 };
 
-/// How the solves of the whole-body controller went.
+/// Statistics of the whole-body controller's solves.
 struct WholeBodyDiagnostics {
-  long solves = 0;    ///< since the start of the run
-  long failures = 0;  ///< of these found nothing, so that the last valid torque went on
-  long failures_in_a_row = 0;
-  long full_solves = 0;                 ///< in 30 variables instead of 12
-  int iterations = 0;                   ///< of the last
-  QpStatus status = QpStatus::kSolved;  ///< of the last
-  int constraint = -1;                  ///< that its status is about, see QpReport
-  double solve_time = 0;                ///< wall-clock time that the last took [s]; nothing depends on it
+  long solves = 0;                      ///< since the start of the run
+  long failures = 0;                    ///< failed solves, after which the last valid torques stay
+  long failures_in_a_row = 0;           ///< failed solves since the last success
+  int iterations = 0;                   ///< iterations of the last solve
+  QpStatus status = QpStatus::kSolved;  ///< status of the last solve
+  int constraint = -1;                  ///< constraint that the status refers to, see QpReport
+  double solve_time = 0;                ///< wall-clock time of the last solve [s]; no block depends on it
 
   static FieldList Fields() {
     return {{"solves", &WholeBodyDiagnostics::solves},
             {"failures", &WholeBodyDiagnostics::failures},
             {"failures_in_a_row", &WholeBodyDiagnostics::failures_in_a_row},
-            {"full_solves", &WholeBodyDiagnostics::full_solves},
             {"iterations", &WholeBodyDiagnostics::iterations},
             {"status", &WholeBodyDiagnostics::status},
             {"constraint", &WholeBodyDiagnostics::constraint},
@@ -107,7 +105,7 @@ struct WholeBodyDiagnostics {
   }
 };
 
-/// The last valid solution, and how the last solve went.
+/// The last valid solution and the statistics of the solves.
 struct WholeBodyPlan {
   WholeBodySolution solution;
   WholeBodyDiagnostics diagnostics;
@@ -118,32 +116,32 @@ struct WholeBodyPlan {
 };
 
 /// The whole-body controller (Morlando 2023, section 2.4.3): joint torques that make CoM, trunk and swing
-/// feet follow their references. At `qp_rate` a quadratic program (see WholeBodyQp) chooses accelerations and
-/// forces of the ground for the wrench (2.26) and the accelerations (2.40),
+/// feet follow their references. At `qp_rate` a quadratic program (see WholeBodyQp) computes accelerations
+/// and ground forces for the wrench (2.26) and the foot accelerations (2.40),
 ///
 ///     force   = K_p (x_ref - x) + K_d (x_ref' - x') + m (x_ref'' + g e_z)
-///     torque  = I_com (k_p e + k_d (w_ref - w) + alpha_ref),   e from B to its reference: tilt, then turn
+///     moment  = I_com (k_p e + k_d (w_ref - w) + alpha_ref),   e from B to its reference: tilt, then turn
 ///     a_swing = a_ref + [k_d (v_ref - v) + k_p (p_ref - p)],   a_stance = -k_s v + k_l max(0, l - r l_max) u
 ///
-/// and at `rate` the torques of (2.46) are computed from them and the present dynamics, within the limits.
-/// If a solve fails it is counted, and the last valid torques stay until one succeeds; a monitor ends the run
-/// after `max_failures_in_a_row`.
+/// and at `rate` the torques (2.46) are computed from its solution and the present dynamics, within the
+/// limits. After a failed solve the last valid torques stay until a solve succeeds; a monitor ends the run
+/// after more than `max_failures_in_a_row` failures.
 ///
-/// x_ref - x is not longer than `com_limit`, and e is the shortest way to upright and then the turn to the
-/// heading, of which no more than `turn_limit` counts: a robot that was pushed off its path comes back at a
-/// speed that its feet can follow, and one that was turned far knows which way is up. What the force asks of
-/// the ground sideways is kept within `grip_limit` times what friction holds: for what is beyond friction,
-/// the optimisation presses on the ground with more than is wanted, which helps for a moment and then lifts
-/// the robot.
+/// **Saturation.** |x_ref - x| is limited to `com_limit` and the turn in e to `turn_limit`, so that a robot
+/// that was pushed off its path returns at a speed that its feet can follow, and rights itself before it
+/// turns to its heading. The tangential components of the desired ground force are limited to `grip_limit`
+/// times friction: beyond friction, the optimisation would increase the normal force above its desired value,
+/// which lifts the robot. The bracket of a_swing is limited to `swing_limit`, so that a stuck foot does not
+/// take all the torque.
 ///
-/// Feet are spheres that roll on the ground: the stance's v and a are those of the point in contact, where
-/// the ground's force acts. The bracket is not longer than `swing_limit`. a_stance stops a foot that is taken
-/// to stand but has no contact; with (2.30) alone it would go on at its speed until the leg is straight. And
-/// it gives up a foot that is farther from its hip, by l along u, than the part r of the leg's length l_max:
-/// a leg that the trunk pulls straight snaps over, and throws the robot.
+/// **Stance feet.** Feet are spheres that roll on the ground: v and a of a stance foot are those of its
+/// contact point. a_stance stops a foot that is scheduled to stand but has no contact; with (2.30) alone it
+/// would keep its velocity until the leg is straight. It also pulls a foot towards its hip (unit vector u) if
+/// their distance l exceeds the fraction r of the leg's length l_max, since a leg that the trunk pulls
+/// straight snaps through its singularity.
 ///
-/// Forces that others exert, as observers estimate them, are compensated once: the wrench in the cost and in
-/// the trunk's dynamics, what reaches the joints by `compensation`. Give zeros for what is not to be.
+/// **Disturbances.** Estimated external forces are compensated once: the wrench in the cost and in the
+/// trunk's dynamics, joint torques by `compensation`. Connect zeros to compensate nothing.
 ///
 ///     | port        | kind            | type                 |
 ///     | state       | input           | LeggedState          |
@@ -169,9 +167,11 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   InputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   Parameter<WholeBodyGains> gains{
-      this, {"gains"}, params.gains, "stiffness, damping and weights of what is asked for"};
-  Parameter<long> max_failures_in_a_row{
-      this, {"max_failures_in_a_row"}, params.max_failures_in_a_row, "failed solves, more end the run"};
+      this, {"gains"}, params.gains, "stiffnesses, dampings, limits and weights of the controller"};
+  Parameter<long> max_failures_in_a_row{this,
+                                        {"max_failures_in_a_row"},
+                                        params.max_failures_in_a_row,
+                                        "consecutive failed solves above which the run ends"};
 
  private:
   QuadrupedModel model_{params.robot};
@@ -199,16 +199,17 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   Monitor solves{this, "solves", Sampled{params.qp_rate}, Uses(plan, max_failures_in_a_row),
                  &WholeBodyController::CheckSolves};
 
-  /// The believed robot, feet that stand by their points in contact; without A' nu where `gains` say so.
+  /// Dynamics of the controller's model, with contact points in place of the stance feet's centres, and
+  /// without A' nu for BodyDynamics::kDecoupled.
   void CalcDynamics(const LeggedState& state, const ContactSchedule& schedule, const GroundPlane& ground,
                     const WholeBodyGains& gains, QuadrupedDynamics* dynamics) const;
-  /// What the optimisation is asked for: (2.26), (2.40) and the compensation.
+  /// Task of the optimisation: the wrench (2.26), the foot accelerations (2.40) and the compensation.
   WholeBodyTask MakeTask(const QuadrupedDynamics& dynamics, const LeggedState& state,
                          const ContactSchedule& schedule, const BodyReference& body,
                          const FeetReference& feet, const WrenchEstimate& wrench,
                          const LegForceEstimate& leg_forces, const GroundPlane& ground,
                          const WholeBodyGains& gains) const;
-  /// The torque limits of the joints, in order [N m].
+  /// Torque limits of the joints [N m].
   static Vec<12> TorqueLimit(const QuadrupedDescription& robot);
 
  private:

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -20,13 +21,14 @@ using internal::Lanes;
 using internal::PacketAt;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
-// J_leg counts as singular if its determinant is less than this part of |J_leg|^3.
+// J_leg counts as singular if |det J_leg| <= kStraight |J_leg|^3.
 constexpr double kStraight = 1e-4;
 
-// Affine functions of y, a row each: twelve coefficients, a constant, and zeros that pad it.
+// Layout of a row that stores an affine function of y = (f, gamma): twelve coefficients, the constant, and
+// zeros as padding.
 constexpr int kWidth = 16, kConstant = 12;
 
-// The 18 accelerations of nu', then the wrench that is missing.
+// Layout of all rows: the 18 accelerations nu', then the error of the wrench from kWrenchRow on.
 constexpr int kWrenchRow = 18, kRows = 24;
 
 // row += s * other
@@ -34,10 +36,10 @@ constexpr int kWrenchRow = 18, kRows = 24;
   for (int i = 0; i < kWidth; i += 4) *PacketAt(row + i) += *PacketAt(other + i) * s;
 }
 
-// Six rows x of A x = B y, by elimination with row pivots: each of `rows` holds one of B, and A's from kWidth
-// on. False if A is singular.
+// Solves A x = B y for the six rows x by Gauss-Jordan elimination with row pivots. Each of `rows` holds a row
+// of B, then one of A from kWidth on. A singular A yields values that are not finite.
 constexpr int kEliminationWidth = kWidth + 8;
-[[gnu::always_inline]] inline bool Eliminate(double* rows, double* solution) {
+[[gnu::always_inline]] inline void Eliminate(double* rows, double* solution) {
   std::array<double*, 6> at{};
   for (std::size_t i = 0; i < 6; ++i) at[i] = rows + i * kEliminationWidth;
   for (std::size_t k = 0; k < 6; ++k) {
@@ -46,7 +48,6 @@ constexpr int kEliminationWidth = kWidth + 8;
       if (std::abs(at[i][kWidth + k]) > std::abs(at[largest][kWidth + k])) largest = i;
     std::swap(at[k], at[largest]);
     double* const pivot = at[k];
-    if (!(std::abs(pivot[kWidth + k]) > 0)) return false;
     const double inverse = 1 / pivot[kWidth + k];
     for (int c = 0; c < kEliminationWidth; c += 4) *PacketAt(pivot + c) = *PacketAt(pivot + c) * inverse;
     for (std::size_t i = 0; i < 6; ++i) {
@@ -57,11 +58,10 @@ constexpr int kEliminationWidth = kWidth + 8;
   }
   for (std::size_t k = 0; k < 6; ++k)
     for (int c = 0; c < kWidth; c += 4) *PacketAt(solution + k * kWidth + c) = *PacketAt(at[k] + c);
-  return true;
 }
 
-// H = sum w a a^T, its lower triangle and some of the upper one, and g = sum w c a, for rows (a, c) with
-// weights w; columns of H in groups of four.
+// H = sum w a a^T over rows (a, c) with weights w: the lower triangle and parts of the upper one, columns in
+// groups of four.
 template <int first = 0>
 [[gnu::always_inline]] inline void SumSquares(const double* rows, const double* weights, double* H) {
   constexpr int packets = 3 - first / 4;
@@ -77,6 +77,7 @@ template <int first = 0>
     for (int p = 0; p < packets; ++p) *PacketAt(H + 12 * (first + c) + first + 4 * p) = sum[c][p];
   if constexpr (first < 8) SumSquares<first + 4>(rows, weights, H);
 }
+// g = sum w c a over rows (a, c) with weights w.
 [[gnu::always_inline]] inline void SumProducts(const double* rows, const double* weights, double* g) {
   Lanes sum[3] = {};
   for (int r = 0; r < kRows; ++r) {
@@ -85,6 +86,14 @@ template <int first = 0>
     for (int p = 0; p < 3; ++p) sum[p] += *PacketAt(row + 4 * p) * factor;
   }
   for (int p = 0; p < 3; ++p) *PacketAt(g + 4 * p) = sum[p];
+}
+
+// Inverse of a singular leg Jacobian with its singular values raised to 2 kStraight |J|, a lower bound of
+// those of every regular one.
+Eigen::Matrix3d InverseOfSingular(const Eigen::Matrix3d& J) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Vector3d values = svd.singularValues().cwiseMax(2 * kStraight * J.norm());
+  return svd.matrixV() * values.cwiseInverse().asDiagonal() * svd.matrixU().transpose();
 }
 
 // The trunk's columns of the foot's Jacobian.
@@ -110,39 +119,33 @@ void WholeBodyQpParams::Validate() const {
            fmt::format("{} = {} must be finite and not negative", name, value));
 }
 
-WholeBodyQp::Problem::Problem(int variables, int equalities)
-    : H(Eigen::MatrixXd::Zero(variables, variables)),
-      g(Eigen::VectorXd::Zero(variables)),
-      A_eq(ConstraintMatrix::Zero(equalities, variables)),
-      b_eq(Eigen::VectorXd::Zero(equalities)),
-      A_in(ConstraintMatrix::Zero(kNumLegs * kRowsPerLeg, variables)),
-      b_in(Eigen::VectorXd::Zero(kNumLegs * kRowsPerLeg)) {}
-
-WholeBodyQp::WholeBodyQp(const Vec<12>& torque_limit) : torque_limit_(torque_limit) {
+WholeBodyQp::WholeBodyQp(const Vec<12>& torque_limit)
+    : torque_limit_(torque_limit),
+      H_(Eigen::MatrixXd::Zero(12, 12)),
+      g_(Eigen::VectorXd::Zero(12)),
+      A_eq_(ConstraintMatrix::Zero(0, 12)),
+      A_in_(ConstraintMatrix::Zero(kNumLegs * kRowsPerLeg, 12)),
+      b_eq_(Eigen::VectorXd::Zero(0)),
+      b_in_(Eigen::VectorXd::Zero(kNumLegs * kRowsPerLeg)) {
   Demand((torque_limit.array() > 0).all(), "the torque limits of all joints must be positive");
   affine_.Resize(kRows * kWidth);
-}
-
-QuadraticProgram WholeBodyQp::problem() const {
-  const Problem& qp = eliminated_ ? reduced_ : full_;
-  return {qp.H, qp.g, qp.A_eq, qp.b_eq, qp.A_in, qp.b_in};
 }
 
 Vec<3> FirstTangent(const Vec<3>& normal) {
   return (Vec<3>::UnitX() - normal[0] * normal).normalized();
 }
 
-// The pyramids, of forces that stand in three columns per leg from `first` on.
-void WholeBodyQp::MakePyramids(const WholeBodyTask& task, double friction, int first, Problem* qp) {
+// Writes the rows of the friction pyramids.
+void WholeBodyQp::MakePyramids(const WholeBodyTask& task, double friction) {
   const Vec<3>& n = task.normal_W;
   const Eigen::Vector3d t_1 = FirstTangent(n), t_2 = n.cross(t_1);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const bool stance = task.stance[static_cast<std::size_t>(leg)];
     const int row = kRowsPerLeg * leg;
-    qp->A_in.middleRows<4>(row).setZero();
-    qp->b_in.segment<4>(row).setConstant(stance ? 0 : -1);
+    A_in_.middleRows<4>(row).setZero();
+    b_in_.segment<4>(row).setConstant(stance ? 0 : -1);
     if (!stance) continue;
-    auto pyramid = qp->A_in.block<4, 3>(row, first + 3 * leg);
+    auto pyramid = A_in_.block<4, 3>(row, 3 * leg);
     pyramid.row(0) = (friction * n + t_1).transpose();
     pyramid.row(1) = (friction * n - t_1).transpose();
     pyramid.row(2) = (friction * n + t_2).transpose();
@@ -150,9 +153,9 @@ void WholeBodyQp::MakePyramids(const WholeBodyTask& task, double friction, int f
   }
 }
 
-// False if a leg is straight. See the header for the derivation: rows of `affine_` become nu' and the wrench
-// that is missing, as functions of f and gamma.
-TENON_VECTOR_CLONES bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynamics,
+// Writes the program in f and gamma. The rows of `affine_` become nu' and the error of the wrench; see
+// **Elimination** in the header.
+TENON_VECTOR_CLONES void WholeBodyQp::MakeProblem(const QuadrupedDynamics& dynamics,
                                                   const WholeBodyTask& task,
                                                   const WholeBodyQpParams& params) {
   double* const rows = affine_.data();
@@ -160,15 +163,15 @@ TENON_VECTOR_CLONES bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynam
   std::array<Eigen::Matrix3d, kNumLegs> inverse;
   std::array<Eigen::Matrix<double, 3, 6>, kNumLegs> by_trunk;
   Eigen::Matrix<double, 6, 6> S = dynamics.M.topLeftCorner<6, 6>();
-  Eigen::Matrix<double, 6, 13> right;  // of a_b: what each y contributes, and the rest
+  Eigen::Matrix<double, 6, 13> right;  // S a_b = right (y, 1)
   right.col(12) =
       AboutBase(dynamics, task.disturbance) - dynamics.coriolis.head<6>() - dynamics.gravity.head<6>();
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     const Eigen::Matrix3d& J = dynamics.foot(leg).J_leg;
     const double size2 = J.squaredNorm();
-    if (!(std::abs(J.determinant()) > kStraight * size2 * std::sqrt(size2))) return false;
-    inverse[i] = J.inverse();
+    const bool regular = std::abs(J.determinant()) > kStraight * size2 * std::sqrt(size2);
+    inverse[i] = regular ? Eigen::Matrix3d(J.inverse()) : InverseOfSingular(J);
     const auto J_b = TrunkJacobian(dynamics, leg);
     const auto M_b = dynamics.M.block<6, 3>(0, 6 + 3 * leg);
     by_trunk[i].noalias() = -inverse[i] * J_b;
@@ -187,7 +190,7 @@ TENON_VECTOR_CLONES bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynam
     for (int c = 0; c < 13; ++c) elimination[r * kEliminationWidth + c] = right(r, c);
     for (int c = 0; c < 6; ++c) elimination[r * kEliminationWidth + kWidth + c] = S(r, c);
   }
-  if (!Eliminate(elimination, rows)) return false;
+  Eliminate(elimination, rows);
 
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
@@ -213,13 +216,12 @@ TENON_VECTOR_CLONES bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynam
       for (int c = 0; c < 3; ++c) rows[(kWrenchRow + 3 + r) * kWidth + 3 * leg + c] = arm(r, c);
     }
   }
-  Problem& qp = reduced_;
-  SumSquares(rows, weights.data(), qp.H.data());
-  SumProducts(rows, weights.data(), qp.g.data());
+  SumSquares(rows, weights.data(), H_.data());
+  SumProducts(rows, weights.data(), g_.data());
   for (int y = 0; y < 12; ++y)
-    qp.H(y, y) += task.stance[static_cast<std::size_t>(y / 3)] ? params.force_weight : params.slack_weight;
+    H_(y, y) += task.stance[static_cast<std::size_t>(y / 3)] ? params.force_weight : params.slack_weight;
 
-  MakePyramids(task, params.friction, 0, &qp);
+  MakePyramids(task, params.friction);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     for (int k = 0; k < 3; ++k) {
@@ -233,82 +235,26 @@ TENON_VECTOR_CLONES bool WholeBodyQp::MakeReduced(const QuadrupedDynamics& dynam
       for (int r = 0; r < 3; ++r)
         AddRow(dynamics.M(6 + 3 * leg + r, 6 + joint), rows + (6 + 3 * leg + r) * kWidth, torque);
       for (int c = 0; c < 12; c += 4) {
-        *PacketAt(&qp.A_in(lower, c)) = *PacketAt(torque + c);
-        *PacketAt(&qp.A_in(upper, c)) = -*PacketAt(torque + c);
+        *PacketAt(&A_in_(lower, c)) = *PacketAt(torque + c);
+        *PacketAt(&A_in_(upper, c)) = -*PacketAt(torque + c);
       }
-      qp.b_in[lower] = -torque_limit_[joint] - torque[kConstant];
-      qp.b_in[upper] = -torque_limit_[joint] + torque[kConstant];
+      b_in_[lower] = -torque_limit_[joint] - torque[kConstant];
+      b_in_[upper] = -torque_limit_[joint] + torque[kConstant];
     }
-  }
-  return true;
-}
-
-void WholeBodyQp::MakeFull(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
-                           const WholeBodyQpParams& params) {
-  Problem& qp = full_;
-  qp.H.setZero();
-  qp.H.diagonal().head<18>().setConstant(params.acceleration_weight);
-  qp.g.setZero();
-  qp.A_eq.setZero();
-  MakePyramids(task, params.friction, 18, &qp);
-  Eigen::Matrix<double, 6, 12> G = Eigen::Matrix<double, 6, 12>::Zero();
-  for (int leg = 0; leg < kNumLegs; ++leg) {
-    const bool stance = task.stance[static_cast<std::size_t>(leg)];
-    qp.H.diagonal().segment<3>(18 + 3 * leg).setConstant(stance ? params.force_weight : params.slack_weight);
-    if (!stance) continue;
-    G.block<3, 3>(0, 3 * leg).setIdentity();
-    G.block<3, 3>(3, 3 * leg) = CrossMatrix(dynamics.foot(leg).p_W - dynamics.com_W);
-  }
-  const Eigen::Matrix<double, 6, 12> QG = params.WrenchWeights(task.tilt).asDiagonal() * G;
-  qp.H.bottomRightCorner<12, 12>().noalias() += G.transpose() * QG;
-  qp.g.tail<12>().noalias() -= QG.transpose() * (task.wrench - task.disturbance);
-  // The feet's rows come first, of these the standing ones', whose columns are those of nu' alone: the solver
-  // makes use of zeros at their ends.
-  qp.A_eq.bottomLeftCorner<6, 18>() = dynamics.M.topRows<6>();
-  qp.b_eq.tail<6>() = AboutBase(dynamics, task.disturbance) - dynamics.bias().head<6>();
-  int standing = 0, swinging = 3 * static_cast<int>(std::count(task.stance.begin(), task.stance.end(), true));
-  for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto i = static_cast<std::size_t>(leg);
-    const int joint = 6 + 3 * leg, column = 18 + 3 * leg, row = kRowsPerLeg * leg + 4;
-    int& next = task.stance[i] ? standing : swinging;
-    const int foot = next;
-    next += 3;
-    qp.A_eq.block<3, 18>(foot, 0) = dynamics.FootJacobian(leg);
-    qp.b_eq.segment<3>(foot) = task.foot_acceleration[i] - dynamics.foot(leg).bias;
-    auto A = qp.A_in.middleRows<3>(row);
-    A.setZero();
-    A.leftCols<18>() = dynamics.M.middleRows<3>(joint);
-    if (task.stance[i]) {
-      qp.A_eq.block<6, 3>(12, column) = -TrunkJacobian(dynamics, leg).transpose();
-      A.middleCols<3>(column) = -dynamics.foot(leg).J_leg.transpose();
-    } else {
-      qp.A_eq.block<3, 3>(foot, column) = -Eigen::Matrix3d::Identity();
-    }
-    const Eigen::Vector3d constant =
-        dynamics.bias().segment<3>(joint) - task.joint_disturbance.segment<3>(3 * leg);
-    qp.A_in.middleRows<3>(row + 3) = -A;
-    qp.b_in.segment<3>(row) = -torque_limit_.segment<3>(3 * leg) - constant;
-    qp.b_in.segment<3>(row + 3) = -torque_limit_.segment<3>(3 * leg) + constant;
   }
 }
 
 QpReport WholeBodyQp::Solve(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
                             const WholeBodyQpParams& params, WholeBodySolution* solution) {
   const std::span<const int> guess(solution->active.data(), static_cast<std::size_t>(solution->num_active));
-  eliminated_ = params.eliminate && MakeReduced(dynamics, task, params);
-  if (!eliminated_) MakeFull(dynamics, task, params);
+  MakeProblem(dynamics, task, params);
   const QpReport report = solver_.Solve(problem(), guess);
   if (!report.ok()) return report;
-  const Vec<12> y = solver_.x().tail<12>();
-  if (eliminated_) {
-    alignas(32) double forces[12], acceleration[20];
-    Vec<12>::Map(forces) = y;
-    internal::Products(affine_.data(), kWidth, 18, forces, internal::KnownSize<12>(), acceleration);
-    for (int r = 0; r < 18; ++r)
-      solution->acceleration[r] = acceleration[r] + affine_[r * kWidth + kConstant];
-  } else {
-    solution->acceleration = solver_.x().head<18>();
-  }
+  const Vec<12> y = solver_.x();
+  alignas(32) double forces[12], acceleration[20];
+  Vec<12>::Map(forces) = y;
+  internal::Products(affine_.data(), kWidth, 18, forces, internal::KnownSize<12>(), acceleration);
+  for (int r = 0; r < 18; ++r) solution->acceleration[r] = acceleration[r] + affine_[r * kWidth + kConstant];
   for (int leg = 0; leg < kNumLegs; ++leg) {
     solution->force[leg].setZero();
     if (task.stance[static_cast<std::size_t>(leg)]) solution->force[leg] = y.segment<3>(3 * leg);
@@ -338,7 +284,7 @@ Vec<12> JointTorque(const QuadrupedDynamics& dynamics, const WholeBodySolution& 
 std::array<Vec<3>, kNumLegs> SwingFootAcceleration(const QuadrupedDynamics& dynamics,
                                                    const std::array<bool, kNumLegs>& stance,
                                                    const FootForces& force) {
-  // Rows of swing feet are zero in J, and unit rows in what is solved.
+  // J has zero rows for swing feet, and A the corresponding rows of the identity.
   Eigen::Matrix<double, 12, 18> J = Eigen::Matrix<double, 12, 18>::Zero();
   Eigen::Matrix<double, 18, 1> push = Eigen::Matrix<double, 18, 1>::Zero();
   Matrix12 A = Matrix12::Zero();

@@ -6,18 +6,17 @@
 #include <emmintrin.h>
 #endif
 
-/// Four doubles side by side in a register of AVX, in two of SSE2: what a loop computes four times at once.
-/// What is not here, + - * / and one lane by [], the compilers know.
+/// Four doubles in one AVX register or in two SSE2 registers. The compilers provide + - * / and access to a
+/// lane by []; the other operations are here.
 ///
 /// All functions are always inlined, so that they are compiled for the target of their caller (see
-/// TENON_VECTOR_CLONES in small_product.h). None takes or returns such a value but by reference: how it would
-/// be passed depends on the target, and compilers warn of that. What is taken by reference is a Lanes of
-/// one's own, never one in memory: Clang 14 forgets where a reference stems from, and reads as if it were
-/// aligned.
+/// TENON_VECTOR_CLONES in small_product.h). They take and return Lanes by reference, because the calling
+/// convention for values depends on the target. Pass references only to local variables, not to memory:
+/// Clang 14 would assume that the memory is aligned.
 namespace tenon::internal {
 
 typedef double Lanes __attribute__((vector_size(32)));
-/// The same where they lie anywhere in memory.
+/// Four doubles in memory, with the alignment of one double.
 typedef double Packet __attribute__((vector_size(32), aligned(8), may_alias));
 
 #define TENON_INLINE [[gnu::always_inline]] inline
@@ -29,7 +28,7 @@ TENON_INLINE Packet* PacketAt(double* first) {
   return reinterpret_cast<Packet*>(first);
 }
 
-/// The least multiple of four that is not less, and the greatest that is not more.
+/// n rounded up and rounded down to a multiple of four.
 constexpr int Padded(int n) {
   return (n + 3) / 4 * 4;
 }
@@ -37,7 +36,7 @@ constexpr int PaddedDown(int n) {
   return n / 4 * 4;
 }
 
-/// The first `count` of four doubles, the rest 0; one at least.
+/// Loads min(count, 4) >= 1 doubles; the other lanes are 0.
 TENON_INLINE void LoadFirst(const double* from, int count, Lanes* lanes) {
   if (count >= 4) {
     *lanes = *PacketAt(from);
@@ -68,15 +67,16 @@ TENON_INLINE void Transpose(Lanes (&rows)[4]) {
   rows[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
-/// Sine and cosine of angles [rad] up to a million, to three units in the last place; beyond, and of what
-/// is not finite, NaN. By the polynomials of fdlibm (k_sin.c, k_cos.c) about the nearest multiple of pi/2.
+/// Sine and cosine of angles [rad] up to a million, to three units in the last place; NaN for larger angles
+/// and for angles that are not finite. By the polynomials of fdlibm (k_sin.c, k_cos.c) about the nearest
+/// multiple of pi/2.
 TENON_INLINE void SinCos(const Lanes& angle, Lanes* sine, Lanes* cosine) {
   typedef long long Bits __attribute__((vector_size(32)));
   constexpr double kLargest = 1e6, kPerTurn = 0.63661977236758134308;  // 2 / pi
   // pi/2 in parts of 33 bits, so that their products with a number of quarter turns are exact.
   constexpr double kQuarter[] = {1.57079632673412561417e+00, 6.07710050630396597660e-11,
                                  2.02226624879595063154e-21};
-  constexpr double kRound = 6755399441055744.0;  // 1.5 2^52: what is added to it is rounded to integers
+  constexpr double kRound = 6755399441055744.0;  // 1.5 2^52: adding it rounds to integers
   const Lanes shifted = angle * kPerTurn + kRound;
   const Bits quarters = (Bits)shifted;
   const Lanes turns = shifted - kRound;

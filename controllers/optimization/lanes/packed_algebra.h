@@ -5,15 +5,15 @@
 #include <cstddef>
 #include <vector>
 
-/// Sums over rows and columns of doubles, four numbers at a time, for the target of whoever calls them (see
-/// TENON_VECTOR_CLONES). Where it says from and to, these are multiples of four, and what is stored there is
-/// padded with zeros.
+/// Sums over rows and columns of doubles, four numbers at a time, compiled for the target of the caller (see
+/// TENON_VECTOR_CLONES). Arguments `from` and `to` are multiples of four, and the storage is padded with
+/// zeros.
 namespace tenon::internal {
 
-/// What holds of each lane of a packet, in all its bits, or the number of each.
+/// Result of a comparison of Lanes: all bits of a lane are set if it is true.
 using Mask = decltype(Lanes{} < Lanes{});
 
-/// Zeros at first, from a multiple of 32 bytes on.
+/// An array of doubles, aligned to 32 bytes and initially zero.
 class Numbers {
  public:
   void Resize(int count) { fours_.assign(static_cast<std::size_t>(count + 3) / 4, {}); }
@@ -29,7 +29,7 @@ class Numbers {
   std::vector<Four> fours_;
 };
 
-/// Copies the packet from number i on, of n that are not padded.
+/// Copies the packet that begins at index i of `from`, which has n numbers without padding.
 template <class Size>
 TENON_INLINE void CopyPacket(const double* from, int i, Size n, double* to) {
   Lanes packet;
@@ -59,7 +59,7 @@ TENON_INLINE double Dot(const double* a, const double* b, int from, int to) {
   return Sum(even + odd);
 }
 
-/// The products of four columns with x.
+/// Scalar products of four columns with x.
 TENON_INLINE void Dots(const double* columns, std::ptrdiff_t stride, const double* x, int from, int to,
                        double* products) {
   Lanes a = {}, b = {}, c = {}, d = {};
@@ -88,7 +88,7 @@ TENON_INLINE void AddColumns(const double* columns, std::ptrdiff_t stride, const
   }
 }
 
-/// Each of `count` columns less what the reflector I - tau w w^T takes from it; w begins in [from, from + 4).
+/// Applies the reflector I - tau w w^T to `count` columns; the first nonzero of w is in [from, from + 4).
 TENON_INLINE void Reflect(const double* w, double tau, double* columns, std::ptrdiff_t stride, int count,
                           int from, int to) {
   int c = 0;
@@ -108,8 +108,8 @@ TENON_INLINE void Reflect(const double* w, double tau, double* columns, std::ptr
 }
 
 /// A reflector I - tau w w^T that takes a column to alpha e_k, from row k on, and ends before row `end`.
-/// `head` are the column's numbers in the four rows around k, zero before it: what w has there differs in
-/// row k, and would have to be waited for.
+/// `head` holds the column's numbers in the four rows around k, zero before it. It is used instead of w,
+/// which differs in row k and is available later.
 struct Pivot {
   const double* w;
   Lanes head;
@@ -170,7 +170,7 @@ TENON_INLINE void Products(const double* rows, std::ptrdiff_t stride, int count,
   }
 }
 
-/// Such rows as columns of `stride_out` numbers.
+/// Writes rows, stored as in Products(), as columns of `stride_out` numbers.
 TENON_INLINE void Transpose(const double* rows, std::ptrdiff_t stride, int count, int n, double* columns,
                             std::ptrdiff_t stride_out) {
   const int whole = PaddedDown(n);
@@ -189,7 +189,7 @@ TENON_INLINE void Transpose(const double* rows, std::ptrdiff_t stride, int count
     for (int i = 0; i < n; ++i) columns[i * stride_out + r] = rows[i];
 }
 
-/// y += A^T s for such rows.
+/// y += A^T s for rows stored as in Products().
 template <class Size>
 TENON_INLINE void AddProducts(const double* rows, std::ptrdiff_t stride, int count, const double* s,
                               double* y, Size n) {

@@ -4,9 +4,9 @@
 
 #include <Eigen/Core>
 
-/// Compiles a function for AVX2 with FMA besides the target of the build; which one runs is decided when the
-/// library is loaded. Last digits so depend on the processor, and on nothing else. GCC alone, not under
-/// sanitizers, and not with -D TENON_VECTOR_CLONES=OFF for CMake.
+/// Compiles a function for AVX2 with FMA in addition to the target of the build; the loader picks one when
+/// the library is loaded. The last digits of results therefore depend on the processor, and on nothing else.
+/// Empty for compilers other than GCC, under sanitizers, and with -D TENON_VECTOR_CLONES=OFF for CMake.
 #if !defined(TENON_NO_VECTOR_CLONES) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     __GNUC__ >= 12 && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&                   \
     defined(__OPTIMIZE__)
@@ -44,8 +44,8 @@ TENON_INLINE void Product(const double* A, int lda, const double* B, int ldb, do
   }
 }
 
-/// C = A B where only the lower triangle of C counts: columns in groups of four, the last ones first, from
-/// the diagonal down. Some of the upper triangle is written.
+/// The lower triangle of C = A B: columns in groups of four, the last group first, from the diagonal down.
+/// Parts of the upper triangle are overwritten.
 template <int size, int inner, int first = 0>
 TENON_INLINE void LowerProduct(const double* A, const double* B, double* __restrict C) {
   constexpr int group = size - first < 4 ? size - first : 4;
@@ -100,7 +100,7 @@ TENON_INLINE void Transpose(const MA& A, MB& B) {
   }
 }
 
-/// The upper triangle of A becomes that of its lower one, transposed.
+/// Copies the lower triangle of A to the upper one.
 template <class M>
 TENON_INLINE void Mirror(M& A) {
   constexpr int size = M::RowsAtCompileTime;

@@ -1,5 +1,5 @@
-// An app of one's own: the cart of the example `cart`, run from scenario files. Command line, outputs,
-// report, exit codes and campaigns are those of Tenon's apps.
+// A custom app: it runs the cart of the example `cart` from scenario files. It has the command line, outputs,
+// report, exit codes and campaigns of Tenon's apps.
 
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/systems/simulation.h>
@@ -8,12 +8,12 @@
 
 namespace apps = tenon::apps;
 
-// What a scenario may say, besides what all may (duration_s, seed, report, ...).
+// The keys of a scenario, in addition to those of all scenarios (duration_s, seed, report, ...).
 struct CartScenario : apps::AppScenario {
   double mass_kg = 2;
   double stiffness_N_per_m = 10;
   double damping_N_s_per_m = 6;
-  double goal_m = 0.2;  ///< from 1 s on
+  double goal_m = 0.2;  ///< goal position from t = 1 s on
   static tenon::FieldList Fields() {
     return With({{"mass_kg", &CartScenario::mass_kg},
                  {"stiffness_N_per_m", &CartScenario::stiffness_N_per_m},

@@ -1,4 +1,4 @@
-// A thousand pendulums of random length, in two threads: where is each after a second?
+// Simulates a thousand pendulums of random length in two threads, for one second each.
 
 #include <tenon/systems/campaign/campaign.h>
 #include <tenon/systems/framework/block/random_stream.h>
@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <vector>
 
-/// l a'' = -g sin a, from 0.1 rad.
+/// A pendulum released at 0.1 rad: l a'' = -g sin a.
 class Pendulum final : public tenon::LeafSystem<void> {
  public:
   tenon::Parameter<double> length{this, {"length", "m"}, 1.0};

@@ -16,7 +16,7 @@ class Cart final : public tenon::LeafSystem<CartParams> {
   tenon::ContinuousState<tenon::Vec<2>> x{this, {"x", "m, m/s", "position, velocity"}};
   tenon::OutputPort<tenon::Vec<2>> state{this, x};
   tenon::TimeDerivative<tenon::Vec<2>> dx{x, tenon::Uses(x, force), &Cart::CalcDx};
-  // What a replay draws: a box that moves, and the force as an arrow of 0.2 m/N.
+  // The shapes of a replay: a box that moves, and the force as an arrow of 0.2 m/N.
   tenon::OutputPort<tenon::Geometry> geometry{
       this,
       {"geometry"},
@@ -39,7 +39,7 @@ struct PdParams {
   tenon::Rate rate = tenon::Hz(1000);
 };
 
-// u = kp (ref - position) - kd velocity, computed at its rate and held between.
+// u = kp (ref - position) - kd velocity, sampled at `rate` and held in between.
 class Pd final : public tenon::LeafSystem<PdParams> {
  public:
   using LeafSystem::LeafSystem;

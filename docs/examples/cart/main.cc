@@ -1,4 +1,4 @@
-// A cart, a digital PD controller and a reference, wired into a diagram and simulated.
+// Connects a cart, a digital PD controller and a reference to a diagram and simulates it.
 
 #include <tenon/systems/report/report.h>
 #include <tenon/systems/simulation.h>

@@ -1,4 +1,4 @@
-// A block alone: no simulator, no diagram.
+// Tests a block without simulator and diagram.
 
 #include <tenon/tests/testing/test_rig.h>
 

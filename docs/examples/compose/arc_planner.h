@@ -1,6 +1,6 @@
 #pragma once
 
-// A swing planner of one's own: the feet fly along arcs to their places below the path.
+// A custom swing planner: the feet swing along arcs to their footholds below the path.
 
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/signals/gait_signals.h>
@@ -12,28 +12,28 @@
 
 struct ArcPlannerParams {
   tenon::QuadrupedDescription robot;
-  double height = 0.06;   ///< of the arc [m]
+  double height = 0.06;   ///< height of the arc [m]
   double lowering = 0.4;  ///< speed of a foot that has not found the ground [m/s]
   tenon::Rate rate = tenon::Hz(1000);
   void Validate() const { tenon::Demand(height > 0, "height must be positive"); }
 };
 
-/// Over ground, a foot goes from where it lifts off (p_0) to its foothold (p_1), with s the part of the swing
-/// that is over,
+/// Plans the motion of a foot from the point of lift-off (p_0) to its foothold (p_1), with the phase s of the
+/// swing from 0 to 1:
 ///
-///     p = p_0 + (p_1 - p_0) (3 s^2 - 2 s^3),   z = z_0 + 16 height s^2 (1 - s)^2,
+///     p = p_0 + (p_1 - p_0) (3 s^2 - 2 s^3),   z = z_0 + 16 height s^2 (1 - s)^2
 ///
-/// and the foothold is its nominal place below the path in the middle of its coming stance. A foot that is
-/// late is lowered.
+/// The foothold is the nominal position of the foot below the path in the middle of its next stance. A foot
+/// without contact at the end of its swing is lowered.
 class ArcPlanner final : public tenon::LeafSystem<ArcPlannerParams> {
  public:
   using LeafSystem::LeafSystem;
 
   struct Leg {
-    tenon::Vec<3> from = tenon::Vec<3>::Zero();  ///< [m]
-    tenon::Vec<2> to = tenon::Vec<2>::Zero();    ///< [m]
+    tenon::Vec<3> from = tenon::Vec<3>::Zero();  ///< point of lift-off [m]
+    tenon::Vec<2> to = tenon::Vec<2>::Zero();    ///< foothold [m]
     bool swings = false;
-    double late = 0;  ///< for how long [s]
+    double late = 0;  ///< time since the planned touchdown [s]
     static tenon::FieldList Fields() {
       return {{"from", &Leg::from, "m"},
               {"to", &Leg::to, "m"},
@@ -46,7 +46,7 @@ class ArcPlanner final : public tenon::LeafSystem<ArcPlannerParams> {
   tenon::InputPort<tenon::ContactSchedule> schedule{this, {"schedule"}};
   tenon::InputPort<tenon::PlanarPath> path{this, {"path"}};
   tenon::InputPort<tenon::LeggedState> state{this, {"state"}};
-  tenon::Parameter<double> height{this, {"height", "m"}, params.height, "of the arc"};
+  tenon::Parameter<double> height{this, {"height", "m"}, params.height, "height of the arc"};
   tenon::Scratch<Legs> legs{this, "legs"};
   tenon::OutputPort<tenon::FeetReference> feet{this,
                                                {"feet"},
@@ -58,7 +58,7 @@ class ArcPlanner final : public tenon::LeafSystem<ArcPlannerParams> {
   tenon::FeetReference CalcFeet(const tenon::ContactSchedule& schedule, const tenon::PlanarPath& path,
                                 const tenon::LeggedState& state, double height, Legs& legs) const {
     const auto& robot = params.robot;
-    tenon::Vec<2> center_B(0, 0);  // of the feet in the nominal stance: this is what follows the path
+    tenon::Vec<2> center_B(0, 0);  // center of the feet in the nominal stance, which follows the path
     for (int i = 0; i < tenon::kNumLegs; ++i) center_B += robot.FootPosition(i, robot.stance).head<2>() / 4;
     tenon::FeetReference feet;
     for (int i = 0; i < tenon::kNumLegs; ++i) {

@@ -1,5 +1,5 @@
-// Gains as values of a context: changed in the middle of a run, and 1000 variants of one diagram in two
-// threads.
+// Changes gains, which are values of a context, in the middle of a run, and runs 1000 variants of one diagram
+// in two threads.
 
 #include <tenon/systems/simulation.h>
 
@@ -31,7 +31,7 @@ class Spring final : public tenon::LeafSystem<SpringParams> {
                                            }};
 };
 
-/// Position after five seconds with this damping.
+/// Returns the position after five seconds with this damping.
 double End(const tenon::Diagram& diagram, const Spring& spring, double damping) {
   auto context = diagram.CreateContext();
   context->Set(spring.damping, damping);
@@ -40,7 +40,7 @@ double End(const tenon::Diagram& diagram, const Spring& spring, double damping) 
   return simulator.context().Eval(spring.state)[0];
 }
 
-/// The same, of a diagram built for this damping alone.
+/// Returns the position after five seconds of a diagram that is built with this damping.
 double EndBuiltAnew(double damping) {
   tenon::DiagramBuilder builder;
   auto& spring = builder.Add<Spring>("spring", {.damping = damping});
@@ -56,7 +56,7 @@ int main() {
 
   tenon::Simulator simulator(diagram);
   simulator.RunTo(2);
-  simulator.context().Set(spring.damping, 20);  // the run goes on with it
+  simulator.context().Set(spring.damping, 20);  // holds for the rest of the run
   simulator.RunTo(4);
   std::printf("damped from 2 s on: x = %.1e m\n", simulator.context().Eval(spring.state)[0]);
   try {
@@ -79,8 +79,8 @@ int main() {
     if (std::abs(ends[i]) < std::abs(ends[best])) best = i;
     if (ends[i] == EndBuiltAnew(0.01 * static_cast<double>(i))) ++same;
   }
-  std::printf("of %zu dampings, %.2f N s/m leaves least: %.1e m\n", kRuns, 0.01 * static_cast<double>(best),
-              ends[best]);
-  std::printf("%zu are bit for bit those of diagrams built anew\n", same);
+  std::printf("of %zu dampings, %.2f N s/m leaves the smallest deviation: %.1e m\n", kRuns,
+              0.01 * static_cast<double>(best), ends[best]);
+  std::printf("%zu results are bit by bit those of new diagrams\n", same);
   return same == kRuns ? 0 : 1;
 }

@@ -1,4 +1,4 @@
-// The walking robot that ships, with a swing planner of one's own in it.
+// Replaces the swing planner of the shipped walking robot.
 
 #include "arc_planner.h"
 #include "walk.h"

@@ -1,4 +1,4 @@
-// The walking robot that ships, whose drives answer 3 ms late and with a lag of 40 Hz.
+// Adds a delay of 3 ms and a low-pass filter of 40 Hz to the drives of the shipped walking robot.
 
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/sample_delay.h>

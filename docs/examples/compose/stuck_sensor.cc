@@ -1,11 +1,10 @@
-// The walking robot that ships, whose inertial unit sticks at t = 2 s: its observer goes on with the last
-// value.
+// Freezes the output of the walking robot's inertial unit at t = 2 s. The observer then reads the last value.
 
 #include <tenon/systems/block.h>
 
 #include "walk.h"
 
-/// y = u until `time`, then what u was there.
+/// y = u until `time`, then the value of u at `time`.
 struct StickParams {
   double time = 0;  // s
   tenon::Rate rate = tenon::Hz(1000);

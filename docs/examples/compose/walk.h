@@ -1,6 +1,6 @@
 #pragma once
 
-// What the examples of this folder begin with: a walk that ships, on the way at 0.1 m/s.
+// Common code of the examples in this folder: a shipped walk at 0.1 m/s.
 
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/recommended_options.h>
@@ -19,7 +19,8 @@ inline tenon::QuadrupedWalkParams TrotParams() {
   return params;
 }
 
-/// Runs for `duration` seconds; says how far the robot came. Returns what main returns: 0, or 1 if it fell.
+/// Runs for `duration` seconds and prints the position of the robot. Returns an exit code: 1 if it fell, else
+/// 0.
 inline int WalkFor(double duration, tenon::Simulator& simulator, const tenon::QuadrupedWalk& loop) {
   const tenon::RunStatus status = simulator.AdvanceTo(duration);
   const auto& state = simulator.context().Eval(loop.world.state);

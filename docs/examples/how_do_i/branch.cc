@@ -1,4 +1,4 @@
-// One beginning, two futures; and back to a moment that was kept.
+// Continues one run in two ways, and goes back to a saved instant.
 
 #include "pendulum.h"
 
@@ -12,14 +12,14 @@ int main() {
   context.Set(pendulum.torque, 0.0);
   simulator.RunTo(1);
 
-  const auto moment = context.Save();  // bytes: keep them in memory, or SaveFile
+  const auto moment = context.Save();  // bytes in memory; see SaveFile for a file
   tenon::Simulator other(context.Clone());
   other.context().Set(pendulum.torque, -2.0);
   other.RunTo(2);
   simulator.RunTo(2);
   const double first = context.Eval(pendulum.state)[0], second = other.context().Eval(pendulum.state)[0];
 
-  context.Restore(moment);  // this run is at 1 s again
+  context.Restore(moment);  // back to t = 1 s
   simulator.RunTo(2);
   const double again = context.Eval(pendulum.state)[0];
   std::printf("%.6f rad without torque, %.6f rad with it; from the snapshot %.6f rad\n", first, second,

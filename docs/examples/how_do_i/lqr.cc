@@ -1,4 +1,4 @@
-// A feedback that holds the pendulum upright, from the linear model of the diagram itself.
+// Designs a feedback that holds the pendulum upright, from a linear model of the diagram.
 
 #include <tenon/systems/analysis/linearize_discrete.h>
 #include <tenon/systems/analysis/lqr.h>

@@ -1,4 +1,4 @@
-// A primitive of one's own, for any size, and its unit test.
+// A custom primitive for vectors of any size, and its unit test.
 
 #include <tenon/systems/block.h>
 #include <tenon/systems/simulation.h>
@@ -8,17 +8,17 @@
 
 struct DeadZoneParams {
   double width = 0;       // [unit]
-  std::string unit = "";  // of input and output
+  std::string unit = "";  // unit of input and output
   void Validate() const { tenon::Demand(width >= 0, "width must not be negative"); }
 };
 
-/// y = u beyond `width`, less it: 0 for |u| <= width, else u - sign(u) width, in each element.
+/// A dead zone in each element: y = 0 for |u| <= width, else u - sign(u) width.
 template <int N>
 class DeadZone final : public tenon::LeafSystem<DeadZoneParams> {
  public:
   using LeafSystem::LeafSystem;
   tenon::InputPort<tenon::Vec<N>> u{this, {"u", params.unit}};
-  tenon::Parameter<double> width{this, {"width", params.unit}, params.width};  // may change in a run
+  tenon::Parameter<double> width{this, {"width", params.unit}, params.width};  // can be changed in a run
   tenon::OutputPort<tenon::Vec<N>> y{
       this, {"y", params.unit}, tenon::Uses(u, width), [](const tenon::Vec<N>& u, double width) {
         return tenon::Vec<N>(u - u.cwiseMax(-width).cwiseMin(width));

@@ -1,5 +1,5 @@
-// A sensor of one's own on the robot that walks: a range finder below the trunk, 20 Hz, with noise, 50 ms
-// late.
+// Adds a custom sensor to the walking robot: a range finder below the trunk, at 20 Hz, with noise and a delay
+// of 50 ms.
 
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/block.h>
@@ -9,7 +9,7 @@
 
 struct RangeFinderParams {
   tenon::Rate rate = tenon::Hz(20);
-  double deviation = 0.003;  // of the noise [m]
+  double deviation = 0.003;  // standard deviation of the noise [m]
 };
 class RangeFinder final : public tenon::LeafSystem<RangeFinderParams> {
  public:
@@ -20,7 +20,7 @@ class RangeFinder final : public tenon::LeafSystem<RangeFinderParams> {
       this, {"range", "m"}, tenon::Sampled{params.rate}, tenon::Uses(state, noise), &RangeFinder::CalcRange};
 
  private:
-  /// Along the trunk's z axis down to level ground at z = 0.
+  /// Distance along the trunk's z axis to level ground at z = 0.
   double CalcRange(const tenon::LeggedState& x, tenon::RandomStream& noise) const {
     return x.p_WB[2] / x.R_WB()(2, 2) + params.deviation * noise.Normal();
   }

@@ -1,4 +1,4 @@
-// The robot that walks, on ground of one's own: a step across its way, and loose slabs behind it.
+// Lets the robot walk on a custom terrain: a step across the path, and a field of slabs behind it.
 
 #include "../compose/walk.h"
 

@@ -9,7 +9,8 @@ struct PendulumParams {
   double mass = 1;      // kg
 };
 
-// A pendulum with a motor in its joint: x = (angle from upright, its rate), m l² a'' = m g l sin a + torque.
+// A pendulum with a motor in its joint: x = (angle from upright, angular rate), m l² a'' = m g l sin a +
+// torque.
 class Pendulum final : public tenon::LeafSystem<PendulumParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -1,4 +1,4 @@
-// Where the time of a run goes.
+// Prints the time that each block of a run takes.
 
 #include "../compose/walk.h"
 

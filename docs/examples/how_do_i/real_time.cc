@@ -1,11 +1,11 @@
-// A run that keeps to the clock, here twice as fast, and what came late.
+// Paces a run to the clock, here at twice its speed, and prints how many ticks were late.
 
 #include "pendulum.h"
 
 #include <chrono>
 #include <cstdio>
 
-/// Something that has to be on time: it sends the angle, say to a screen, and here counts.
+/// A block with effects outside, such as sending the angle to a screen. Here it counts its calls.
 class Screen final : public tenon::LeafSystem<void> {
  public:
   explicit Screen(int* sent) : sent_(sent) {}

@@ -1,4 +1,4 @@
-// Commands from another thread while the run goes on; then the same run again, without that thread.
+// Sends commands from another thread during a run, then repeats the run from a recording.
 
 #include <tenon/systems/io/external_input.h>
 
@@ -9,7 +9,7 @@
 
 using Input = tenon::ExternalInput<double>;
 
-/// The pendulum after a second with the torques that `send` puts in.
+/// Returns the angle of the pendulum after one second with the torques that `send` puts in.
 template <class Send>
 std::pair<double, tenon::Recording<double>> Run(tenon::ExternalInputParams<double> params, Send send) {
   tenon::DiagramBuilder builder;
@@ -26,7 +26,7 @@ std::pair<double, tenon::Recording<double>> Run(tenon::ExternalInputParams<doubl
 int main() {
   const auto [live, recording] =
       Run({.rate = tenon::Hz(100), .unit = "N m", .record = true}, [](Input& torque) {
-        for (int i = 0; i < 100; ++i) torque.Put(-0.02 * i);  // from a window, a joystick, a planner
+        for (int i = 0; i < 100; ++i) torque.Put(-0.02 * i);  // from a window, a joystick or a planner
       });
   const auto [again, unused] =
       Run({.rate = tenon::Hz(100), .unit = "N m", .replay = recording}, [](Input&) {});

@@ -1,4 +1,4 @@
-// A run in the browser while it goes on: a cart that its goal pulls along, and a slider for the goal.
+// Shows a run in the browser: a cart that follows its goal, and a slider for the goal.
 //
 //     live_example        until Ctrl-C, at http://127.0.0.1:8080/ or the next free port
 //     live_example 2      for 2 s
@@ -13,10 +13,10 @@
 #include <cstdlib>
 #include <optional>
 
-// What is to be tuned is a Parameter.
+// Values that are tuned in the browser are Parameters.
 class Goal final : public tenon::LeafSystem<void> {
  public:
-  tenon::Parameter<double> position{this, {"position", "m"}, 0.2, "where the cart is to go"};
+  tenon::Parameter<double> position{this, {"position", "m"}, 0.2, "goal of the cart"};
   tenon::OutputPort<double> goal{this, {"goal", "m"}, tenon::Uses(position), [](double x) { return x; }};
 };
 

@@ -1,8 +1,8 @@
-// A cart and its controller as two programs that go in lock-step by UDP: together they are one simulation.
+// Runs a cart and its controller as two programs in lock-step by UDP. Together they are one simulation.
 //
 //     lock_step controller      in one terminal, first: it waits for the plant
-//     lock_step plant           in another
-//     lock_step                 both, and compares them with the loop in one program
+//     lock_step plant           in another terminal
+//     lock_step                 runs both, and compares them with the loop in one program
 
 #include "../cart/cart.h"
 #include "remote.h"
@@ -19,7 +19,8 @@ namespace {
 
 constexpr double kEnd = 1;  // s
 
-// The loop in one program. Either half of it can be replaced by what stands for it.
+// The loop in one program. Plant and controller can each be replaced by a block that connects to the other
+// program.
 struct Loop {
   tenon::DiagramBuilder builder;
   Cart& cart = builder.Add<Cart>("cart");
@@ -33,7 +34,7 @@ struct Loop {
   }
 };
 
-// State and force at every tick.
+// Returns state and force at every tick.
 std::vector<double> RunAndLog(tenon::DiagramBuilder& builder, const tenon::Source& state,
                               const tenon::Source& force) {
   tenon::Simulator simulator(builder.Build());
@@ -58,12 +59,12 @@ std::vector<double> RunController(const Link& link) {
 }
 
 int Compare() {
-  // Addresses of this process alone, all of the machine itself: many such programs can run at once.
+  // Loopback addresses made from the process id, so that several such programs can run at once.
   const auto process = static_cast<unsigned>(getpid());
   Link link;
   link.plant = link.controller = "127." + std::to_string(process >> 16 & 127) + "." +
                                  std::to_string(process >> 8 & 255) + "." + std::to_string(process & 255);
-  // The controller's half opens its port before the plant's speaks.
+  // The controller opens its port before the plant sends.
   Loop half;
   const auto& remote_cart = half.builder.Replace<RemoteCart>(half.cart, link);
   const pid_t child = fork();

@@ -5,17 +5,17 @@
 
 #include <string>
 
-// The addresses of the two programs. Each listens at its own, and sends to the other's.
+// Addresses of the two programs. Each program listens at its own address and sends to the other's.
 struct Link {
   std::string plant = "127.0.0.1";
   std::string controller = "127.0.0.1";
   int plant_port = 9871;
   int controller_port = 9872;
-  tenon::Rate rate = tenon::Hz(1000);  // of both
+  tenon::Rate rate = tenon::Hz(1000);  // rate of both programs
 };
 
-// Stands for the controller in the plant's program, with its ports: sends what it reads, and waits for its
-// answer.
+// Replaces the controller in the plant's program and has its ports: sends its inputs, and waits for the
+// outputs of the other program.
 class RemotePd final : public tenon::Subdiagram {
  public:
   explicit RemotePd(const Link& link) {
@@ -35,7 +35,7 @@ class RemotePd final : public tenon::Subdiagram {
   tenon::OutputPort<double> u{this, {"u", "N"}};
 };
 
-// Stands for the plant in the controller's program. Its output is named as that of the cart, after its state.
+// Replaces the plant in the controller's program and has its ports.
 class RemoteCart final : public tenon::Subdiagram {
  public:
   explicit RemoteCart(const Link& link) {

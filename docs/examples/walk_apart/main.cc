@@ -1,11 +1,12 @@
-// The walking robot and its controller as two programs that go in lock-step by UDP.
+// Runs the walking robot and its controller as two programs in lock-step by UDP.
 //
-//     walk_apart                        both, and compares them with the walk in one program
-//     walk_apart real-time [seconds]    both, by the clock: which ticks were missed, how long answers took
+//     walk_apart                        runs both, and compares them with the walk in one program
+//     walk_apart real-time [seconds]    runs both in real time; prints missed ticks and round-trip times
 //     walk_apart controller [seconds]   in one terminal, first: it waits for the robot
-//     walk_apart plant [seconds]        in another, by the clock
+//     walk_apart plant [seconds]        in another terminal, in real time
 //
-// The controller's program is the walk that ships with another world; the plant's is its world alone.
+// The controller's program is the shipped walk with its world replaced; the plant's program is the world
+// alone.
 
 #include <tenon/systems/simulation.h>
 
@@ -26,7 +27,7 @@ namespace {
 
 using Rows = std::vector<double>;
 
-// State and torque at every tick.
+// Returns state and torque at every tick.
 Rows Run(tenon::Simulator& simulator, const tenon::Source& state, const tenon::Source& torque, double end) {
   const auto log = simulator.AddLog(kRate, {&state, &torque});
   simulator.RunTo(end);
@@ -43,7 +44,7 @@ struct Controller {
   void Run(double end) { tenon::Simulator(builder.Build()).RunTo(end); }
 };
 
-// The robot is named as in the walk: what noise its sensors have goes by their paths.
+// The robot has the name that it has in the walk, because the noise of its sensors depends on their paths.
 struct Plant {
   explicit Plant(const Link& link) : robot(builder.Add<RobotOnly>("loop", TrotParams().world, link)) {}
   tenon::DiagramBuilder builder;
@@ -59,7 +60,7 @@ void RunByTheClock(const Link& link, double end) {
   const auto& state = simulator.context().Eval(plant.robot.world.state);
   std::printf("t = %g s: the trunk is at x = %.3f m, z = %.3f m\n", end, state.p_WB[0], state.p_WB[2]);
   const tenon::RealTimeStatistics& ticks = simulator.real_time();
-  std::printf("%ld of %ld ticks were missed, begun over 1 ms late; the latest by %.2f ms at t = %.3f s\n",
+  std::printf("%ld of %ld ticks began over 1 ms late; the latest one by %.2f ms at t = %.3f s\n",
               ticks.missed, ticks.ticks, 1e3 * ticks.worst_lateness, ticks.worst_time);
   Rows& trips = plant.robot.stopwatch.trips;
   std::sort(trips.begin(), trips.end());
@@ -70,8 +71,8 @@ void RunByTheClock(const Link& link, double end) {
               quantile(0.5), quantile(0.99), quantile(0.999), quantile(1));
 }
 
-// Runs the controller in a process of its own beside `plant`; whether it ended well. Its ports are open
-// before the plant speaks.
+// Runs the controller in a second process while `plant` runs. Returns whether it succeeded. Its ports are
+// open before the plant sends.
 bool WithController(const Link& link, double end, const std::function<void()>& plant) {
   Controller controller(link);
   const pid_t child = fork();
@@ -85,14 +86,14 @@ bool WithController(const Link& link, double end, const std::function<void()>& p
     }
     _exit(code);
   }
-  if (child < 0) throw std::runtime_error("no second process can be made");
+  if (child < 0) throw std::runtime_error("fork() failed: there is no second process for the controller");
   plant();
   int status = 1;
   waitpid(child, &status, 0);
   return status == 0;
 }
 
-// Addresses of this process alone, all of the machine itself: many such programs can run at once.
+// Loopback addresses made from the process id, so that several such programs can run at once.
 Link OwnLink() {
   const auto process = static_cast<unsigned>(getpid());
   Link link;

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-inline const tenon::Rate kRate = tenon::Hz(1000);  // of all that goes across: that of the controller
+inline const tenon::Rate kRate = tenon::Hz(1000);  // rate of the messages and of the controller
 
-// The addresses of the two programs. The plant's listens at one port, the controller's at one for each signal
-// from there on.
+// Addresses of the two programs. The plant's program listens at one port, the controller's at one port for
+// each signal, numbered from controller_port.
 struct Link {
   std::string plant = "127.0.0.1";
   std::string controller = "127.0.0.1";
@@ -19,18 +19,18 @@ struct Link {
   int controller_port = 9882;
 };
 
-// What crosses from the robot to its controller: `remote` says for each signal what is to be done with it.
+// Calls `remote` with the name and output of each signal that is sent from the robot to its controller.
 template <class Remote>
 void ForEachSignal(Remote&& remote, auto& world) {
   remote("state", world.state);
   remote("foot_forces", world.foot_forces);
   remote("measured_torque", world.measured_torque);
   remote("inertial", world.inertial);
-  remote("ground_forces", world.ground_forces);      // these two for the errors that a walk shows,
+  remote("ground_forces", world.ground_forces);      // read by the errors of the walk,
   remote("external_torque", world.external_torque);  // not for the controller
 }
 
-// Stands for the robot in the controller's program, with its ports.
+// Replaces the robot in the controller's program and has its ports.
 class RemoteWorld final : public tenon::Subdiagram {
  public:
   explicit RemoteWorld(const Link& link) {
@@ -60,8 +60,8 @@ class RemoteWorld final : public tenon::Subdiagram {
   tenon::OutputPort<tenon::ImuMeasurement> inertial{this, {"inertial"}};
 };
 
-// How long a controller takes to answer: from before the state is sent to when the torque has come. The times
-// belong to the block: one run at a time.
+// Measures the round-trip time from sending the state to receiving the torque. The times are members of the
+// block, so that only one run at a time is possible.
 struct StopwatchParams {};
 class Stopwatch final : public tenon::LeafSystem<StopwatchParams> {
  public:
@@ -81,7 +81,7 @@ class Stopwatch final : public tenon::LeafSystem<StopwatchParams> {
   Clock::time_point begin_{};
 };
 
-// The robot alone, in the plant's program: sends what it measures, and waits for the torque.
+// The robot in the plant's program: sends its measurements, and waits for the torque.
 class RobotOnly final : public tenon::Subdiagram {
  public:
   RobotOnly(const tenon::QuadrupedWorldParams& params, const Link& link)

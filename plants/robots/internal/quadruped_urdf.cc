@@ -17,12 +17,12 @@
 namespace tenon::internal {
 namespace {
 
-/// A mended inertia may differ by this, to its largest entry, in the link that makes up most of its body.
+/// Maximal correction of an inertia, relative to its largest entry, in the link with most of its body's mass.
 constexpr double kMostMended = 0.05;
 constexpr std::array<const char*, kJointsPerLeg> kLimitKeys{"abduction", "hip_pitch", "knee"};
 
-/// The nearest inertia that a rigid body can have: the second moments of mass along its principal axes,
-/// J_i = (I_1 + I_2 + I_3) / 2 - I_i, are not negative.
+/// Returns the nearest physically possible inertia, for which the second moments of mass along the principal
+/// axes, J_i = (I_1 + I_2 + I_3) / 2 - I_i, are not negative.
 Eigen::Matrix3d Mended(const Eigen::Matrix3d& inertia) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
   const Eigen::Vector3d I = solver.eigenvalues();
@@ -52,7 +52,7 @@ class Reader {
   }
 
  private:
-  /// A link's part of a body, in B with all joints at 0.
+  /// The contribution of a link to a body, in the base frame B with all joints at 0.
   struct Part {
     std::string link;
     RigidInertia inertia;
@@ -83,7 +83,7 @@ class Reader {
     }
   }
 
-  /// The angle at which a joint is locked: by the YAML, or because it follows one that is.
+  /// Returns the angle of a joint that is locked itself or mimics a locked joint.
   std::optional<double> LockedAt(const urdf::Joint& joint) const {
     const auto at = reading_.locked.find(joint.name);
     if (at != reading_.locked.end()) return at->second;
@@ -93,7 +93,7 @@ class Reader {
     return joint.mimic->multiplier * leader->second + joint.mimic->offset;
   }
 
-  /// Notes which joints are the leg's: the three that turn between its foot and the root.
+  /// Finds the joints of a leg: the three movable joints between its foot and the root.
   void FindLeg(int leg, const std::string& foot) {
     const char* leg_name = kLegNames[static_cast<std::size_t>(leg)];
     urdf::LinkConstSharedPtr link = model_->getLink(foot);
@@ -114,7 +114,7 @@ class Reader {
         names += (names.empty() ? "'" : ", '") + (*joint)->name + "'";
       Fail(
           "leg {} has {} revolute joints between the root '{}' and its foot '{}' ({}) but must have {}: "
-          "abduction, hip pitch and knee pitch; add what is missing, give what is too much an angle under "
+          "abduction, hip pitch and knee pitch; add missing joints, or lock additional ones under "
           "'locked_joints'",
           leg_name, chain.size(), model_->getRoot()->name, foot, names.empty() ? "none" : names,
           kJointsPerLeg);
@@ -134,7 +134,7 @@ class Reader {
     }
   }
 
-  /// Adds a link and what hangs on it to `body`; T_BL is its pose with all joints at 0.
+  /// Adds a link and its subtree to `body`; T_BL is its pose with all joints at 0.
   void Add(const urdf::Link& link, int body, const Eigen::Isometry3d& T_BL) {
     poses_[link.name] = T_BL;
     std::string& names = names_[static_cast<std::size_t>(body)];
@@ -154,14 +154,13 @@ class Reader {
       } else if (Turns(*joint)) {
         child = NoteJoint(*joint, T_BJ) + 1;
       } else if (joint->type != urdf::Joint::FIXED) {
-        Fail("joint '{}' is neither revolute nor fixed; a quadruped has no others, make it fixed",
-             joint->name);
+        Fail("joint '{}' must be revolute or fixed; make it fixed", joint->name);
       }
       Add(*model_->getLink(joint->child_link_name), child, T_BJ);
     }
   }
 
-  /// Adds a mesh to what the body looks like, in B so far; notes what cannot be read.
+  /// Adds a mesh, in B, to the appearance of a body; counts meshes that cannot be read.
   void AddMesh(const std::string& link, const urdf::Mesh& visual, int body, const Eigen::Isometry3d& T_BM) {
     const auto miss = [&](const std::string& why) {
       if (num_missing_++ == 0) missing_ = fmt::format("link '{}': {}", link, why);
@@ -202,7 +201,7 @@ class Reader {
     return axis.normalized();
   }
 
-  /// Returns its number.
+  /// Stores a joint of a leg and returns its index.
   int NoteJoint(const urdf::Joint& joint, const Eigen::Isometry3d& T_BJ) {
     const auto at = joints_.find(joint.name);
     if (at == joints_.end())
@@ -210,7 +209,7 @@ class Reader {
            joint.name);
     JointDescription& out = JointOf(at->second);
     out.name = joint.name;
-    out.p_PJ = T_BJ.translation();  // in B so far
+    out.p_PJ = T_BJ.translation();  // in B until FinishLeg
     out.axis = T_BJ.linear() * AxisOf(joint);
     const auto kind = static_cast<std::size_t>(at->second % kJointsPerLeg);
     const JointLimits& own = reading_.limits[kind];
@@ -239,7 +238,7 @@ class Reader {
     return at->second;
   }
 
-  /// Moves what is so far in B to the joints' frames.
+  /// Transforms the joints and bodies of a leg from B to the joints' frames.
   void FinishLeg(int leg) {
     LegDescription& out = robot_.legs[static_cast<std::size_t>(leg)];
     Eigen::Vector3d parent = Eigen::Vector3d::Zero();
@@ -256,14 +255,15 @@ class Reader {
     out.foot_J = poses_.at(reading_.feet[at]) * reading_.foot_centres[at] - parent;
   }
 
-  /// What a link adds to a body of this mass. Frames that only name a place often have made-up inertias.
+  /// Returns the inertia that a link contributes to a body of given mass, corrected if it is impossible.
+  /// Links that only define frames often have invented inertias.
   RigidInertia Believed(const Part& part, double body_mass) {
     const RigidInertia& given = part.inertia;
     if (given.mass < 0)
       Fail("link '{}' has the mass {} kg; give a positive mass, or no <inertial> at all", part.link,
            given.mass);
     if (given.mass == 0) {
-      if (!given.inertia.isZero(0)) Warn("link '{}' has an inertia but no mass: it is left out", part.link);
+      if (!given.inertia.isZero(0)) Warn("link '{}' has an inertia but no mass and is ignored", part.link);
       return {};
     }
     try {
@@ -307,13 +307,13 @@ class Reader {
   const urdf::ModelInterfaceSharedPtr& model_ = file_.model;
   const UrdfReading& reading_;
   QuadrupedDescription& robot_;
-  std::map<std::string, int> joints_;                    // of the legs, by name
-  std::map<std::string, Eigen::Isometry3d> poses_;       // of the links in B
-  std::array<std::vector<Part>, 1 + kNumJoints> parts_;  // of the bodies
-  std::array<std::string, 1 + kNumJoints> names_;        // of the links that make them up
-  std::array<TriangleMesh, 1 + kNumJoints> looks_;       // of the bodies, as far as there are meshes
-  int num_missing_ = 0;                                  // meshes
-  std::string missing_;                                  // why the first of them is
+  std::map<std::string, int> joints_;                    // indices of the legs' joints by name
+  std::map<std::string, Eigen::Isometry3d> poses_;       // poses of the links in B by name
+  std::array<std::vector<Part>, 1 + kNumJoints> parts_;  // parts of each body
+  std::array<std::string, 1 + kNumJoints> names_;        // names of the links of each body
+  std::array<TriangleMesh, 1 + kNumJoints> looks_;       // appearance of the bodies that have meshes
+  int num_missing_ = 0;                                  // number of unreadable meshes
+  std::string missing_;                                  // reason for the first unreadable mesh
   std::vector<std::string> warnings_;
 };
 
@@ -323,7 +323,7 @@ void JointLimits::Validate() const {
   for (const auto& [key, value] : {std::pair("torque_N_m", torque), std::pair("speed_rad_per_s", speed)}) {
     if (value && !(*value > 0))
       throw ParameterError(
-          fmt::format("{} is {} but must be positive; leave it out for the URDF's", key, *value));
+          fmt::format("{} is {} but must be positive; remove it to use the URDF's value", key, *value));
   }
   if (range && !((*range)[0] < (*range)[1]))
     throw ParameterError(

@@ -13,7 +13,7 @@
 
 namespace tenon::internal {
 
-/// What a robot's YAML says of joints instead of the URDF.
+/// Limits of a joint in a robot's YAML file, which replace those in the URDF.
 struct JointLimits {
   std::optional<double> torque;          ///< [N m]
   std::optional<double> speed;           ///< [rad/s]
@@ -27,19 +27,19 @@ struct JointLimits {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// What a robot's YAML says of its URDF.
+/// Properties in a robot's YAML file that determine how its URDF is read.
 struct UrdfReading {
-  std::array<std::string, kNumLegs> feet;  ///< links
+  std::array<std::string, kNumLegs> feet;  ///< names of the feet's links
   std::array<Eigen::Vector3d, kNumLegs> foot_centres{
       Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
-      Eigen::Vector3d::Zero()};                       ///< of the spheres, in the links' frames [m]
-  std::map<std::string, double, std::less<>> locked;  ///< joints that do not turn, at which angle [rad]
-  std::array<JointLimits, kJointsPerLeg> limits;      ///< instead of the URDF's
+      Eigen::Vector3d::Zero()};  ///< centres of the foot spheres in the links' frames [m]
+  std::map<std::string, double, std::less<>> locked;  ///< angles of locked joints by name [rad]
+  std::array<JointLimits, kJointsPerLeg> limits;      ///< replace the URDF's limits
 };
 
-/// Reads trunk and legs from a URDF file, the legs from the names of their feet's links. Links that fixed or
-/// locked joints connect become one body. Returns what it did not take as it stands, each with file and line.
-/// Throws ParameterError, beginning with the file's name.
+/// Reads trunk and legs from a URDF file; the legs are found by the links of their feet. Links connected by
+/// fixed or locked joints become one body. Returns warnings about corrected values with file and line. Throws
+/// ParameterError that begins with the file's name.
 std::vector<std::string> ReadUrdf(const std::filesystem::path& path, const UrdfReading& reading,
                                   QuadrupedDescription* robot);
 

@@ -16,19 +16,20 @@
 #include <utility>
 #include <vector>
 
-// Expat 2.7 has functions for files beyond 4 GiB beside these, which serve all versions.
+// Expat 2.7 deprecates these functions in favour of others for files above 4 GiB, which older versions lack.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wdeprecated-declarations"
 
 namespace tenon::internal {
 namespace {
 
-constexpr std::size_t kMaxDepth = 32;       // a URDF has five or six
-constexpr std::size_t kMaxAttributes = 32;  // of an element; it has four or five
+constexpr std::size_t kMaxDepth = 32;  // maximal nesting of elements; a URDF needs five or six
+constexpr std::size_t kMaxAttributes =
+    32;  // maximal number of attributes of an element; a URDF needs four or five
 constexpr std::size_t kMaxLinks = 1000;
-constexpr std::size_t kMaxName = 80;  // bytes
+constexpr std::size_t kMaxName = 80;  // [bytes]
 
-/// The attributes that hold numbers, how many, and how large they may be: beyond it there is no robot.
+/// Attributes that hold numbers, the count of numbers, and their largest plausible absolute value.
 struct Numbers {
   std::string_view element, attribute;
   int count;
@@ -44,7 +45,7 @@ constexpr Numbers kNumbers[] = {
     {"mesh", "scale", 3},       {"color", "rgba", 4},
 };
 
-/// The finite numbers of a text, between blanks; none if it holds anything else.
+/// Parses finite numbers separated by blanks; empty if the text holds anything else.
 std::optional<std::vector<double>> ReadNumbers(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r\n";
   std::vector<double> numbers;
@@ -64,15 +65,15 @@ class Check {
   Check(const std::string& text, const std::string& file) : file_(file) {
     if (text.size() > kMaxUrdfBytes)
       throw ParameterError(
-          fmt::format("{}: the file is larger than a robot's, which has no more than {} bytes; name another",
-                      file, kMaxUrdfBytes));
+          fmt::format("{}: the file exceeds the limit of {} bytes; check that it is the right file", file,
+                      kMaxUrdfBytes));
     XML_SetUserData(parser_.get(), this);
     XML_SetElementHandler(parser_.get(), &OnStart, &OnEnd);
     const bool parsed =
         XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), XML_TRUE) == XML_STATUS_OK;
     if (failure_) std::rethrow_exception(failure_);
     if (!parsed)
-      Fail(Line(), "this is no URDF: {}; correct the XML", XML_ErrorString(XML_GetErrorCode(parser_.get())));
+      Fail(Line(), "not a valid URDF: {}; correct the XML", XML_ErrorString(XML_GetErrorCode(parser_.get())));
     RefuseRings();
   }
 
@@ -95,7 +96,7 @@ class Check {
   }
   std::size_t Line() const { return XML_GetCurrentLineNumber(parser_.get()); }
 
-  // Nothing may be thrown through the parser, which is C.
+  // Exceptions must not pass through the parser, which is written in C.
   static void OnStart(void* self, const char* name, const char** attributes) {
     Try(self, [=](Check& check) { check.Start(name, attributes); });
   }
@@ -104,7 +105,7 @@ class Check {
   }
   static void Try(void* self, const auto& handle) {
     auto& check = *static_cast<Check*>(self);
-    if (check.failure_) return;  // it is called once more after a failure
+    if (check.failure_) return;  // the parser may call again after a failure
     try {
       handle(check);
     } catch (...) {
@@ -133,7 +134,7 @@ class Check {
 
   void Start(std::string_view element, const char** attributes) {
     if (open_.size() >= kMaxDepth)
-      Fail(Line(), "elements are nested deeper than {}; a robot needs 6", kMaxDepth);
+      Fail(Line(), "elements are nested deeper than {} levels; check the file", kMaxDepth);
     const auto attribute = [&](std::string_view name) -> std::string {
       for (const char** at = attributes; *at != nullptr; at += 2) {
         if (name == *at) return at[1];
@@ -141,31 +142,30 @@ class Check {
       return "";
     };
     if (element.starts_with("xacro:"))
-      Fail(Line(),
-           "this is a xacro file, whose macros stand for the robot; expand it first: xacro {} > {}.urdf",
-           file_, StemOf(file_));
+      Fail(Line(), "this is a xacro file; expand its macros first: xacro {} > {}.urdf", file_, StemOf(file_));
     std::size_t count = 0;
     for (const char** at = attributes; *at != nullptr; at += 2) ++count;
     if (count > kMaxAttributes)
-      Fail(Line(), "an element has {} attributes; a robot's have no more than {}", count, kMaxAttributes);
-    for (const char* name : {"name", "link", "type"})  // what errors repeat
+      Fail(Line(), "an element has {} attributes, but at most {} are allowed", count, kMaxAttributes);
+    for (const char* name : {"name", "link", "type"})  // these appear in messages
       if (const std::size_t bytes = attribute(name).size(); bytes > kMaxName)
-        Fail(Line(), "the {} of an element has {} bytes; {} are the most", name, bytes, kMaxName);
+        Fail(Line(), "the {} of an element has {} bytes, but at most {} are allowed", name, bytes, kMaxName);
     if (element == "inertial") has_mass_ = has_inertia_ = false;
     if (element == "inertia" && open_.size() == 3 && open_.back() == "inertial") {
       has_inertia_ = true;
       for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"})
         if (attribute(name).empty())
-          Fail(Line(), "{}: its <inertia> has no {}; write all six, 0 too", owner_, name);
+          Fail(Line(), "{}: its <inertia> has no {}; write all six attributes, also those that are 0", owner_,
+               name);
     }
     if (element == "mass" && !attribute("value").empty()) has_mass_ = true;
     if (open_.size() == 1) {
       if (element == "link" && ++links_ > kMaxLinks)
-        Fail(Line(), "there are more than {} links; a robot needs fewer", kMaxLinks);
+        Fail(Line(), "there are more than {} links; check the file", kMaxLinks);
       in_joint_ = element == "joint";
       owner_ = fmt::format("{} '{}'", Excerpt(element), Excerpt(attribute("name")));
       if ((element == "link" || element == "joint") && attribute("name").empty())
-        Fail(Line(), "a {} has no name; give each one of its own", element);
+        Fail(Line(), "a {} has no name; give each one a unique name", element);
       if (element == "link" || element == "joint")
         lines_.emplace(fmt::format("{} {}", element, attribute("name")), Line());
       if (element == "joint") joints_.push_back({attribute("name"), "", "", attribute("type"), Line()});
@@ -196,23 +196,25 @@ class Check {
                  : fmt::format("{} numbers with blanks between", numbers.count == 3 ? "three" : "four"));
       for (const double number : *found) {
         if (!(std::abs(number) <= numbers.largest))
-          Fail(Line(), "{}: <{} {}=\"{}\">: no robot is so large, {} is the most; is the unit an SI unit?",
+          Fail(Line(),
+               "{}: <{} {}=\"{}\">: the absolute value must be at most {}; check that the unit is an SI unit",
                owner_, element, attribute, Excerpt(text), numbers.largest);
       }
     }
   }
 
   void RefuseRings() const {
-    std::map<std::string_view, std::size_t> above;  // the joint on which a link hangs
+    std::map<std::string_view, std::size_t> above;  // index of the parent joint by link
     for (std::size_t i = 0; i < joints_.size(); ++i) {
-      if (joints_[i].child.empty()) continue;  // the parser says so
+      if (joints_[i].child.empty()) continue;  // reported by urdfdom
       const auto [at, is_new] = above.emplace(joints_[i].child, i);
       if (!is_new)
         Fail(joints_[i].line,
-             "the link '{}' hangs on two joints, '{}' and '{}'; the links must form a tree, take one out",
+             "the link '{}' has two parent joints, '{}' and '{}'; the links must form a tree, remove one",
              joints_[i].child, joints_[at->second].name, joints_[i].name);
     }
-    std::vector<std::size_t> walk_of(joints_.size(), joints_.size());  // that came past the joint first
+    std::vector<std::size_t> walk_of(joints_.size(),
+                                     joints_.size());  // start of the first walk that visited the joint
     for (std::size_t start = 0; start < joints_.size(); ++start) {
       for (std::size_t i = start; walk_of[i] == joints_.size();) {
         walk_of[i] = start;
@@ -231,7 +233,7 @@ class Check {
       names += fmt::format("{}'{}'", names.empty() ? "" : ", ", joints_[i].name);
       i = above.at(joints_[i].parent);
     } while (i != start);
-    Fail(joints_[start].line, "the joints {} form a loop; the links must form a tree, take one out", names);
+    Fail(joints_[start].line, "the joints {} form a loop; the links must form a tree, remove one", names);
   }
 
   static std::string StemOf(const std::string& file) {
@@ -242,13 +244,14 @@ class Check {
   const std::string& file_;
   std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser_{
       XML_ParserCreate(nullptr), &XML_ParserFree};
-  std::vector<std::string> open_;                ///< elements
-  std::string owner_;                            ///< the link or joint that these are in
-  bool in_joint_ = false;                        ///< that is one
-  bool has_mass_ = false, has_inertia_ = false;  ///< the inertial that is open
+  std::vector<std::string> open_;                ///< open elements
+  std::string owner_;                            ///< the enclosing link or joint, for messages
+  bool in_joint_ = false;                        ///< whether the enclosing element is a joint
+  bool has_mass_ = false, has_inertia_ = false;  ///< elements of the current <inertial>
   std::size_t links_ = 0;
   std::vector<Joint> joints_;
-  std::vector<std::pair<std::size_t, std::string>> missing_;  ///< what urdfdom must find, by the byte before
+  std::vector<std::pair<std::size_t, std::string>>
+      missing_;  ///< texts to insert for urdfdom, with their offsets [bytes]
   UrdfLines lines_;
   std::exception_ptr failure_;
 };

@@ -15,12 +15,12 @@
 namespace tenon::internal {
 namespace {
 
-/// What the parser has to say; it would write to stderr otherwise.
+/// Keeps the parser's first error, which would otherwise be written to stderr.
 class ParserLog : public console_bridge::OutputHandler {
  public:
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
     if (level < console_bridge::CONSOLE_BRIDGE_LOG_ERROR) return;
-    if (text_.empty()) text_ = text;  // what follows from the first is no news
+    if (text_.empty()) text_ = text;  // later errors are consequences
   }
   const std::string& text() const { return text_; }
 
@@ -48,22 +48,23 @@ UrdfFile ParseUrdf(const std::filesystem::path& path) {
   UrdfFile file{path.string(), {}, {}};
   std::ifstream in(path);
   if (!in)
-    file.Fail(fmt::format("the file cannot be read: {}; name a URDF file, a robot's YAML as seen from there",
-                          std::strerror(errno)));
+    file.Fail(
+        fmt::format("the file cannot be read: {}; give the path of a URDF, relative to the robot's YAML file",
+                    std::strerror(errno)));
   std::string text;
   for (char part[1 << 16]; text.size() <= kMaxUrdfBytes && in;
        text.append(part, static_cast<std::size_t>(in.gcount())))
-    in.read(part, sizeof(part));  // a device may have no end
+    in.read(part, sizeof(part));  // a device may be endless
   CheckedUrdf checked = CheckUrdf(text, file.name);
   file.lines = std::move(checked.lines);
-  static std::mutex mutex;  // the parser's log is the process's
+  static std::mutex mutex;  // the parser's log is global
   const std::lock_guard lock(mutex);
   ParserLog log;
   console_bridge::useOutputHandler(&log);
   file.model = urdf::parseURDF(checked.text);
   console_bridge::restorePreviousOutputHandler();
   if (file.model == nullptr || file.model->getRoot() == nullptr)
-    file.Fail(fmt::format("this is no URDF: {}; correct the XML",
+    file.Fail(fmt::format("not a valid URDF: {}; correct the XML",
                           log.text().empty() ? "it has no links" : log.text()));
   return file;
 }

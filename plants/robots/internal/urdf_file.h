@@ -12,15 +12,16 @@
 
 namespace tenon::internal {
 
-/// A URDF as urdfdom has read it, and where its links and joints stand in the file.
+/// A URDF read by urdfdom, with the lines of its links and joints.
 struct UrdfFile {
   std::string name;
   UrdfLines lines;
   urdf::ModelInterfaceSharedPtr model;
 
-  /// The file, with the line of the first link or joint that a message names: link 'this', or Joint [this].
+  /// Returns the file and the line of the first link or joint that a message names, as link 'this' or Joint
+  /// [this].
   std::string PlaceOf(const std::string& what) const;
-  /// Throws ParameterError with that place.
+  /// Throws ParameterError with the place that `what` names.
   [[noreturn]] void Fail(const std::string& what) const;
 };
 
@@ -29,7 +30,7 @@ UrdfFile ParseUrdf(const std::filesystem::path& path);
 
 Eigen::Isometry3d ToEigen(const urdf::Pose& pose);
 RigidInertia ToRigidInertia(const urdf::Inertial& in);
-/// Revolute or continuous.
+/// Returns whether a joint is revolute or continuous.
 bool Turns(const urdf::Joint& joint);
 
 }  // namespace tenon::internal

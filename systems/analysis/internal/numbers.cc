@@ -45,8 +45,8 @@ std::vector<double> RealNumbers::Eval(Context& context, const Part& part) const 
   std::vector<double> values = context.EvalDoubles(*part.source);
   if (values.size() == part.is_real.size()) return values;
   throw RunError(
-      fmt::format("'{}' holds {} numbers at t = {} s, but held {} before: what changes its size has no "
-                  "derivative, leave it out",
+      fmt::format("'{}' holds {} numbers at t = {} s, but held {} before: signals of variable size have no "
+                  "derivative, omit it",
                   part.source->path(), values.size(), context.time(), part.is_real.size()));
 }
 

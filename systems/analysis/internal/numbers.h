@@ -9,14 +9,14 @@
 
 namespace tenon::internal {
 
-/// "cart.x.velocity": the path of every number of the sources, in order.
+/// Returns the path of every number of the sources in order, such as "cart.x.velocity".
 std::vector<std::string> NumberNames(const Context& context, const std::vector<const Source*>& sources);
 
-/// All numbers of the sources in a row, as EvalDoubles gives them.
+/// Returns the concatenated numbers of the sources from EvalDoubles.
 Eigen::VectorXd EvalNumbers(Context& context, const std::vector<const Source*>& sources);
 
-/// The real numbers of some settable sources as one vector: what a central difference can move. Bools,
-/// integers, enumerations and whatever is no number stay as the context has them.
+/// The real numbers of settable sources as one vector, for central differences. Bools, integers, enumerations
+/// and values that are not numbers keep their values in the context.
 class RealNumbers {
  public:
   RealNumbers(const Context& context, std::vector<const Source*> sources);
@@ -24,7 +24,7 @@ class RealNumbers {
   Eigen::Index size() const { return static_cast<Eigen::Index>(names_.size()); }
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<std::string>& units() const { return units_; }
-  /// Throws RunError that names the source if it holds another number of numbers than at first.
+  /// Throws RunError that names the source if its size has changed.
   Eigen::VectorXd Get(Context& context) const;
   /// Throws RunError as SetDoubles does.
   void Set(Context& context, const Eigen::VectorXd& values) const;
@@ -32,7 +32,7 @@ class RealNumbers {
  private:
   struct Part {
     const Source* source;
-    std::vector<bool> is_real;  ///< of each of its numbers
+    std::vector<bool> is_real;  ///< whether each of its numbers is real
   };
   std::vector<double> Eval(Context& context, const Part& part) const;
 

@@ -11,12 +11,12 @@
 namespace tenon::internal {
 namespace {
 
-/// Of a period: times that differ by less are the same.
+/// Relative tolerance of times, in periods.
 constexpr double kRounding = 1e-9;
 
-/// The least common multiple; 0 if there is nothing.
+/// Returns the least common multiple of all sample periods, 0 without samples.
 Rational CommonPeriod(const std::vector<SampleGroup>& groups) {
-  // Of fractions in lowest terms: the multiple of the numerators over the divisor of the denominators.
+  // For reduced fractions, it is the lcm of the numerators over the gcd of the denominators.
   Rational common{0, 1};
   for (const SampleGroup& group : groups) {
     const std::int64_t divisor = std::gcd(group.period.numerator, group.period.denominator);
@@ -41,7 +41,7 @@ double ToDouble(const Rational& rational) {
 }
 
 void CheckSteps(const LinearizeDiscreteOptions& options) {
-  if (options.steps.empty()) throw ParameterError("steps are empty: give one at least, 1e-5 say");
+  if (options.steps.empty()) throw ParameterError("steps are empty: give at least one, such as 1e-5");
   for (const double step : options.steps) {
     if (!(step > 0)) throw ParameterError(fmt::format("step {} must be positive", step));
   }
@@ -59,8 +59,8 @@ PeriodMap::PeriodMap(const Context& context, std::vector<const Source*> inputs,
   for (const Source* input : inputs) {
     if (!input->Resolve().is_sampled()) continue;
     throw RunError(
-        fmt::format("input '{}' is sampled: what is set would not last beyond its next tick; give an "
-                    "open input",
+        fmt::format("input '{}' is sampled, so that a value would last only until its next tick; use an open "
+                    "input",
                     input->path()));
   }
   FindBegin(context);
@@ -73,14 +73,14 @@ double PeriodOf(const Diagram& diagram, const LinearizeDiscreteOptions& options)
   const double common = ToDouble(CommonPeriod(diagram.program().groups));
   const double period = options.period == 0 ? common : options.period;
   if (period == 0) {
-    throw ParameterError("this diagram samples nothing and has no period of its own: give options.period");
+    throw ParameterError("this diagram has no samples and no period: give options.period");
   }
   if (!(period > 0) || !std::isfinite(period)) {
     throw ParameterError(fmt::format("period = {} s must be positive", period));
   }
   if (common > 0 && std::abs(std::remainder(period, common)) > kRounding * period) {
     throw ParameterError(fmt::format(
-        "period = {} s is no multiple of {} s, after which all sample times repeat", period, common));
+        "period = {} s must be a multiple of {} s, the common period of all sample times", period, common));
   }
   return period;
 }
@@ -113,7 +113,7 @@ void PeriodMap::FindBegin(const Context& context) {
   for (std::size_t i = 0; i < groups.size(); ++i) ticks_ |= NextTick(static_cast<int>(i)) == 0;
 }
 
-/// From `time` on [s].
+/// Begins at `time` [s].
 double PeriodMap::NextTick(int group) const {
   const SampleGroup& samples = start_->diagram().program().groups[static_cast<std::size_t>(group)];
   const double each = ToDouble(samples.period);
@@ -121,7 +121,7 @@ double PeriodMap::NextTick(int group) const {
   return ago < kRounding || ago > 1 - kRounding ? 0 : (1 - ago) * each;
 }
 
-/// Whether anybody reads a held sample after `time` and before it is computed again.
+/// Returns whether a held sample is read after `time` and before it is computed again.
 bool PeriodMap::CarriesOn(int sample) const {
   const Program& program = start_->diagram().program();
   const double renewal = NextTick(program.calculations[static_cast<std::size_t>(sample)].group);
@@ -133,11 +133,11 @@ bool PeriodMap::CarriesOn(int sample) const {
     for (const int next : program.calculations[static_cast<std::size_t>(i)].affects) {
       const CalculationInfo& reader = program.calculations[static_cast<std::size_t>(next)];
       const SourceKind kind = reader.source->kind();
-      if (kind == SourceKind::kMonitor) continue;  // changes nothing
+      if (kind == SourceKind::kMonitor) continue;  // monitors have no effect on the state
       if (reader.group >= 0) {
         if (NextTick(reader.group) < renewal - kRounding * period) return true;
       } else if (kind != SourceKind::kOutput && kind != SourceKind::kShared) {
-        if (renewal > 0) return true;  // derivatives, witnesses, what happens after each step
+        if (renewal > 0) return true;  // derivatives, witnesses, actions after each step
       } else if (!seen[static_cast<std::size_t>(next)]) {
         seen[static_cast<std::size_t>(next)] = true;
         open.push_back(next);
@@ -166,10 +166,11 @@ void PeriodMap::ChooseStates() {
     const Source* named = state;
     state = &state->Resolve();
     if (std::find(carriers_.begin(), carriers_.end(), state) != carriers_.end()) continue;
-    throw RunError(fmt::format(
-        "'{}' carries nothing on over t = {} s: states are continuous and discrete states, Scratch, and held "
-        "samples that are read before they are computed again",
-        named->path(), time));
+    throw RunError(
+        fmt::format("'{}' is not a state at t = {} s: states are continuous and discrete states, Scratch, "
+                    "and held samples that "
+                    "are read before they are computed again",
+                    named->path(), time));
   }
   states_ = std::make_unique<RealNumbers>(*start_, std::move(states));
 }
@@ -207,7 +208,7 @@ PeriodMap::End PeriodMap::Run(const Eigen::VectorXd& from) const {
   std::shared_ptr<MemoryLog> log;
   if (ticks_ && !outputs_.empty()) {
     const Rational common = CommonPeriod(start_->diagram().program().groups);
-    log = simulator.AddLog(Rate(common.numerator, common.denominator), outputs_);
+    log = simulator.AddLog(Rate::FromPeriod(common.numerator, common.denominator), outputs_);
   }
   RunToBefore(simulator, time + period);
   if (log != nullptr) {

@@ -16,30 +16,30 @@ class Simulator;
 
 namespace internal {
 
-/// options.period, or the common period of all sample times if that is 0; throws ParameterError as
+/// Returns options.period or, if it is 0, the common period of all sample times. Throws ParameterError as
 /// LinearizeDiscrete does.
 double PeriodOf(const Diagram& diagram, const LinearizeDiscreteOptions& options);
 
-/// The same for runs that publish nothing.
+/// Returns the options with publishes switched off.
 LinearizeDiscreteOptions Silent(LinearizeDiscreteOptions options);
 
-/// Simulator::AdvanceToBefore; throws RunError if a monitor ends the run.
+/// Calls Simulator::AdvanceToBefore. Throws RunError if a monitor ends the run.
 void RunToBefore(Simulator& simulator, double time);
 
-/// What a diagram does from before one tick to before that one period later.
+/// The map of a diagram's state from before a tick to before the tick one period later.
 class PeriodMap {
  public:
   PeriodMap(const Context& context, std::vector<const Source*> inputs, std::vector<const Source*> outputs,
             const LinearizeDiscreteOptions& options);
 
-  /// States, then inputs; how far to move each of them per unit of a step.
+  /// Scales of the states and then the inputs, by which a step is multiplied.
   Eigen::VectorXd origin, scales;
   double time = 0, period = 0;
   const LinearizeDiscreteOptions& options() const { return options_; }
   const RealNumbers& states() const { return *states_; }
   const RealNumbers& inputs() const { return *inputs_; }
 
-  /// Derivatives of the continuous ones of the states where the period begins; of the others 0.
+  /// Returns the derivatives of the states at the begin of the period, 0 for states that are not continuous.
   Eigen::VectorXd Rates() const;
 
   struct End {
@@ -47,7 +47,7 @@ class PeriodMap {
     std::unique_ptr<Context> context;
   };
   End Run(const Eigen::VectorXd& from) const;
-  /// What is no real number and differs between two ends.
+  /// Returns the values that are not real numbers and differ between two ends.
   std::vector<std::string> Flips(const End& one, const End& other) const;
   std::vector<std::string> OutputNames(const End& end) const { return NumberNames(*end.context, outputs_); }
 
@@ -63,10 +63,10 @@ class PeriodMap {
   std::unique_ptr<Context> start_;
   std::vector<const Source*> carriers_;
   std::unique_ptr<const RealNumbers> states_, inputs_;
-  bool ticks_ = false;  ///< something is due where the period begins
+  bool ticks_ = false;  ///< whether a tick is due at the begin of the period
 };
 
-/// The map's derivative by central differences; x1 is passed through `bring_back` first, in every run.
+/// Computes the map's derivative by central differences. In every run, `bring_back` is applied to x1 first.
 DiscreteLinearModel LinearizePeriod(const PeriodMap& map,
                                     const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& bring_back);
 

@@ -23,23 +23,23 @@ namespace internal {
 template <class>
 inline constexpr bool kFalse = false;
 
-/// What a calculation can use, and what its function receives for it.
+/// Types that Uses accepts; `Argument` is the type that the calculation's function receives.
 template <class S>
 concept Usable = requires {
   typename S::Argument;
 };
-struct Refused {};  ///< what has been complained of once
+struct Refused {};  ///< argument type after Uses has reported an error
 
 inline bool Exists(const Time&) {
-  return true;  // of a base class
+  return true;  // a member of the base class, which is constructed first
 }
 inline bool Exists(const Declared& member) {
   return Declared::IsDeclared(member);
 }
 
-/// Tells two functions apart where the compiler does not: Clang 14 gives lambdas of a class that is declared
-/// inside a function one name, and templates made of them one body. Evaluated where the calculation is
-/// declared and again in that body.
+/// Distinguishes two functions where the compiler does not: Clang 14 gives all lambdas of a class declared
+/// inside a function one name, and templates instantiated with them one body. Evaluated where the calculation
+/// is declared and again in that body.
 #ifdef __clang__
 template <class F>
 constexpr std::uint64_t HashOf() {
@@ -64,15 +64,15 @@ struct ArgumentOf<S> {
 
 }  // namespace internal
 
-/// The declared prerequisites of a calculation, made by Uses: `Arguments` are what its function receives.
+/// The declared prerequisites of a calculation, made by Uses. `Arguments` are the parameters of its function.
 template <class... Arguments>
 struct UsesList {
   std::vector<internal::Slot> slots;
-  int undeclared = 0;  ///< the first one that does not exist yet, counted from 1
+  int undeclared = 0;  ///< the first one that does not exist yet, counted from 1; 0 if all exist
 };
 
-/// Declares what a calculation uses: its function receives exactly these values, in this order. Inputs,
-/// outputs, states, shared values and `time` arrive as const references, scratch and random streams as
+/// Declares the values that a calculation uses. Its function receives exactly these values, in this order:
+/// inputs, outputs, states, shared values and `time` as const references, scratch and random streams as
 /// references, InputPorts as a list. All must belong to the calculation's own block.
 template <class... S>
 auto Uses(const S&... sources) {
@@ -91,18 +91,19 @@ auto Uses(const S&... sources) {
     (append(sources), ...);
   } else {
     static_assert(internal::kFalse<UsesList<S...>>,
-                  "Uses(...) takes ports, states, shared values, scratch, random streams and `time`. What "
-                  "never changes (params) need not be declared.");
+                  "Uses(...) takes ports, states, shared values, scratch, random streams and `time`. "
+                  "Constants in `params` need not be declared.");
   }
   return uses;
 }
 
-/// What a calculation declared with UsesAtRunTime reads its sources from.
+/// The sources of a calculation declared with UsesAtRunTime.
 class Reads {
  public:
   Reads(std::byte* memory, const internal::Offset* list, const Source& calculation)
       : memory_(memory), offsets_(list + 1), calculation_(calculation) {}
-  /// The value of a port or state; throws RunError, naming both, if it was not declared.
+  /// The value of a port or state. Throws RunError that names the calculation and the source if it was not
+  /// declared.
   template <class S>
   typename S::Argument operator[](const S& source) const {
     return *reinterpret_cast<std::remove_reference_t<typename S::Argument>*>(memory_ + Find(source));
@@ -115,8 +116,8 @@ class Reads {
   const Source& calculation_;
 };
 
-/// Second choice beside Uses, for blocks whose ports are only known at run time: the function receives a
-/// `const Reads&` and asks it for the values; a read that was not declared is refused.
+/// Alternative to Uses for blocks whose ports are known only at run time. The function receives a
+/// `const Reads&` and looks the values up in it; reading an undeclared source throws RunError.
 UsesList<Reads> UsesAtRunTime(const std::vector<const Source*>& sources);
 
 namespace internal {
@@ -131,7 +132,7 @@ decltype(auto) LoadArgument(const Closure& closure, std::byte* memory, const Off
   }
 }
 
-/// The parameters of a member function; any other callable has none of its own.
+/// Signature of a member function; `kIs` is false for any other callable.
 template <class F>
 struct MemberFunction {
   static constexpr bool kIs = false, kConst = true;
@@ -147,20 +148,21 @@ struct MemberFunction<R (C::*)(P...)> {
   static constexpr bool kIs = true, kConst = false;
 };
 
-/// What a function gives that is called for its effect: nothing, and not even that while it is muted.
+/// Target of a calculation that is run for its side effect. A muted one is not run.
 struct Published {
   bool muted = false;
   static FieldList Fields() { return {{"muted", &Published::muted}}; }
 };
 
 /// The code that a compiled diagram runs for one calculation. A function either returns the Target or, for
-/// large values, takes a `Target*` after its arguments and fills it in place; where the target is Published,
-/// it returns nothing.
+/// large values, takes a `Target*` after its arguments and fills it in place. A function whose target is
+/// Published returns nothing.
 template <class Target, class F, class... A>
 struct Calculation {
   using Traits = MemberFunction<F>;
 
-  /// Exact parameter types make wrong wirings one readable line; Eigen alone would convert and print pages.
+  /// Parameter types must match exactly, so that a wrong connection gives one readable error; Eigen's
+  /// implicit conversions would give pages.
   static constexpr bool Returns() {
     if constexpr (Traits::kIs) {
       return std::is_same_v<typename Traits::Signature, void(std::remove_cvref_t<A>...)>;
@@ -176,7 +178,7 @@ struct Calculation {
     }
   }
 
-  /// A number may come as another kind of number; anything else exactly.
+  /// True if the function returns the Target, or any scalar for a scalar Target.
   static constexpr bool ReturnsTarget() {
     using Result =
         std::remove_cvref_t<decltype(Call(std::declval<const ClosureOf<F>&>(), std::declval<A>()...))>;
@@ -217,15 +219,15 @@ struct Calculation {
   }
 
  private:
-  /// Whether an argument can be carried from call to call in a register: that makes a chain of gains as fast
-  /// as its multiplications. Each takes a loop of its own, so only where there are few.
+  /// True if an argument can be kept in a register from one call to the next, which makes a chain of gains as
+  /// fast as its multiplications. Each such argument needs its own loop, so only for few arguments.
   template <class Argument>
   static constexpr bool CanCarry() {
     return std::is_same_v<Target, double> && std::is_same_v<Argument, const double&> && sizeof...(A) <= 3 &&
            Returns();
   }
 
-  /// Does so if it is argument K that is carried.
+  /// Runs the calculations with argument K kept in a register and returns true, if K is the carried argument.
   template <std::size_t K, class Argument, std::size_t... I>
   static bool RunCarrying(const Closure* const* closures, const Offset* row, std::byte* memory,
                           std::size_t count, std::size_t* current, std::size_t carried) {

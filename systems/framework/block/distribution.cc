@@ -20,8 +20,9 @@ void Distribution::Validate() const {
   if (kind_ == Kind::kUniform && first > second)
     throw ParameterError(fmt::format("{}: [{}, {}]: give the lower bound first", name_, first, second));
   if (kind_ != Kind::kUniform && second < 0)
-    throw ParameterError(fmt::format(
-        "{}: [{}, {}]: the second number is the standard deviation, and not negative", name_, first, second));
+    throw ParameterError(
+        fmt::format("{}: [{}, {}]: the second number is the standard deviation and must not be negative",
+                    name_, first, second));
 }
 
 double Distribution::Draw(RandomStream& random) const {

@@ -9,17 +9,17 @@
 
 namespace tenon {
 
-/// A distribution of a number, as files name it, with its two parameters:
+/// A probability distribution of a number, given by its name in files and two parameters:
 ///
-///     uniform    low, high
+///     uniform    lower bound, upper bound
 ///     normal     mean, standard deviation
-///     lognormal  those of the logarithm
+///     lognormal  mean and standard deviation of the logarithm
 class Distribution {
  public:
-  /// None if nothing is known by that name.
+  /// Returns the distribution with this name, or `nullopt` if there is none.
   static std::optional<Distribution> Named(std::string_view name, const std::array<double, 2>& parameters);
 
-  /// Throws ParameterError if the bounds are in the wrong order or the deviation is negative.
+  /// Throws ParameterError if the bounds are in the wrong order or the standard deviation is negative.
   void Validate() const;
   double Draw(RandomStream& random) const;
 

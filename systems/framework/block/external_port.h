@@ -9,10 +9,9 @@ namespace tenon {
 
 /// A sampled output that takes its value from outside the diagram: from another thread, a socket, a file.
 ///
-/// At a tick it runs after all Publishes that do not depend on it, so its function may wait there for the
-/// answer to what they sent. What it takes is kept in the context (in a Scratch, say), so that a context that
-/// was saved has it. Use it in a block of one's own for another source; ExternalInput serves threads,
-/// network/udp.h UDP.
+/// At a tick it runs after all Publishes that do not depend on it, so its function may wait for the answer to
+/// what they sent. Keep the received value in the context (in a Scratch, say), so that saved contexts contain
+/// it. Use it in your own block for a new source; ExternalInput is for threads, and network/udp.h for UDP.
 template <class T>
 class ExternalPort : public OutputPort<T> {
  public:

@@ -11,14 +11,14 @@ namespace tenon {
 
 namespace internal {
 
-/// What Parameters of all types share.
+/// The part of a Parameter that does not depend on its type.
 class ParameterSource : public Source {
  public:
-  /// What it means, in words.
+  /// The meaning of the parameter, in words.
   const std::string& description() const { return description_; }
 
  protected:
-  /// `given` is the value as the block wrote it down.
+  /// `given` is the address of the initial value in the block's source, possibly inside its `params`.
   ParameterSource(Leaf* owner, Spec spec, const TypeInfo& type, const void* model, const void* given,
                   std::string description);
   ~ParameterSource() = default;
@@ -26,22 +26,22 @@ class ParameterSource : public Source {
  private:
   friend class tenon::Context;
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  std::size_t offset_in_params_ = kNone;  ///< [bytes]
+  std::size_t offset_in_params_ = kNone;  ///< offset of `given` in the block's `params` [bytes]
   std::string description_;
 };
 
 }  // namespace internal
 
-/// A value of the context that nothing changes but Context::Set: a gain, a limit, a mass. A calculation uses
-/// it like a state:
+/// A value of the context that only Context::Set changes: a gain, a limit, a mass. A calculation uses it like
+/// a state:
 ///
 ///     Parameter<double> kp{this, {"kp", "N/m"}, params.kp, "stiffness"};
 ///     OutputPort<double> u{this, {"u", "N"}, Uses(kp, x), [](double kp, double x) { return -kp * x; }};
 ///
-/// and a run changes it between advances: `context.Set(pd.kp, 12)`. What `params` holds is where it starts.
-/// If `initial` is a member of `params` (or of a member), then setting it runs `params.Validate()` with the
-/// present values of all Parameters of the block. Contexts save and clone it, Diagram::parameters() lists it.
-/// `T` is any copyable type; a struct with Fields() is set as a whole.
+/// and it can be changed between advances of a run: `context.Set(pd.kp, 12)`. The initial value is the one in
+/// `params`. If `initial` is a member of `params` (or of a member), setting the Parameter calls
+/// `params.Validate()` with the present values of all Parameters of the block. Contexts save and clone it,
+/// and Diagram::parameters() lists it. `T` is any copyable type; a struct with Fields() is set as a whole.
 template <class T>
 class Parameter : public internal::ParameterSource {
  public:

@@ -16,7 +16,7 @@ template <class T>
 class DiscreteState;
 class Subdiagram;
 
-/// A value that a block reads. Must be connected, unless it has a default. `T` is any copyable type.
+/// A value that a block reads. It must be connected unless it has a default. `T` is any copyable type.
 template <class T>
 class InputPort : public Source {
  public:
@@ -25,7 +25,7 @@ class InputPort : public Source {
 
   InputPort(System* owner, Spec spec)
       : Source(owner, SourceKind::kInput, std::move(spec), internal::TypeInfoOf<T>(), &model_) {}
-  /// Optional: reads as `unconnected` if nothing is connected.
+  /// An optional input, whose value is `unconnected` if nothing is connected.
   InputPort(System* owner, Spec spec, T unconnected) : InputPort(owner, std::move(spec)) {
     model_ = std::move(unconnected);
     SetHasInitialValue();
@@ -42,24 +42,24 @@ class Calculated : public Source {
   Calculated(System* owner, SourceKind kind, Spec spec)
       : Source(owner, kind, std::move(spec), internal::TypeInfoOf<T>(), &model_) {}
 
-  /// `tag` is that of F as the block knows it.
+  /// `tag` is the TagOf<F> evaluated where the calculation was declared.
   template <class... A, class F>
   void Calculate(UsesList<A...> uses, F function, std::uint64_t tag) {
     this->CheckUses(uses.undeclared, tag != internal::TagOf<F>::value);
     using Code = internal::Calculation<T, F, A...>;
     if constexpr ((std::is_same_v<A, internal::Refused> || ...)) {
-      // Uses has said what is wrong.
+      // Uses has already reported the error.
     } else if constexpr (!Code::Traits::kConst) {
-      static_assert(internal::kFalse<F>, "A calculation must be const: what changes lives in the context.");
+      static_assert(internal::kFalse<F>,
+                    "A calculation must be const: all that changes is kept in the context.");
     } else if constexpr (!Code::Returns() && !Code::FillsInPlace()) {
       static_assert(internal::kFalse<F>,
                     "The function's parameters must be exactly the values of Uses(...), in that order.");
     } else {
       if constexpr (Code::Returns()) {
-        static_assert(
-            Code::ReturnsTarget(),
-            "The function must return exactly the type of the port, state or shared value; that of a "
-            "Publish, nothing.");
+        static_assert(Code::ReturnsTarget(),
+                      "The function must return exactly the type of the port, state or shared value; the "
+                      "function of a Publish returns nothing.");
       }
       SetCalculation(Code::Run(std::index_sequence_for<A...>{}), std::move(function), std::move(uses.slots));
     }
@@ -70,10 +70,10 @@ class Calculated : public Source {
 
 /// A value that a block provides.
 ///
-/// Without Sampled it is a function of time, states and inputs, computed when somebody needs it. With
-/// Sampled{rate} it is computed at its ticks and held between; at a tick all due outputs run in dataflow
+/// Without Sampled, the value is a function of time, states and inputs, computed on demand. With
+/// Sampled{rate} it is computed at its ticks and held between them. At a tick all due outputs run in dataflow
 /// order, so a chain of sampled blocks has no hidden delay. `initial` is the value before the first tick,
-/// needed if there is an offset; it also gives the size of values whose size is known at run time only.
+/// needed if there is an offset; it also sets the size of values whose size is known only at run time.
 template <class T>
 class OutputPort : public Calculated<T> {
  public:
@@ -105,15 +105,16 @@ class OutputPort : public Calculated<T> {
     this->model_ = std::move(initial);
     this->SetHasInitialValue();
   }
-  /// A state, as it is.
+  /// An output whose value is a state, with the state's name.
   OutputPort(Leaf* owner, const ContinuousState<T>& state) : OutputPort(owner, state, Spec("")) {}
   OutputPort(Leaf* owner, const DiscreteState<T>& state) : OutputPort(owner, state, Spec("")) {}
-  /// A state by a name of the port's own; units and names of elements that `spec` leaves out are the state's.
+  /// An output whose value is a state, with its own name. Units and element names that `spec` omits are the
+  /// state's.
   OutputPort(Leaf* owner, Spec spec, const ContinuousState<T>& state)
       : OutputPort(owner, state, std::move(spec)) {}
   OutputPort(Leaf* owner, Spec spec, const DiscreteState<T>& state)
       : OutputPort(owner, state, std::move(spec)) {}
-  /// Of a nested diagram: connect an inner output to it.
+  /// An output of a Subdiagram: connect an inner output to it.
   OutputPort(Subdiagram* owner, Spec spec);
 
  private:
@@ -141,7 +142,7 @@ class Inputs {
   std::size_t size_;
 };
 
-/// A list of input ports whose number is known at run time only; they are named `name_0`, `name_1`, ….
+/// A list of input ports whose number is known only at run time; they are named `name_0`, `name_1`, ….
 template <class T>
 class InputPorts : public internal::Declared {
  public:

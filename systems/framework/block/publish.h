@@ -8,19 +8,20 @@
 
 namespace tenon {
 
-/// A side effect: something is sent, written or shown. Its function returns nothing and receives what Uses
-/// names, like any other:
+/// A side effect: sends, writes or shows something. Its function returns nothing and receives the values
+/// named in Uses:
 ///
 ///     Publish send{this, "send", Sampled{params.rate}, Uses(time, state), &Radio::Send};
 ///
-/// It runs at a rate, after every step of the integrator, once at the start, or when a witness fires, and
-/// never inside an evaluation. At a tick it runs when what it uses is known, and before the ExternalInputs
-/// that it does not depend on: so these may wait for the answer. Like updates, it reads the values before the
-/// updates of that instant take effect; with AtStart, what the run begins with, after the tick at the start.
+/// It runs at a rate, after every integrator step, once at the start, or when a witness fires, and never
+/// inside an evaluation. At a tick it runs as soon as the values it uses are known, and before every
+/// ExternalInput that it does not depend on, so that an ExternalInput may wait for the answer. Like updates,
+/// it reads the values before the updates of that instant take effect. With AtStart it runs after the tick at
+/// the start and reads the initial values.
 ///
-/// Nothing that it does reaches the run, and its ticks restart no integrator. The block is shared by all
-/// contexts of a diagram: what the function changes (a socket, a file) must bear that, or SimulatorOptions
-/// says `.publish = false`. What it throws ends the run, with its path.
+/// A Publish cannot affect the run, and its ticks do not restart the integrator. All contexts of a diagram
+/// share the block, so anything that the function changes (a socket, a file) must allow for that; otherwise
+/// set SimulatorOptions::publish to false. An exception ends the run with a RunError that names the Publish.
 class Publish : public Calculated<internal::Published> {
  public:
   template <class... A, class F>

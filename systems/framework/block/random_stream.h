@@ -8,16 +8,17 @@
 
 namespace tenon {
 
-/// A stream of random numbers whose whole state is 48 bytes of the context, so that saving, cloning and
-/// repeating a run repeat it bit for bit, on every platform (the standard library's distributions do not).
+/// A stream of random numbers whose whole state is 48 bytes of the context, so that saved, cloned and
+/// repeated runs are identical bit for bit on every platform (the standard library's distributions are not
+/// portable).
 ///
-/// The generator is xoshiro256++ (Blackman and Vigna, "Scrambled linear pseudorandom number generators",
-/// ACM Trans. Math. Softw. 47, 2021), seeded through SplitMix64; normal numbers by the polar method of
-/// Marsaglia and Bray (SIAM Review 6, 1964).
+/// The generator is xoshiro256++ (Blackman and Vigna, "Scrambled linear pseudorandom number generators", ACM
+/// Trans. Math. Softw. 47, 2021), seeded by SplitMix64. Normal numbers use the polar method of Marsaglia and
+/// Bray (SIAM Review 6, 1964).
 class RandomStream {
  public:
   explicit RandomStream(std::uint64_t seed = 0);
-  /// The stream of the block at `path` in a run with `seed`: independent of all other blocks' streams.
+  /// The stream of the block at `path` in a run with `seed`. Streams of different blocks are independent.
   RandomStream(std::uint64_t seed, std::string_view path);
 
   std::uint64_t Next();                     ///< 64 random bits

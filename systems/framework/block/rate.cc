@@ -33,22 +33,20 @@ Rational ToRational(double value, const char* what, const char* unit) {
     rest = 1 / (rest - whole);
   }
   throw ParameterError(
-      fmt::format("{} of {} {} is no fraction with a denominator up to {}: ticks are exact fractions of a "
-                  "second, so round it",
+      fmt::format("{} of {} {} is not a fraction with a denominator up to {}: ticks are exact fractions of "
+                  "a second, so round it",
                   what, value, unit, kMaxDenominator));
 }
 
 }  // namespace internal
 
-Rate::Rate(std::int64_t numerator, std::int64_t denominator)
-    : numerator_(numerator), denominator_(denominator) {
+Rate Rate::FromPeriod(std::int64_t numerator, std::int64_t denominator) {
   if (numerator <= 0 || denominator <= 0) {
     throw ParameterError(fmt::format("a sample period of {}/{} s is not positive: give a rate above 0 Hz",
                                      numerator, denominator));
   }
-  const std::int64_t divisor = std::gcd(numerator_, denominator_);
-  numerator_ /= divisor;
-  denominator_ /= divisor;
+  const std::int64_t divisor = std::gcd(numerator, denominator);
+  return Rate(numerator / divisor, denominator / divisor);
 }
 
 Rate Hz(double hz) {
@@ -57,7 +55,7 @@ Rate Hz(double hz) {
         fmt::format("a rate of {} Hz is not positive and finite: give a rate above 0 Hz", hz));
   }
   const internal::Rational ratio = internal::ToRational(hz, "a rate", "Hz");
-  return Rate(ratio.denominator, ratio.numerator);
+  return Rate::FromPeriod(ratio.denominator, ratio.numerator);
 }
 
 Rate Seconds(double seconds) {
@@ -66,7 +64,7 @@ Rate Seconds(double seconds) {
         fmt::format("a sample period of {} s is not positive and finite: give a period above 0 s", seconds));
   }
   const internal::Rational ratio = internal::ToRational(seconds, "a sample period");
-  return Rate(ratio.numerator, ratio.denominator);
+  return Rate::FromPeriod(ratio.numerator, ratio.denominator);
 }
 
 Rate Milliseconds(double milliseconds) {

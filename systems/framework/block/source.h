@@ -24,8 +24,9 @@ class Assembly;
 class Compiler;
 struct Program;
 
-/// What a block's calculations can use. Members of a class are made in the order of their declaration, so one
-/// that is used above its declaration has an address but is no object yet: this is how to tell.
+/// A member that calculations can use. Members of a class are constructed in the order of their declaration,
+/// so a member that is used above its declaration has an address but is not yet an object; IsDeclared detects
+/// that.
 class Declared {
  public:
   Declared(const Declared&) = delete;
@@ -37,22 +38,22 @@ class Declared {
   ~Declared();
 };
 
-/// Empty if the source's block stands in its diagram; else which block took its place, and what to do.
+/// Says which block replaced the source's block, and what to do; empty if the block was not replaced.
 std::string DescribeReplacement(const Source& source);
 
 [[noreturn]] void ThrowUndeclared(const std::string& user, const std::string& used);
 
-/// The same member; throws BuildError if it does not exist yet. `user` says what uses it.
+/// Returns `member`; throws BuildError if it does not exist yet. `user` names the user of the member.
 template <class Member>
 const Member& CheckDeclared(const Member& member, const char* user) {
   if (!Declared::IsDeclared(member)) ThrowUndeclared(user, "the state or event that it is for");
   return member;
 }
 
-/// Where a value lies in a context's memory.
+/// Offset of a value in a context's memory [bytes].
 using Offset = std::uint32_t;
 
-/// What a calculation runs with: the block, and its function as it was written.
+/// The data of a calculation: its block and its function.
 struct Closure {
   const System* self;
   const Source* calculation;
@@ -67,11 +68,12 @@ struct ClosureOf : Closure {
   F function;
 };
 
-/// Runs `count` calculations of the same code, one after the other, each with its closure and its row: row[0]
-/// says where the result goes, row[1 + i] where the i-th argument lies. For a list, that entry says how far
-/// behind the row's beginning the list stands: its length, then where its values lie. The rows follow one
-/// another. `current` is the index of the one that runs, for whoever catches what it throws. `carried` is the
-/// argument that is, but for the first, the result of the calculation before, or kNoArgument.
+/// Runs `count` calculations of the same code in order, each with its closure and its row. row[0] is the
+/// offset of the result, row[1 + i] the offset of argument i. For a list, row[1 + i] is the position of the
+/// list relative to the beginning of the row: its length, then the offsets of its values. The rows are
+/// contiguous. `current` is the index of the running calculation, for the handler of an exception. `carried`
+/// is the index of the argument that, in all but the first calculation, is the previous result; kNoArgument
+/// if there is none.
 using Thunk = void (*)(const Closure* const* closures, const Offset* rows, std::byte* memory,
                        std::size_t count, std::size_t* current, std::size_t carried);
 inline constexpr std::size_t kNoArgument = static_cast<std::size_t>(-1);
@@ -81,7 +83,7 @@ struct Slot {
   enum class What {
     kSource,
     kTime,
-    kList,  ///< the next `count` entries, one argument together
+    kList,  ///< one argument made of the next `count` entries
   };
   What what;
   const Source* source = nullptr;
@@ -90,22 +92,21 @@ struct Slot {
 
 }  // namespace internal
 
-/// What a Source is; decides where its value is kept and when it is computed.
+/// The kind of a Source, which decides where its value is kept and when it is computed.
 enum class SourceKind {
-  kTime,
   kInput,       ///< an input port; its driver provides the value
   kOutput,      ///< an output port with a calculation, or with a driver (a state, an inner port)
   kContinuous,  ///< a continuous state
   kDerivative,  ///< the time derivative of a continuous state
   kDiscrete,    ///< a discrete state or mode
-  kParameter,   ///< a value that stays unless somebody sets it
-  kUpdate,      ///< the next value of a state, before it takes effect
+  kParameter,   ///< a value that only Context::Set changes
+  kUpdate,      ///< the next value of a state
   kShared,      ///< a value that several calculations of a block use
   kScratch,     ///< memory of one calculation, saved and cloned
   kWorkspace,   ///< memory of one calculation, made anew for every context
   kRandom,      ///< a stream of random numbers
   kWitness,     ///< a function whose zero crossing is an event
-  kKink,        ///< the number of the smooth piece on which a block's calculations are
+  kKink,        ///< the index of the smooth piece on which a block's calculations are
   kNextJump,    ///< the next instant at which a block's calculations jump
   kMonitor,     ///< a check that can end a run
   kPublish,     ///< a side effect
@@ -118,7 +119,7 @@ struct EachStep {};
 /// Trigger: once, before the first tick of a run.
 struct AtStart {};
 
-/// When an Update or a Publish runs: give Sampled{rate}, EachStep{}, AtStart{} or a Witness in its place.
+/// When an Update or a Publish runs: Sampled{rate}, EachStep{}, AtStart{} or a Witness.
 struct Trigger {
   enum class When { kAlways, kSampled, kEachStep, kAtStart, kWitness };
   Trigger() = default;
@@ -128,48 +129,49 @@ struct Trigger {
   Trigger(const Witness& witness);
 
   When when = When::kAlways;
-  Sampled sampled{Rate(1, 1)};
+  Sampled sampled{Rate::FromPeriod(1, 1)};
   const Witness* witness = nullptr;
 };
 
 /// A value inside a block: a port, a state, a shared value, a next value. Sources register with their block
-/// and are never copied or moved. Users meet the typed classes derived from this one; this is what they
-/// share.
+/// and are never copied or moved. Blocks use the typed classes derived from this one; this is their common
+/// base.
 class Source : public internal::Declared {
  public:
   SourceKind kind() const { return kind_; }
   const Spec& spec() const { return spec_; }
   const std::string& name() const { return spec_.name; }
   const System& owner() const { return *owner_; }
-  /// "robot.pd.u": the path of the block, and the name.
+  /// The path of the block and the name, such as "robot.pd.u".
   std::string path() const;
-  /// The type of the value as one writes it: "LeggedState", "Vec<12>", "double".
+  /// The type of the value as written in code: "LeggedState", "Vec<12>", "double".
   std::string type_name() const;
-  /// The same, to look into.
+  /// The description of the value's type.
   const internal::TypeInfo& type() const { return *type_; }
-  /// Names and units of the elements of the value; sizes known at run time are those of the model value.
+  /// Names and units of the elements of the value. Sizes known only at run time are those of the initial
+  /// value.
   std::vector<Element> elements() const;
-  /// The elements before anything is computed: those of a state at the start, and those that an optional
-  /// input has while nothing is connected to it.
+  /// The elements of the initial value: of a state at the start, or of an optional input while unconnected.
   std::vector<double> initial_numbers() const;
-  /// An input that has a default and need not be connected.
+  /// True for an input that has a default and need not be connected.
   bool is_optional() const { return kind_ == SourceKind::kInput && has_initial_value_; }
   const Trigger& trigger() const { return trigger_; }
   bool is_sampled() const { return trigger_.when == Trigger::When::kSampled; }
-  /// What its calculation uses, but for the time.
+  /// The sources that its calculation uses, without the time.
   std::vector<const Source*> uses() const;
-  /// Of a derivative or an update: the state that it belongs to; else null.
+  /// The state of a derivative or an update; null for other sources.
   const Source* target() const { return target_; }
-  /// What this port is connected to, one hop up; null if nothing.
+  /// The source that this port is directly connected to; null if there is none.
   const Source* driver() const { return driver_; }
   void AppendTo(std::vector<internal::Slot>& slots) const {
     slots.push_back({internal::Slot::What::kSource, this});
   }
-  /// The same, unless its block, or a diagram around it, was replaced (see DiagramBuilder::Replace): then
-  /// what has its path and type now. Figures and reports of a diagram that ships find what they need so.
-  /// Throws BuildError that names what the new block lacks.
+  /// Returns this source, or, if its block or an enclosing diagram was replaced (see
+  /// DiagramBuilder::Replace), the source that now has its path and type. Figures and reports of a shipped
+  /// diagram find their sources this way. Throws BuildError that names what the new block lacks.
   const Source& Current() const;
-  /// What provides this port's value: through connections up to a state, a calculation or an open input.
+  /// The source that provides this port's value: a state, a calculation or an open input, found through all
+  /// connections.
   const Source& Resolve() const;
 
  protected:
@@ -208,14 +210,14 @@ class Source : public internal::Declared {
   SourceKind kind_;
   Spec spec_;
   const internal::TypeInfo* type_;
-  const void* model_;  ///< lies in the derived class
+  const void* model_;  ///< initial value; stored in the derived class
   const Source* driver_ = nullptr;
-  bool ignores_units_ = false;      ///< of the driver
-  const Source* target_ = nullptr;  ///< of an update or a derivative: the state
+  bool ignores_units_ = false;      ///< for the connection to the driver
+  const Source* target_ = nullptr;  ///< the state of an update or a derivative
   Trigger trigger_;
   bool comes_from_outside_ = false;  ///< an ExternalPort
-  bool is_copy_ = false;             ///< of the one value that it uses
-  bool has_initial_value_ = false;   ///< of a sampled output: readable before its first tick
+  bool is_copy_ = false;             ///< the value is a copy of the one value that it uses
+  bool has_initial_value_ = false;   ///< for a sampled output: readable before its first tick
 
   internal::Thunk run_ = nullptr;
   std::unique_ptr<internal::Closure, internal::Closure::Delete> closure_;
@@ -226,7 +228,7 @@ class Source : public internal::Declared {
   int calculation_ = -1;  ///< index among the diagram's calculations
 };
 
-/// Source::Current with the type of the port.
+/// Source::Current, cast to the type of the port.
 template <class Port>
 const Port& Current(const Port& port) {
   return static_cast<const Port&>(port.Current());

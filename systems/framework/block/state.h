@@ -15,7 +15,7 @@
 
 namespace tenon {
 
-/// A state that is integrated. `T` is double, Vec<N>, or a struct of those with Fields(); or Eigen::VectorXd,
+/// A state that is integrated. `T` is double, Vec<N>, a struct of those with Fields(), or Eigen::VectorXd,
 /// which keeps the size of its initial value. All continuous states of a diagram form one contiguous vector,
 /// in the order of the blocks.
 template <class T>
@@ -50,14 +50,14 @@ class TimeDerivative : public Calculated<T> {
     this->SetTarget(state);
     this->Calculate(std::move(uses), std::move(function), tag);
   }
-  /// The value of an input, as it is.
+  /// Uses the value of an input as the derivative.
   TimeDerivative(const ContinuousState<T>& state, const InputPort<T>& rate)
       : TimeDerivative(state, Uses(rate), [](const T& rate) -> const T& { return rate; }) {
     this->SetIsCopy();
   }
 };
 
-/// A state that changes only by Update. Any copyable type.
+/// A state that changes only by Update. `T` is any copyable type.
 template <class T>
 class DiscreteState : public Source {
  public:
@@ -71,29 +71,29 @@ class DiscreteState : public Source {
   T initial_;
 };
 
-/// A discrete state with few values, by name: an enumeration.
+/// A discrete state that is an enumeration.
 template <class E>
 requires std::is_enum_v<E>
 using Mode = DiscreteState<E>;
 
 enum class Crossing { kRising, kFalling, kBoth };
 
-/// A function w(t, x, …) whose zero crossing is an event; give it to an Update as trigger.
+/// A function w(t, x, …) whose zero crossing is an event. Pass it to an Update or a Publish as its trigger.
 ///
-/// A witness is on one side of zero, and a crossing is the first instant at which it is on zero or beyond.
-/// Crossings are located inside the integrator's steps to the rounding of the time, on its dense output, and
-/// looked for after each tick, declared jump and update. An event makes the witness start anew from where the
-/// update sent it: if that is within rounding of zero, the witness takes the side to which it leaves, and
-/// neither leaving zero nor resting on it is a crossing. The updates of one event take effect together, once,
-/// for `kBoth` too.
+/// A witness is on one side of zero; a crossing is the first instant at which it is zero or on the other
+/// side. Crossings are located on the dense output, inside integrator steps, to the rounding of the time.
+/// They are also detected after each tick, declared jump and update. After an event the witness starts from
+/// its new value: if that is zero within rounding, the witness takes the side to which it then moves, and
+/// neither leaving zero nor staying there is a crossing. The updates of one event take effect together and
+/// once, also for `kBoth`.
 ///
-/// Each step is looked at in at least five places, and in more where those show that the witness bends in
-/// between. Two crossings that lie closer together than that, and leave no trace there, are missed: bound the
-/// step with SimulatorOptions::max_step.
+/// Each step is sampled at five or more points, and more finely where these show that the witness curves
+/// between them. Two crossings that are closer together and leave no trace at the sampled points are missed:
+/// limit the step with SimulatorOptions::max_step.
 ///
-/// Events that accumulate (a ball that bounces ever faster) end the run with a RunError that names the
-/// witness; so does a witness that fires more than SimulatorOptions::max_events times at one instant, or that
-/// is not a number.
+/// A run ends with a RunError that names the witness if events accumulate (a ball that bounces ever faster),
+/// if a witness fires more than SimulatorOptions::max_events times at one instant, or if its value is not a
+/// number.
 class Witness : public Calculated<double> {
  public:
   using Value = double;
@@ -113,15 +113,15 @@ class Witness : public Calculated<double> {
 inline Trigger::Trigger(const Witness& witness)
     : when(When::kWitness), witness(&internal::CheckDeclared(witness, "a trigger")) {}
 
-/// The number of the smooth piece on which the block's calculations are: -1 below a saturation, 0 inside it,
-/// 1 above; the segment of a table; the multiple of a quantizer. Where a derivative depends on this block,
-/// the integrator ends a step where the number changes and starts again behind it, so that no step spans a
-/// kink or a jump. Costs as much as a Witness there, and nothing in a diagram without such a derivative.
+/// The index of the smooth piece on which the block's calculations are: -1 below a saturation, 0 inside it, 1
+/// above; the segment of a table; the multiple of a quantizer. Where a derivative depends on this block, the
+/// integrator ends its step where the index changes and restarts after it, so that no step spans a kink or a
+/// jump. It costs as much as a Witness there, and nothing in a diagram without such a derivative.
 ///
 ///     Kink kink{this, "kink", Uses(u), [](double u) { return u < -1 ? -1 : u > 1 ? 1 : 0; }};
 ///
-/// A state that slides along a discontinuity, because both pieces send it back to the other, ends the run
-/// with a RunError that names the kink: give the block a Mode for the sliding motion.
+/// A state that slides along a discontinuity, because the derivatives of both pieces point towards it, ends
+/// the run with a RunError that names the kink: give the block a Mode for the sliding motion.
 class Kink : public Calculated<std::int64_t> {
  public:
   using Value = std::int64_t;
@@ -134,13 +134,13 @@ class Kink : public Calculated<std::int64_t> {
   }
 };
 
-/// The next instant [s], later than `time`, at which the block's calculations jump or bend in time; infinity
-/// if there is none. Steps of the integrator end exactly there and start again, and what is evaluated before
-/// the instant gets a time before it. The function may use `time`, Parameters and discrete states.
+/// The next instant [s] after `time` at which the block's calculations jump or bend as functions of time;
+/// infinity if there is none. Integrator steps end exactly there and restart, and evaluations before the
+/// instant get a time before it. The function may use `time`, Parameters and discrete states.
 ///
 ///     NextJump next{this, "next", Uses(time), [](double t) { return t < 5 ? 5.0 : kNever; }};
 ///
-/// Throws RunError, in a run, if the instant is not later than the time, or not a number.
+/// A run throws RunError if the instant is not later than the time, or not a number.
 class NextJump : public Calculated<double> {
  public:
   using Value = double;
@@ -153,7 +153,7 @@ class NextJump : public Calculated<double> {
   }
 };
 
-/// A NextJump's answer if no jump is left.
+/// The value of a NextJump if no jump is left [s].
 inline constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// The first of increasing `instants` [s] that is later than `time`, for a NextJump; kNever if none is.
@@ -162,15 +162,15 @@ inline double NextOf(const std::vector<double>& instants, double time) {
   return next == instants.end() ? kNever : *next;
 }
 
-/// Instants at which a function jumps, for DiagramBuilder::AddFunction: increasing, or a rule for the next
-/// one that is later than a time.
+/// Instants at which a function jumps, for DiagramBuilder::AddFunction: an increasing list, or a rule that
+/// returns the first instant later than a given time.
 struct JumpsAt {
   std::vector<double> instants = {};             ///< [s]
-  std::function<double(double time)> rule = {};  ///< used if there is one
+  std::function<double(double time)> rule = {};  ///< takes precedence over `instants`
   double Next(double time) const { return rule ? rule(time) : NextOf(instants, time); }
 };
 
-/// The next value of a state, discrete or continuous, when its trigger fires. All updates of one instant read
+/// The next value of a discrete or continuous state when its trigger fires. All updates of one instant read
 /// the old values, then take effect together.
 template <class T>
 class Update : public Calculated<T> {
@@ -189,8 +189,8 @@ class Update : public Calculated<T> {
   }
 };
 
-/// A value that several calculations of a block use (kinematics, say), computed once per evaluation. It
-/// carries nothing from one evaluation to the next. `model` gives the object that in-place functions fill.
+/// A value that several calculations of a block use (kinematics, say), computed once per evaluation. It keeps
+/// nothing from one evaluation to the next. In-place functions fill a copy of `model`.
 template <class T>
 class Shared : public Calculated<T> {
  public:
@@ -210,8 +210,8 @@ class Shared : public Calculated<T> {
   }
 };
 
-/// Memory that one calculation keeps from call to call and that belongs to the run: a warm start, say. It is
-/// saved and cloned with the context. The function receives it by reference.
+/// Memory that one calculation keeps from call to call and that is part of the run, such as a warm start. It
+/// is saved and cloned with the context. The function receives it by reference.
 template <class T>
 class Scratch : public Source {
  public:
@@ -225,8 +225,8 @@ class Scratch : public Source {
   T initial_;
 };
 
-/// Memory that one calculation needs but that holds nothing of the run: a solver's work space. Every context
-/// gets its own copy of `model`.
+/// Memory that one calculation needs but that carries no information from call to call, such as a solver's
+/// workspace. Every context gets its own copy of `model`.
 template <class T>
 class Workspace : public Source {
  public:
@@ -241,7 +241,8 @@ class Workspace : public Source {
 };
 
 /// The block's own stream of random numbers, seeded by the run's seed and the block's path. Only sampled
-/// outputs and updates may use it: anything else is evaluated as often as the integrator pleases.
+/// outputs and updates may use it, because all other calculations are evaluated as often as the integrator
+/// needs.
 class Random : public Source {
  public:
   using Value = RandomStream;
@@ -254,17 +255,17 @@ class Random : public Source {
   RandomStream initial_;
 };
 
-/// What a Monitor says: nothing, or the reason for which the run ends here.
+/// The result of a Monitor: empty, or the reason to end the run.
 using Verdict = std::optional<std::string>;
 
-/// A check that can end a run with a reason, at its sample times or after every step.
+/// A termination condition, evaluated at its sample times or after every step.
 class Monitor : public Calculated<Verdict> {
  public:
   using Value = Verdict;
   template <class When, class... A, class F>
   requires(std::is_same_v<When, Sampled> || std::is_same_v<When, EachStep>)
-  Monitor(Leaf* owner, std::string name, When when, UsesList<A...> uses, F function,
-          std::uint64_t tag = internal::TagOf<F>::value)
+      Monitor(Leaf* owner, std::string name, When when, UsesList<A...> uses, F function,
+              std::uint64_t tag = internal::TagOf<F>::value)
       : Calculated<Verdict>(owner, SourceKind::kMonitor, Spec{std::move(name)}) {
     SetTrigger(when);
     Calculate(std::move(uses), std::move(function), tag);

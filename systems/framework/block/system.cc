@@ -21,7 +21,7 @@ std::string System::path() const {
 namespace internal {
 namespace {
 
-/// The members that exist, by their addresses. Blocks may be made in several threads.
+/// The existing members, by address. Blocks may be constructed in several threads.
 struct Registry {
   std::mutex mutex;
   std::unordered_set<const Declared*> members;
@@ -78,12 +78,11 @@ void Source::CheckUses(int undeclared, bool merged) const {
                               fmt::format("member {} of its Uses(...)", undeclared));
   }
   if (merged) {
-    throw BuildError(
-        fmt::format("this compiler takes the function of '{}' for that of another member (Clang 14 does so "
-                    "with lambdas of a "
-                    "class declared inside a function): declare the block outside of functions, or give it "
-                    "member functions",
-                    name()));
+    throw BuildError(fmt::format(
+        "this compiler confuses the function of '{}' with that of another member (Clang 14 does so with "
+        "lambdas of a class declared inside a function): declare the block outside of functions, or use "
+        "member functions",
+        name()));
   }
 }
 
@@ -147,7 +146,7 @@ UsesList<Reads> UsesAtRunTime(const std::vector<const Source*>& sources) {
 }
 
 internal::Offset Reads::Find(const Source& source) const {
-  // All that the calculation uses is this list: the first entry stands for it, the others are its sources.
+  // The calculation uses exactly this list: the first entry describes it, the others are its sources.
   const std::vector<internal::Slot>& slots = calculation_.arguments_;
   std::string names;
   for (std::size_t i = 1; i < slots.size(); ++i) {
@@ -155,7 +154,7 @@ internal::Offset Reads::Find(const Source& source) const {
     names += (names.empty() ? "" : ", ") + slots[i].source->name();
   }
   throw RunError(fmt::format(
-      "undeclared dependency: a calculation reads '{}' but declared only [{}]; add it to UsesAtRunTime",
+      "undeclared dependency: a calculation reads '{}', but declares only [{}]: add it to UsesAtRunTime",
       source.path(), names));
 }
 

@@ -16,16 +16,16 @@ namespace internal {
 
 class ParameterSource;
 
-/// Values of the Parameters of one block.
+/// Values of some of one block's Parameters.
 class ParameterValues {
  public:
   struct Value {
     const TypeInfo* type;
-    std::size_t offset;  ///< in the block's params [bytes]
+    std::size_t offset;  ///< in the block's `params` [bytes]
     const void* value;
   };
   void Add(Value value) { values_.push_back(value); }
-  /// Into a copy of the block's params.
+  /// Writes the values into a copy of the block's `params`.
   void WriteInto(std::byte* params) const {
     for (const Value& each : values_) each.type->assign(params + each.offset, each.value);
   }
@@ -36,8 +36,8 @@ class ParameterValues {
 
 }  // namespace internal
 
-/// A block: a LeafSystem that computes, or a Subdiagram that holds further blocks. Has a name, unique among
-/// its siblings, and ports that are members of the derived class.
+/// A block: a LeafSystem that computes, or a Subdiagram that contains further blocks. It has a name, unique
+/// among its siblings, and ports that are members of the derived class.
 class System {
  public:
   System() = default;
@@ -46,11 +46,11 @@ class System {
   virtual ~System() = default;
 
   const std::string& name() const { return name_; }
-  /// Names from the outermost subdiagram down, joined by dots; the name alone at top level.
+  /// Names from the outermost subdiagram down, joined by dots; just the name at top level.
   std::string path() const;
   const System* parent() const { return parent_; }
-  /// The block that took this one's place in the diagram (see DiagramBuilder::Replace); null if it stands
-  /// there.
+  /// The block that replaced this one in the diagram (see DiagramBuilder::Replace); null if it was not
+  /// replaced.
   const System* replaced_by() const { return replaced_by_; }
   /// The ports, states and other members, in the order of their declaration.
   const std::vector<Source*>& sources() const { return sources_; }
@@ -62,13 +62,13 @@ class System {
 
   std::string name_;
   const System* parent_ = nullptr;
-  internal::Assembly* holder_ = nullptr;  ///< what it was added to
+  internal::Assembly* holder_ = nullptr;  ///< the builder or Subdiagram that it was added to
   const System* replaced_by_ = nullptr;
   const System* replaces_ = nullptr;
   std::vector<Source*> sources_;
 };
 
-/// A block that computes. Use LeafSystem.
+/// A block that computes. Derive from LeafSystem instead.
 class Leaf : public System {
  public:
   const Time time{};
@@ -76,13 +76,14 @@ class Leaf : public System {
  private:
   friend class Context;
   friend class internal::ParameterSource;
-  /// Throws ParameterError unless the block's parameters make sense with these values of its Parameters.
+  /// Throws ParameterError if the block's `params` are invalid with these values of its Parameters.
   virtual void ValidateParameters(const internal::ParameterValues&) const {}
-  /// Where its parameters lie.
+  /// The memory of the block's `params`.
   virtual std::span<const std::byte> ParameterBytes() const { return {}; }
 };
 
-/// The base of every block of one's own. Ports, states and calculations are members that register themselves:
+/// The base of every block that computes. Ports, states and calculations are members that register
+/// themselves:
 ///
 ///     struct PdParams {
 ///       double kp = 10;         // N/m
@@ -101,9 +102,9 @@ class Leaf : public System {
 ///       }
 ///     };
 ///
-/// `params` stand in the base, so that the members can use them. If they have a `void Validate() const`, it
-/// runs first and throws ParameterError; the builder adds the block's name. What is to be changed during a
-/// run is declared as Parameter.
+/// `params` is a member of the base, so that the block's members can use it. If it has a
+/// `void Validate() const`, the constructor calls that first; it throws ParameterError, to which the builder
+/// adds the block's name. Declare values that change during a run as Parameters.
 template <class P>
 class LeafSystem : public Leaf {
  public:

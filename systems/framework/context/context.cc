@@ -1,44 +1,22 @@
 #include <tenon/systems/framework/context/context.h>
-#include <tenon/systems/framework/context/internal/profiler.h>
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/framework/diagram/internal/program.h>
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
+#include <cstring>
 #include <exception>
 
 namespace tenon {
 
 using internal::CalculationInfo;
 using internal::Cell;
-using internal::Finiteness;
 using internal::Op;
 
 namespace {
 
-/// A copy of a value whose type is known at run time only.
-class Copy {
- public:
-  Copy(const internal::TypeInfo& type, const void* model)
-      : type_(type), memory_(::operator new(type.size, std::align_val_t(type.alignment))) {
-    type.copy_construct(memory_, model);
-  }
-  Copy(const Copy&) = delete;
-  Copy& operator=(const Copy&) = delete;
-  ~Copy() {
-    type_.destroy(memory_);
-    ::operator delete(memory_, std::align_val_t(type_.alignment));
-  }
-  void* get() const { return memory_; }
-
- private:
-  const internal::TypeInfo& type_;
-  void* memory_;
-};
-
-/// A matrix keeps its size: what is computed from it has been laid out for that.
+/// Throws ParameterError if a matrix would change its size: values computed from it have
+/// fixed sizes.
 void CheckSize(const std::string& path, const internal::TypeInfo& type, const void* present,
                const void* value) {
   if (type.kind != internal::TypeInfo::Kind::kMatrix || (type.rows >= 0 && type.cols >= 0)) return;
@@ -46,9 +24,9 @@ void CheckSize(const std::string& path, const internal::TypeInfo& type, const vo
   type.shape(present, &rows, &cols);
   type.shape(value, &given_rows, &given_cols);
   if (rows == given_rows && cols == given_cols) return;
-  throw ParameterError(fmt::format(
-      "parameter '{}' is {} x {}, but the value is {} x {}: its size is that of its initial value", path,
-      rows, cols, given_rows, given_cols));
+  throw ParameterError(
+      fmt::format("parameter '{}' is {} x {}, but the value is {} x {}: its size cannot change", path, rows,
+                  cols, given_rows, given_cols));
 }
 
 }  // namespace
@@ -83,7 +61,7 @@ Context::~Context() {
 
 std::unique_ptr<Context> Context::Clone() const {
   const internal::Program& program = diagram_->program();
-  // Not through the public constructor, which makes initial values only to have them overwritten.
+  // The public constructor would make initial values only to overwrite them.
   std::unique_ptr<Context> clone(new Context(*this, program));
   return clone;
 }
@@ -101,7 +79,7 @@ Context::Context(const Context& other, const internal::Program& program)
       last_error_(other.last_error_),
       witness_memory_(other.witness_memory_),
       step_start_(other.step_start_) {
-  std::memcpy(memory_.get(), other.memory_.get(), program.memory_size);  // all but the objects, made next
+  std::memcpy(memory_.get(), other.memory_.get(), program.memory_size);  // all but the objects, copied next
   for (const Cell& cell : program.objects) {
     const Source& source = *cell.source;
     const bool own = source.kind() == SourceKind::kWorkspace;
@@ -117,16 +95,16 @@ void Context::CheckOwned(const Source& source) const {
   for (const auto& block : diagram_->blocks()) {
     if (block.get() == top) return;
   }
-  throw RunError(
-      fmt::format("'{}' is not part of this context's diagram: use ports of the blocks that were "
-                  "added to its builder",
-                  source.path()));
+  throw RunError(fmt::format(
+      "'{}' is not part of this context's diagram: use ports of the blocks that were added to its builder",
+      source.path()));
 }
 
 void Context::CheckReadable(const Source& source) const {
   CheckOwned(source);
   if (source.kind() == SourceKind::kPublish)
-    throw RunError(fmt::format("'{}' has no value that could be read: it is a side effect", source.path()));
+    throw RunError(
+        fmt::format("'{}' is a side effect and has no value: read the ports that it uses", source.path()));
 }
 
 const std::byte* Context::Address(const Source& source) const {
@@ -152,7 +130,7 @@ bool Context::IsKnown(const Source& source) const {
   return IsFresh(diagram_->program().calculations[source.calculation_].op);
 }
 
-/// The numbers that a source holds, fresh or not.
+/// The numbers that a source holds, whether fresh or stale.
 std::vector<double> Context::HeldNumbers(const Source& source) const {
   const void* value = Address(source);
   std::vector<double> doubles(internal::CountScalars(*source.type_, value));
@@ -174,10 +152,10 @@ void Context::CheckSettable(const Source& source) const {
   CheckOwned(source);
   const Source& origin = source.Resolve();
   if (source.kind() == SourceKind::kInput && origin.kind() != SourceKind::kInput) {
-    throw RunError(
-        fmt::format("input '{}' is connected to '{}': set that or what it depends on, or build the diagram "
-                    "without the connection",
-                    source.path(), origin.path()));
+    throw RunError(fmt::format(
+        "input '{}' is connected to '{}': set that source or its prerequisites, or build the diagram "
+        "without the connection",
+        source.path(), origin.path()));
   }
   if (origin.calculation_ >= 0 && !diagram_->program().calculations[origin.calculation_].sampled) {
     throw RunError(
@@ -205,7 +183,7 @@ void Context::SetDoubles(const Source& source, std::span<const double> values) {
     throw RunError(
         fmt::format("'{}' has {} elements, but {} values are given", source.path(), size, values.size()));
   }
-  const Copy value(type, Address(source));
+  const internal::AnyValue value(type, Address(source));
   try {
     internal::FromDoubles(type, value.get(), values.data());
   } catch (const internal::NumberError& error) {
@@ -222,10 +200,8 @@ void Context::Assign(const Assignment& assignment) {
     const std::size_t size = internal::CountScalars(*source.type_, Address(source)),
                       given = internal::CountScalars(*source.type_, assignment.value);
     if (size != given) {
-      throw RunError(
-          fmt::format("state '{}' has {} elements, but the value has {}: its size is that of its "
-                      "initial value",
-                      source.path(), size, given));
+      throw RunError(fmt::format("state '{}' has {} elements, but the value has {}: its size cannot change",
+                                 source.path(), size, given));
     }
   }
   source.type_->assign(MutableAddress(source), assignment.value);
@@ -236,8 +212,7 @@ void Context::AssignParameters(std::span<const Assignment> list) {
   for (const Assignment& each : list) {
     CheckOwned(*each.source);
     if (internal::FinitenessOf(*each.source->type_, each.value) == internal::Finiteness::kNan) {
-      throw ParameterError(
-          fmt::format("parameter '{}' cannot be set to what is not a number (NaN)", each.source->path()));
+      throw ParameterError(fmt::format("parameter '{}' cannot be set to NaN", each.source->path()));
     }
     CheckSize(each.source->path(), *each.source->type_, Address(*each.source), each.value);
   }
@@ -257,8 +232,8 @@ void Context::AssignParameters(std::span<const Assignment> list) {
     try {
       static_cast<const Leaf&>(block).ValidateParameters(values);
     } catch (const ParameterError& error) {
-      std::throw_with_nested(ParameterError(
-          fmt::format("parameter '{}' cannot be set so: {}", each.source->path(), error.what())));
+      std::throw_with_nested(
+          ParameterError(fmt::format("parameter '{}' cannot be set: {}", each.source->path(), error.what())));
     }
   }
   for (const Assignment& each : list) each.source->type_->assign(MutableAddress(*each.source), each.value);
@@ -268,8 +243,9 @@ void Context::CheckFixed(const Source& origin) const {
   const auto& open = diagram_->program().open_inputs;
   for (std::size_t i = 0; i < open.size(); ++i) {
     if (open[i] != &origin || fixed_[i]) continue;
-    throw RunError(fmt::format("input '{}' is open and has no value: fix it before the first evaluation",
-                               origin.path()));
+    throw RunError(fmt::format(
+        "input '{}' is not connected and has no value: connect it, or set it before the first evaluation",
+        origin.path()));
   }
 }
 
@@ -280,9 +256,8 @@ void Context::CheckAllFixed() const {
 void Context::CheckSample(const CalculationInfo& sampled) const {
   if (stamps_[sampled.op.calculation] != 0) return;
   throw RunError(
-      fmt::format("sampled output '{}' is read at t = {} s before it has run: initialise the simulator or "
-                  "step the block, "
-                  "or declare an initial value",
+      fmt::format("sampled output '{}' is read at t = {} s before it has run: initialise the simulator, "
+                  "step the block, or declare an initial value",
                   sampled.source->path(), time()));
 }
 
@@ -308,11 +283,7 @@ void Context::EnsureFresh(int calculation) {
   RunStale(std::span(&op, 1));
 }
 
-bool Context::IsFresh(const Op& op) const {
-  return op.varies ? stamps_[op.calculation] == instant_ : stamps_[op.calculation] != 0;
-}
-
-/// After a change by hand: nothing that was computed holds.
+/// Marks every computed value stale after a change from outside the run.
 void Context::MarkAllStale(bool settled) {
   ++edition_;
   step_start_.valid = false;
@@ -330,51 +301,6 @@ void Context::MarkAllStale(bool settled) {
 void Context::SetTime(double time) {
   SetRunTime(time);
   MarkAllStale();
-}
-
-void Context::SetRunTime(double time) {
-  *reinterpret_cast<double*>(memory_.get()) = time;
-  ++instant_;
-}
-
-double* Context::continuous_data() {
-  return reinterpret_cast<double*>(memory_.get() + diagram_->program().continuous_begin);
-}
-double* Context::derivative_data() {
-  return reinterpret_cast<double*>(memory_.get() + diagram_->program().derivative_begin);
-}
-
-void Context::LoadStates(const double* x) {
-  const internal::Program& program = diagram_->program();
-  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
-  double* states = continuous_data();
-  if (states != x && bytes > 0) std::memcpy(states, x, bytes);
-  if (!program.unpacked_states.empty()) UnpackStates();
-}
-
-void Context::UnpackStates() {
-  for (const internal::Unpacked& each : diagram_->program().unpacked_states) {
-    std::memcpy(each.source->type_->data(memory_.get() + each.source->offset_), memory_.get() + each.offset,
-                each.count * sizeof(double));
-  }
-}
-
-void Context::PackStates() {
-  for (const internal::Unpacked& each : diagram_->program().unpacked_states) {
-    std::memcpy(memory_.get() + each.offset, each.source->type_->data(memory_.get() + each.source->offset_),
-                each.count * sizeof(double));
-  }
-}
-
-void Context::PackDerivatives() {
-  for (const internal::Unpacked& each : diagram_->program().unpacked_derivatives) {
-    std::byte* value = memory_.get() + each.source->offset_;
-    if (const std::size_t size = internal::CountScalars(*each.source->type_, value); size != each.count) {
-      throw RunError(fmt::format("'{}' has {} elements, but its state has {}: make them equal",
-                                 each.source->path(), size, each.count));
-    }
-    std::memcpy(memory_.get() + each.offset, each.source->type_->data(value), each.count * sizeof(double));
-  }
 }
 
 Eigen::Map<const Eigen::VectorXd> Context::continuous_state() const {
@@ -407,185 +333,6 @@ void Context::CalcTimeDerivatives(double t, const double* x, double* xdot) {
   step_start_.valid = false;
   witness_memory_.clear();
   CalcRunDerivatives(t, x, xdot);
-}
-
-void Context::CalcRunDerivatives(double t, const double* x, double* xdot) {
-  const internal::Program& program = diagram_->program();
-  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
-  LoadStates(x);
-  SetRunTime(t);
-  RunAll(program.derivatives);
-  if (!program.unpacked_derivatives.empty()) PackDerivatives();
-  ++instant_;  // RunAll leaves no stamps, so nothing counts as fresh
-  if (bytes > 0) std::memcpy(xdot, derivative_data(), bytes);
-}
-
-inline void Context::Run(const Op& op) {
-  std::size_t current = 0;
-  op.run(&op.closure, op.row, memory_.get(), 1, &current, internal::kNoArgument);
-}
-
-inline void Context::Run(const internal::BatchedOps& list, const internal::Batch& batch) {
-  std::size_t current = 0;
-  try {
-    batch.run(list.closures.data() + batch.begin, list.rows.data() + batch.rows, memory_.get(), batch.count,
-              &current, batch.carried);
-  } catch (...) {
-    RethrowFrom(list.ops[batch.begin + current]);
-  }
-}
-
-void Context::RunAll(const internal::BatchedOps& list) {
-  if (profiler_ != nullptr) return RunProfiled(list.ops, true);
-  for (const internal::Batch& batch : list.batches) Run(list, batch);
-}
-
-void Context::RunStale(const internal::BatchedOps& list) {
-  if (profiler_ != nullptr) return RunProfiled(list.ops, false);
-  for (const internal::Batch& batch : list.batches) {
-    const std::span ops(list.ops.data() + batch.begin, batch.count);
-    if (std::any_of(ops.begin(), ops.end(), [&](const Op& op) { return !op.always && IsFresh(op); })) {
-      RunStale(ops);
-      continue;
-    }
-    Run(list, batch);
-    for (const Op& op : ops) stamps_[op.calculation] = instant_;
-  }
-}
-
-void Context::RunStale(std::span<const Op> ops) {
-  if (profiler_ != nullptr) return RunProfiled(ops, false);
-  const Op* op = ops.data();
-  const Op* const end = op + ops.size();
-  try {
-    for (; op != end; ++op) {
-      if (!op->always && IsFresh(*op)) continue;
-      Run(*op);
-      stamps_[op->calculation] = instant_;
-    }
-  } catch (...) {
-    RethrowFrom(*op);
-  }
-}
-
-/// The same as the two above.
-void Context::RunProfiled(std::span<const Op> ops, bool all) {
-  const std::size_t before = profiler_->current();
-  for (const Op& op : ops) {
-    if (!all && !op.always && IsFresh(op)) continue;
-    profiler_->Enter(internal::Profiler::kCalculations + op.calculation);
-    try {
-      Run(op);
-    } catch (...) {
-      RethrowFrom(op);
-    }
-    if (!all) stamps_[op.calculation] = instant_;
-  }
-  if (profiler_->current() != before) profiler_->Enter(before);
-}
-
-void Context::RethrowFrom(const Op& op) const {
-  const Source& source = *diagram_->program().calculations[op.calculation].source;
-  try {
-    throw;
-  } catch (const std::exception& error) {
-    std::throw_with_nested(
-        RunError(fmt::format("'{}' failed at t = {} s: {}", source.path(), time(), error.what())));
-  } catch (...) {
-    std::throw_with_nested(RunError(fmt::format(
-        "'{}' failed at t = {} s: it threw something that is no std::exception", source.path(), time())));
-  }
-}
-
-void Context::Invalidate(const std::vector<std::uint32_t>& calculations) {
-  for (const std::uint32_t i : calculations) stamps_[i] = 0;
-}
-
-void Context::ReadWitnesses(double* values) const {
-  for (const internal::WitnessPlan& plan : diagram_->program().witness_plans) {
-    const std::byte* address = Address(*plan.witness);
-    // Pieces are small integers, which a double holds exactly.
-    *values = plan.is_kink ? static_cast<double>(*reinterpret_cast<const std::int64_t*>(address))
-                           : *reinterpret_cast<const double*>(address);
-    if (std::isnan(*values)) {
-      throw RunError(fmt::format(
-          "witness '{}' is nan at t = {} s, so that it never crosses zero: check its function and "
-          "what it uses",
-          plan.witness->path(), time()));
-    }
-    ++values;
-  }
-}
-
-/// A NaN in any state, or an infinity in one that is integrated, is reported where it enters.
-void Context::CheckUpdates(const internal::UpdatePlan& plan) const {
-  if (!checks_values_ || (internal::AllFinite(memory_.get(), plan.doubles) && plan.movable.empty())) return;
-  for (const internal::Commit& commit : plan.commits) {
-    const Finiteness found = internal::FinitenessOf(*commit.next->type_, Address(*commit.next));
-    const bool integrated = commit.state->kind() == SourceKind::kContinuous;
-    if (found == Finiteness::kNan || (integrated && found != Finiteness::kFinite)) {
-      throw RunError(
-          fmt::format("state {} at t = {} s, set so by its update: correct the update, or what it uses",
-                      DescribeNonFinite(*commit.state, *commit.next), time()));
-    }
-  }
-}
-
-void Context::Apply(const internal::UpdatePlan& plan) {
-  if (plan.empty()) return;
-  RunStale(plan.ops);
-  CheckUpdates(plan);
-  for (const internal::Commit& commit : plan.commits) {
-    commit.state->type_->assign(memory_.get() + commit.state->offset_, memory_.get() + commit.next->offset_);
-  }
-  Invalidate(plan.invalidates);
-  if (plan.changes_continuous) {
-    PackStates();
-    ++instant_;
-  }
-}
-
-void Context::Mute(const Source& publish, bool muted) {
-  reinterpret_cast<internal::Published*>(memory_.get() + publish.offset_)->muted = muted;
-}
-
-std::string Context::DescribeNonFinite(const Source& source, const Source& holder) const {
-  const void* value = Address(holder);
-  const std::vector<Element> elements = internal::ListElements(*source.type_, value, source.spec());
-  std::vector<double> doubles(elements.size());
-  internal::ToDoubles(*source.type_, value, doubles.data());
-  // A NaN before an infinity, which is legitimate in a bound.
-  for (const bool nan : {true, false}) {
-    for (std::size_t i = 0; i < doubles.size(); ++i) {
-      if (nan ? !std::isnan(doubles[i]) : !std::isinf(doubles[i])) continue;
-      const std::string element = elements[i].name.empty() ? "" : "." + elements[i].name;
-      return fmt::format("'{}{}' is {}", source.path(), element, doubles[i]);
-    }
-  }
-  return "";
-}
-
-std::string Context::DescribeNonFinite() const {
-  const internal::Program& program = diagram_->program();
-  const auto describe = [&](const Source& source) { return DescribeNonFinite(source, source); };
-  // A NaN before an infinity: infinite bounds are legitimate.
-  for (const Finiteness sought : {Finiteness::kNan, Finiteness::kInfinite}) {
-    for (const Source* state : program.continuous) {
-      if (internal::FinitenessOf(*state->type_, Address(*state)) == sought) return describe(*state);
-    }
-    for (const Source* input : program.open_inputs) {
-      if (internal::FinitenessOf(*input->type_, Address(*input)) == sought) return describe(*input);
-    }
-    for (const CalculationInfo& info : program.calculations) {
-      const Source& source = *info.source;
-      if (source.kind() == SourceKind::kUpdate || source.kind() == SourceKind::kMonitor ||
-          source.kind() == SourceKind::kPublish || source.kind() == SourceKind::kNextJump) {
-        continue;
-      }
-      if (internal::FinitenessOf(*source.type_, Address(source)) == sought) return describe(source);
-    }
-  }
-  return "";
 }
 
 }  // namespace tenon

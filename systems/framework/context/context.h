@@ -31,8 +31,8 @@ struct Program;
 class Profiler;
 }  // namespace internal
 
-/// Everything of a run that changes: time, states, held samples, scratch, random streams, and the memory of
-/// the step size control. Clone it to branch a run, save it to continue a run later, bit for bit.
+/// All data of a run that changes: time, states, held samples, scratch, random streams, and the memory of the
+/// step-size control. Clone it to branch a run; save it to continue a run later, bit for bit.
 class Context {
  public:
   ~Context();
@@ -43,64 +43,66 @@ class Context {
   double time() const { return *reinterpret_cast<const double*>(memory_.get()); }
   std::uint64_t seed() const { return seed_; }
 
-  /// The value of a port, state, shared value or witness, computed if need be. Throws RunError if that needs
-  /// a sampled output that has not run yet or an open input that was never fixed.
+  /// Returns the value of a port, state, shared value or witness, and computes it if necessary. Throws
+  /// RunError if that needs a sampled output that has not run yet or an open input without a value.
   template <class S>
   const typename S::Value& Eval(const S& source) {
     return *static_cast<const typename S::Value*>(EvalAddress(source));
   }
-  /// The same of a context that must not change: what is not known yet is computed in a clone.
+  /// Evaluates a source of a const context; a value that is not known yet is computed in a clone.
   template <class S>
   typename S::Value Eval(const S& source) const {
     if (!IsKnown(source)) return Clone()->Eval(source);
     return *static_cast<const typename S::Value*>(static_cast<const void*>(Address(source)));
   }
-  /// The same for a source known by path only: all its elements as doubles.
+  /// Returns all elements of a source's value as doubles, for sources that are known only by path.
   std::vector<double> EvalDoubles(const Source& source);
 
-  /// Names and units of those; sizes known at run time only are the present ones.
+  /// Names and units of the elements of a source, with the present sizes where these are known only at run
+  /// time.
   std::vector<Element> Elements(const Source& source) const;
 
-  /// Sets a state, scratch or Parameter, fixes an open input, or overwrites a held sample. Throws RunError
-  /// for what is computed or connected, ParameterError for a Parameter's value that is not a number or that
-  /// its block does not accept; then nothing is changed.
+  /// Sets a state, scratch or Parameter, fixes an open input, or overwrites a held sample. Throws RunError if
+  /// the source is computed or connected, and ParameterError if a Parameter's value is not a number or its
+  /// block rejects it; in both cases the context is unchanged.
   template <class S>
   void Set(const S& source, const typename S::Value& value) {
     Assign({&source, &value});
   }
-  /// Several Parameters at once, where one alone would not do: `Set(pd.low, 3, pd.high, 5)`.
+  /// Sets several Parameters at once, where setting them one by one would be invalid:
+  /// `Set(pd.low, 3, pd.high, 5)`.
   template <class S, class... More>
   requires(sizeof...(More) >= 2 && sizeof...(More) % 2 == 0)  //
       void Set(const S& parameter, const typename S::Value& value, const More&... more) {
     std::vector<Assignment> list;
     Collect(list, parameter, value, more...);
   }
-  /// The same for a source known by path only; throws RunError if the number of values is wrong, and
-  /// ParameterError if an element cannot hold one: a fraction for an integer, say.
+  /// Sets the elements of a source that is known only by path. Throws RunError if the number of values is
+  /// wrong, and ParameterError if an element cannot hold its value (a fraction for an integer, say).
   void SetDoubles(const Source& source, std::span<const double> values);
   void SetTime(double time);
 
   /// All continuous states [SI units], in the order of Diagram::ContinuousStateNames().
   Eigen::Map<const Eigen::VectorXd> continuous_state() const;
   void SetContinuousState(const Eigen::Ref<const Eigen::VectorXd>& state);
-  /// Their time derivatives at the present values. Throws RunError if they need a sampled output that has not
-  /// run yet or an open input that was never fixed.
+  /// Time derivatives of the continuous states at the present values. Throws RunError if they need a sampled
+  /// output that has not run yet or an open input without a value.
   Eigen::VectorXd EvalTimeDerivatives();
-  /// What an integrator calls at every stage: moves to time `t` [s] and states `x`, and writes ẋ. Samples,
-  /// modes and what depends on them alone stay as they are. Allocates nothing.
+  /// The right-hand side for an integrator: moves to time `t` [s] and states `x`, and writes ẋ to `xdot`.
+  /// Samples, modes and the values that depend only on them stay unchanged. Does not allocate.
   void CalcTimeDerivatives(double t, const double* x, double* xdot);
 
   std::unique_ptr<Context> Clone() const;
-  /// The whole context as bytes. A run that is inside a step of the integrator goes on from it bit for bit,
-  /// by taking that step again; implicit and multistep methods, which have a past, begin again at the
-  /// last tick that restarted them. Throws RunError that names a held value whose type cannot be stored.
+  /// Returns the whole context as bytes. A run that was saved inside an integrator step continues bit for bit
+  /// by repeating that step; implicit and multistep methods, which use past steps, restart from the last tick
+  /// that restarted them. Throws RunError that names a held value whose type cannot be stored.
   std::vector<std::byte> Save() const;
-  /// Takes over what Save gave, from a context of the same diagram; throws RunError that says why, and
-  /// changes nothing, if it is of another diagram or version, cut short or changed: it carries a checksum.
-  /// When the run goes on, its logs drop the rows after the restored time, see LogSink.
+  /// Restores bytes that Save returned for a context of the same diagram. Throws RunError with the reason,
+  /// and changes nothing, if they are from another diagram or version, truncated or damaged (they carry a
+  /// checksum). When the run continues, its logs drop the rows after the restored time, see LogSink.
   void Restore(std::span<const std::byte> bytes);
-  /// The same with a file, written as a whole; throws RunError (OutputError) that names the file if it cannot
-  /// be written or read.
+  /// Save and Restore with a file, which is replaced atomically. Throw RunError (OutputError) that names the
+  /// file if it cannot be written or read.
   void SaveFile(const std::string& file) const;
   void RestoreFile(const std::string& file);
 
@@ -127,7 +129,7 @@ class Context {
   void Collect(std::vector<Assignment>& list, const S& parameter, const typename S::Value& value,
                const More&... more) {
     static_assert(std::is_base_of_v<internal::ParameterSource, S>,
-                  "Set: only Parameters are set several at once.");
+                  "Set: only Parameters can be set several at once.");
     list.push_back({&parameter, &value});
     if constexpr (sizeof...(More) > 0) {
       Collect(list, more...);
@@ -153,19 +155,19 @@ class Context {
   void EnsureFresh(int calculation);
   void Load(std::span<const std::byte> bytes);
   bool IsFresh(const internal::Op& op) const;
-  /// `settled`: also what depends on nothing but Parameters.
+  /// Marks all calculations stale; with `settled`, also those that depend only on Parameters.
   void MarkAllStale(bool settled = true);
   [[gnu::visibility("hidden")]] double* continuous_data();
   [[gnu::visibility("hidden")]] double* derivative_data();
-  /// Takes over all continuous states.
+  /// Copies `x` to all continuous states.
   [[gnu::visibility("hidden")]] void LoadStates(const double* x);
-  /// What values of run-time size hold, and their place among the continuous states, or derivatives.
+  /// Copy values of run-time size from and to their places among the continuous states or derivatives.
   void UnpackStates();
   void PackStates();
   [[gnu::visibility("hidden")]] void PackDerivatives();
 
-  // Used by a run. Each runs a list; what throws is reported with its path and the time. What every
-  // evaluation takes is hidden from other libraries: only so does GCC inline it.
+  // Functions for a run. Each runs a list of calculations and reports exceptions with their path and the
+  // time. The functions that every evaluation calls have hidden visibility, so that GCC can inline them.
   void Run(const internal::Op& op);
   void Run(const internal::BatchedOps& list, const internal::Batch& batch);
   [[gnu::visibility("hidden")]] void RunAll(const internal::BatchedOps& list);
@@ -177,49 +179,49 @@ class Context {
   [[gnu::visibility("hidden")]] void CalcRunDerivatives(double t, const double* x, double* xdot);
   [[gnu::visibility("hidden")]] void Invalidate(const std::vector<std::uint32_t>& calculations);
   [[noreturn]] void RethrowFrom(const internal::Op& op) const;
-  /// Copies the values of the witnesses and kinks; throws RunError for one that is not a number.
+  /// Copies the values of the witnesses and kinks. Throws RunError if one is not a number.
   void ReadWitnesses(double* values) const;
   std::vector<double> HeldNumbers(const Source& source) const;
   void CheckUpdates(const internal::UpdatePlan& plan) const;
-  /// The first value in dataflow order that is not finite, as "'pd.u[1]' is nan", or nothing.
+  /// Describes the first non-finite value in dataflow order, as "'pd.u[1]' is nan"; empty if there is none.
   std::string DescribeNonFinite() const;
-  /// The first number of `source` that is not finite; `holder` holds the value.
+  /// Describes the first non-finite number of `source`, whose value is stored in `holder`.
   std::string DescribeNonFinite(const Source& source, const Source& holder) const;
 
   std::shared_ptr<const Diagram> diagram_;
   std::unique_ptr<std::byte, Free> memory_;
   std::uint64_t seed_;
-  /// A varying calculation is fresh if its stamp is `instant_`; any other if its stamp is not 0.
+  /// A calculation that varies is fresh if its stamp is `instant_`; any other if its stamp is not 0.
   std::vector<std::uint64_t> stamps_;
   std::uint64_t instant_ = 1;
-  std::vector<bool> fixed_;  ///< which open inputs have been set
+  std::vector<bool> fixed_;  ///< whether each open input has been set
 
-  internal::Profiler* profiler_ = nullptr;  ///< of the simulator that runs it
+  internal::Profiler* profiler_ = nullptr;  ///< of the running simulator; null if it does not profile
   bool checks_values_ = true;               ///< see SimulatorOptions::check_values
 
-  /// Counts what anybody but the run has changed.
+  /// Number of changes made from outside the run.
   std::uint64_t edition_ = 0;
 
-  // Progress of a run, and what the step size control remembers.
+  // Progress of a run, and the memory of the step-size control.
   enum class Progress : std::uint8_t {
-    kNew,       ///< nothing has happened
-    kTickDone,  ///< all that happens up to the present time
-    kStarted,   ///< AtStart updates, and no tick yet
-    kTickDue,   ///< a tick at the present time has yet to happen
+    kNew,       ///< not started
+    kTickDone,  ///< everything up to the present time is done
+    kStarted,   ///< AtStart updates are done, but no tick
+    kTickDue,   ///< a tick at the present time is still to come
   };
   Progress progress_ = Progress::kNew;
-  std::string failure_;  ///< why the run cannot go on
+  std::string failure_;  ///< why the run cannot continue
   double next_step_ = 0;
   double last_error_ = 0;
-  /// The sides on which witnesses are, see internal::EventFinder; empty where they follow from their values.
+  /// The side of zero of each witness, see internal::EventFinder; empty if it follows from the values.
   std::vector<double> witness_memory_;
-  /// Where the integrator has to begin to come here again, if the context is inside a step or at its end:
-  /// with these states, a step of this size and these memories of the step size control and of witnesses.
+  /// Initial data that brings the integrator back to the present time if the context is inside a step or at
+  /// its end: the states, the step size, and the memories of the step-size control and the witnesses.
   struct StepStart {
     bool valid = false;
     double time = 0, size = 0, next_step = 0, last_error = 0;
     std::vector<double> states = {}, witnesses = {};
-    /// The end of the integrator's interval [s] if it lies just before an event, else infinity.
+    /// End of the integration interval [s] if it lies just before an event, else infinity.
     double end_before_event = std::numeric_limits<double>::infinity();
 
     static FieldList Fields() {
@@ -230,7 +232,7 @@ class Context {
               {"states", &StepStart::states},
               {"witnesses", &StepStart::witnesses},
               {"end_before_event", &StepStart::end_before_event},
-              Undescribed(&StepStart::valid)};  // saved apart, before the others
+              Undescribed(&StepStart::valid)};  // saved separately, before the others
     }
   } step_start_;
 };

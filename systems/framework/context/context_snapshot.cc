@@ -17,11 +17,11 @@ using internal::Cell;
 
 namespace {
 
-/// What a snapshot begins with. The checksum is of all that follows, so that no byte can change unseen.
+/// The beginning of a snapshot. The checksum covers all bytes that follow, so that every change is detected.
 struct Header {
   std::array<char, 8> magic = {'t', 'e', 'n', 'o', 'n', 's', 'n', 'p'};
   std::uint64_t version = 4;
-  std::uint64_t size = 0;  ///< of what follows [bytes]
+  std::uint64_t size = 0;  ///< size of the payload [bytes]
   std::uint64_t checksum = 0;
 };
 static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == 32, "it has no padding");
@@ -32,25 +32,26 @@ std::uint64_t ChecksumOf(std::span<const std::byte> bytes) {
   return checksum.value();
 }
 
-/// What follows the header. Throws RunError unless it is whole.
+/// The bytes that follow the header. Throws RunError if they are truncated or damaged.
 std::span<const std::byte> CheckedPayload(std::span<const std::byte> snapshot) {
   const Header mine;
   Header header;
   const std::size_t known = std::min(snapshot.size(), sizeof(Header));
   if (known > 0) std::memcpy(&header, snapshot.data(), known);
-  if (header.magic != mine.magic) throw RunError("this is no snapshot: give what Context::Save wrote");
+  if (header.magic != mine.magic)
+    throw RunError("this is not a snapshot: give the bytes that Context::Save wrote");
   if (header.version != mine.version)
     throw RunError(
-        fmt::format("the snapshot has format {}, this program reads {}: save it again with this one",
+        fmt::format("the snapshot has format {}, but this program reads {}: save it again with this program",
                     header.version, mine.version));
   const std::span<const std::byte> payload = snapshot.subspan(known);
   if (known < sizeof(Header) || payload.size() < header.size)
-    throw RunError(fmt::format("the snapshot is cut short: {} bytes, more are needed", snapshot.size()));
+    throw RunError(fmt::format("the snapshot is truncated after {} bytes", snapshot.size()));
   if (payload.size() > header.size)
     throw RunError(
         fmt::format("the snapshot is damaged: {} bytes follow its end", payload.size() - header.size));
   if (ChecksumOf(payload) != header.checksum)
-    throw RunError("the snapshot is damaged: its checksum is wrong; take another copy of it");
+    throw RunError("the snapshot is damaged: its checksum is wrong; use another copy of it");
   return payload;
 }
 
@@ -59,7 +60,7 @@ std::span<const std::byte> CheckedPayload(std::span<const std::byte> snapshot) {
 std::vector<std::byte> Context::Save() const {
   const internal::Program& program = diagram_->program();
   if (!failure_.empty()) {
-    throw RunError(fmt::format("a run that failed cannot be saved: {}; save before", failure_));
+    throw RunError(fmt::format("a failed run cannot be saved: {}. Save it before the failure", failure_));
   }
   internal::Archive archive;
   archive.bytes().resize(sizeof(Header));
@@ -92,7 +93,7 @@ std::vector<std::byte> Context::Save() const {
 }
 
 void Context::Restore(std::span<const std::byte> bytes) {
-  Clone()->Load(bytes);  // a snapshot that is refused leaves this context as it is
+  Clone()->Load(bytes);  // if the snapshot is rejected, this context stays unchanged
   Load(bytes);
 }
 
@@ -113,7 +114,7 @@ void Context::Load(std::span<const std::byte> bytes) {
   internal::Load(next_step_, archive);
   internal::Load(last_error_, archive);
   if (!std::isfinite(time) || progress_ > Progress::kTickDue)
-    throw RunError("the snapshot is damaged: its time, or what has happened by then, makes no sense");
+    throw RunError("the snapshot is damaged: its time or its progress is invalid");
   SetTime(time);
   failure_.clear();
   internal::Load(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
@@ -121,7 +122,7 @@ void Context::Load(std::span<const std::byte> bytes) {
   if (step_start_.valid) {
     internal::Load(internal::TypeInfoOf<StepStart>(), &step_start_, archive);
     if (step_start_.states.size() != static_cast<std::size_t>(program.num_continuous)) {
-      throw RunError("the snapshot is damaged: its states are not as many as the diagram's");
+      throw RunError("the snapshot is damaged: the number of its states differs from the diagram's");
     }
   }
   for (const Cell& cell : program.saved) {
@@ -139,7 +140,7 @@ void Context::Load(std::span<const std::byte> bytes) {
     fixed_[i] = fixed;
   }
   PackStates();
-  if (!archive.exhausted()) throw RunError("the snapshot is longer than this diagram's: it is damaged");
+  if (!archive.exhausted()) throw RunError("the snapshot is damaged: it is longer than this diagram's");
 }
 
 void Context::SaveFile(const std::string& file) const {

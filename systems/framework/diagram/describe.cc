@@ -1,12 +1,9 @@
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/framework/diagram/internal/program.h>
 
-#include <cxxabi.h>
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cstdlib>
-#include <memory>
+#include <iterator>
 #include <typeinfo>
 
 namespace tenon {
@@ -15,15 +12,13 @@ namespace {
 using internal::CalculationInfo;
 using internal::Program;
 
-/// The class of a block as one writes it, without our namespace.
+/// The class of a block as written in code, without Tenon's namespaces.
 std::string ClassName(const System& block) {
-  const std::unique_ptr<char, decltype(&std::free)> name(
-      abi::__cxa_demangle(typeid(block).name(), nullptr, nullptr, nullptr), &std::free);
-  std::string text = name ? name.get() : typeid(block).name();
+  std::string text = internal::Demangled(typeid(block).name());
   for (const std::string ours : {"tenon::", "(anonymous namespace)::", "internal::"}) {
     for (std::size_t at; (at = text.find(ours)) != std::string::npos;) text.erase(at, ours.size());
   }
-  constexpr std::size_t kLongest = 60;  // functions' blocks are called after their lambdas
+  constexpr std::size_t kLongest = 60;  // blocks made by AddFunction are named after their lambdas
   return text.size() > kLongest ? text.substr(0, text.find('<')) : text;
 }
 
@@ -51,44 +46,12 @@ std::string When(const Source& source) {
   return "";
 }
 
-const char* KindName(SourceKind kind) {
-  switch (kind) {
-    case SourceKind::kInput:
-      return "input";
-    case SourceKind::kOutput:
-      return "output";
-    case SourceKind::kContinuous:
-      return "continuous state";
-    case SourceKind::kDiscrete:
-      return "discrete state";
-    case SourceKind::kParameter:
-      return "parameter";
-    case SourceKind::kUpdate:
-      return "update";
-    case SourceKind::kShared:
-      return "shared";
-    case SourceKind::kScratch:
-      return "scratch";
-    case SourceKind::kWorkspace:
-      return "workspace";
-    case SourceKind::kRandom:
-      return "random";
-    case SourceKind::kWitness:
-      return "witness";
-    case SourceKind::kKink:
-      return "kink";
-    case SourceKind::kNextJump:
-      return "next jump";
-    case SourceKind::kMonitor:
-      return "monitor";
-    case SourceKind::kPublish:
-      return "publish";
-    case SourceKind::kTime:
-    case SourceKind::kDerivative:
-      break;
-  }
-  return "derivative";
-}
+/// Names of the kinds, in the order of SourceKind.
+constexpr const char* kKindNames[] = {"input",          "output",    "continuous state", "derivative",
+                                      "discrete state", "parameter", "update",           "shared",
+                                      "scratch",        "workspace", "random",           "witness",
+                                      "kink",           "next jump", "monitor",          "publish"};
+static_assert(std::size(kKindNames) == static_cast<std::size_t>(SourceKind::kPublish) + 1);
 
 class Description {
  public:
@@ -112,8 +75,9 @@ class Description {
         if (source->driver() != nullptr) from = fmt::format(" <- {}", source->driver()->path());
         const bool open = source->kind() == SourceKind::kInput && source->driver() == nullptr;
         if (open) from = source->is_optional() ? ", has a default" : ", open";
-        text_ += fmt::format("{}  {} {}: {}{}{}{}\n", indent, KindName(source->kind()), source->name(),
-                             source->type_name(), Units(*source), When(*source), from);
+        text_ +=
+            fmt::format("{}  {} {}: {}{}{}{}\n", indent, kKindNames[static_cast<std::size_t>(source->kind())],
+                        source->name(), source->type_name(), Units(*source), When(*source), from);
       }
       if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get()))
         WriteBlocks(nested->blocks(), indent + "  ");
@@ -131,10 +95,10 @@ class Description {
                             static_cast<double>(group.offset.denominator);
       text_ +=
           fmt::format("  every {:g} ms{}{}\n", period, offset > 0 ? fmt::format(" from {:g} ms", offset) : "",
-                      group.feeds ? ", restarts the integrator" : ", reads only");
+                      group.feeds ? ", restarts the integrator" : ", does not restart the integrator");
       const internal::TickPlan plan = program_.MakeTick({static_cast<int>(i)});
       WriteOps("computes", plan.outputs);
-      WriteOps("asks", plan.monitors);
+      WriteOps("monitors", plan.monitors);
       WriteOps("updates", plan.updates.ops);
     }
     if (program_.groups.size() < 2) return;
@@ -149,9 +113,9 @@ class Description {
     text_ += fmt::format("Integration of {} states\n", program_.num_continuous);
     WriteOps("before", program_.held);
     WriteOps("at each stage", program_.derivatives.ops);
-    WriteOps("looks for zeros of", program_.witnesses.ops);
+    WriteOps("detects zero crossings of", program_.witnesses.ops);
     WriteOps("after each step", program_.each_step.ops);
-    WriteOps("after each step asks", program_.each_step_monitors);
+    WriteOps("monitors after each step", program_.each_step_monitors);
     std::string restarts;
     for (const CalculationInfo& info : program_.calculations) {
       const Source& source = *info.source;
@@ -159,7 +123,7 @@ class Description {
       if (source.kind() == SourceKind::kOutput || source.kind() == SourceKind::kUpdate)
         restarts += fmt::format("{}{}", restarts.empty() ? "" : ", ", source.path());
     }
-    if (!restarts.empty()) text_ += fmt::format("  starts again after: {}\n", restarts);
+    if (!restarts.empty()) text_ += fmt::format("  restarts after: {}\n", restarts);
   }
 
   void WriteOps(const char* what, const internal::OpList& ops) {

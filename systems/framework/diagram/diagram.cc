@@ -1,3 +1,4 @@
+#include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/framework/diagram/internal/program.h>
 #include <tenon/systems/text/nearest_name.h>
@@ -80,7 +81,7 @@ const Source& Diagram::Find(std::string_view path) const {
   ForEachBlock(blocks_, [&](const System& block) {
     for (const Source* source : block.sources()) {
       names.push_back(source->path());
-      // A state and the output that shows it have the same name: prefer the port.
+      // A state and the output that shows it may have the same name: prefer the output.
       if (names.back() == path && (found == nullptr || source->kind() == SourceKind::kOutput)) found = source;
     }
   });

@@ -14,9 +14,8 @@ namespace internal {
 void Assembly::CheckNotBuilt(const char* call, const std::string& subject) const {
   if (!built_) return;
   throw BuildError(fmt::format(
-      "{}({}): {} built already, and what is built does not change; call it before Build, or make "
-      "another builder",
-      call, subject.empty() ? "" : "'" + subject + "'",
+      "{}({}): {} already built and cannot change: call it before Build, or use another builder", call,
+      subject.empty() ? "" : "'" + subject + "'",
       self_ == nullptr ? "this builder has" : fmt::format("the diagram with '{}' is", self_->path())));
 }
 
@@ -33,8 +32,8 @@ void Assembly::MarkBuilt() {
 void Assembly::CheckName(const std::string& name) const {
   CheckNotBuilt("Add", name);
   if (name.empty() || name.find_first_of(". \t\n,") != std::string::npos) {
-    throw BuildError(fmt::format(
-        "a block cannot be named '{}': names are not empty and hold no dot, comma or blank", name));
+    throw BuildError(
+        fmt::format("a block cannot be named '{}': give a name without dots, commas and blanks", name));
   }
   if (by_name_.contains(name)) {
     throw BuildError(fmt::format("there are two blocks named '{}': give one of them another name", name));
@@ -71,8 +70,8 @@ void Assembly::CheckBelow(const System& block) const {
   CheckNotBuilt("Replace", block.path());
   if (!IsBelow(block)) {
     throw BuildError(fmt::format(
-        "block '{}' cannot be replaced here: it was not added to this builder or nested diagram, or is built "
-        "already; replace blocks before Build",
+        "block '{}' cannot be replaced here: it was not added to this builder or nested diagram, or is "
+        "already built; replace blocks before Build",
         block.path()));
   }
   if (!block.sources_.empty()) CheckStands(*block.sources_.front());
@@ -83,7 +82,7 @@ void Assembly::CheckStands(const Source& port) const {
   if (&port.owner() != self_ && !IsBelow(port.owner())) {
     throw BuildError(fmt::format(
         "port '{}' does not belong to a block of this builder: change connections before Build, through the "
-        "builder that holds both blocks",
+        "builder that contains both blocks",
         port.path()));
   }
 }
@@ -129,7 +128,7 @@ System& Assembly::Exchange(const System& old, std::unique_ptr<System> made) {
     }
     return nullptr;
   };
-  // Also what that had replaced before, and what read it and found nothing.
+  // Include the names of blocks that were replaced earlier, and their readers without a connection.
   for (const System* before = &replaced; before != nullptr; before = before->replaces_) {
     for (const Source* port : before->sources_) {
       if (port->kind() != SourceKind::kInput || port->driver_ == nullptr) continue;
@@ -158,12 +157,11 @@ void Assembly::Splice(const Source& output, Source& in, const Source& out) {
   for (const Source* port : {&output, static_cast<const Source*>(&in), &out}) CheckStands(*port);
   if (in.kind() != SourceKind::kInput || out.kind() != SourceKind::kOutput) {
     throw BuildError(
-        fmt::format("cannot insert from '{}' to '{}': give an input and an output of a block, in "
-                    "this order",
+        fmt::format("cannot insert from '{}' to '{}': give an input and an output of a block, in this order",
                     in.path(), out.path()));
   }
   if (in.driver_ != nullptr && in.driver_ != &output) {
-    throw BuildError(fmt::format("'{}' cannot be inserted behind '{}': it is connected to '{}' already",
+    throw BuildError(fmt::format("'{}' cannot be inserted behind '{}': it is already connected to '{}'",
                                  in.path(), output.path(), in.driver_->path()));
   }
   bool read = false;
@@ -173,10 +171,9 @@ void Assembly::Splice(const Source& output, Source& in, const Source& out) {
     read = true;
   }
   if (!read) {
-    throw BuildError(fmt::format(
-        "nothing reads '{}': there is no connection into which '{}' could be inserted; take the port that is "
-        "connected",
-        output.path(), in.owner().path()));
+    throw BuildError(
+        fmt::format("'{}' has no readers, so '{}' cannot be inserted there: give a port that is connected",
+                    output.path(), in.owner().path()));
   }
   in.SetDriver(output);
 }
@@ -188,7 +185,7 @@ void Assembly::Disconnect(Source& input) {
       input.kind() == SourceKind::kInput || (input.kind() == SourceKind::kOutput && input.run_ == nullptr &&
                                              dynamic_cast<const Subdiagram*>(&input.owner()) != nullptr);
   if (!port || input.driver_ == nullptr) {
-    throw BuildError(fmt::format("'{}' has no connection that could be taken away", input.path()));
+    throw BuildError(fmt::format("'{}' has no connection to remove", input.path()));
   }
   input.driver_ = nullptr;
   input.ignores_units_ = false;
@@ -210,7 +207,7 @@ void Assembly::Join(const Source& from, Source& to) {
     if (is_here(port, child, own)) return;
     throw BuildError(fmt::format(
         "port '{}' cannot be the {} of a connection here: it belongs to a block of another builder or nested "
-        "diagram, or points the wrong way; connect outputs of blocks of this builder to their inputs",
+        "diagram, or has the wrong direction; connect outputs of blocks of this builder to their inputs",
         port.path(), role));
   };
   check(from, SourceKind::kOutput, SourceKind::kInput, "source");
@@ -229,12 +226,12 @@ void Assembly::IgnoreUnitsOf(Source& to) {
 }  // namespace internal
 
 const Source& Source::Current() const {
-  const System* replaced = nullptr;  // the outermost
+  const System* replaced = nullptr;  // the outermost replaced block
   for (const System* block = owner_; block != nullptr; block = block->parent()) {
     if (block->replaced_by() != nullptr) replaced = block;
   }
   if (replaced == nullptr) return *this;
-  std::vector<std::string> names;  // from the inside out
+  std::vector<std::string> names;  // names from the inside out
   for (const System* block = owner_; block != replaced; block = block->parent())
     names.push_back(block->name());
   const System* now = replaced;
@@ -253,10 +250,10 @@ const Source& Source::Current() const {
         return *source;
     }
   }
-  throw BuildError(
-      fmt::format("'{}' is needed, but the block that replaced '{}' has no '{}' ({}): give it that, or do "
-                  "without what reads it",
-                  path(), replaced->path(), name(), type_name()));
+  throw BuildError(fmt::format(
+      "'{}' is needed, but the block that replaced '{}' has no '{}' ({}): add it to that block, or remove "
+      "its readers",
+      path(), replaced->path(), name(), type_name()));
 }
 
 std::shared_ptr<const Diagram> DiagramBuilder::Compile(const char* call, bool open_inputs) {

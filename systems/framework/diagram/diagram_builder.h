@@ -16,7 +16,7 @@ namespace tenon {
 
 class Diagram;
 
-/// Says that a connection is meant though the units differ.
+/// Argument of Connect that permits different units.
 struct IgnoreUnits {};
 
 namespace internal {
@@ -32,36 +32,37 @@ requires requires {
 struct ParamsOfBlock<Block> {
   using Type = typename Block::Params;
 };
-/// What a block is made of, if it says so: LeafSystem<P> does, a Subdiagram may by `using Params = …`.
+/// The parameters of a block: LeafSystem<P> defines them, and a Subdiagram may by `using Params = …`.
 template <class Block>
 using ParamsOf = typename ParamsOfBlock<Block>::Type;
 
-/// What DiagramBuilder and Subdiagram share: blocks, and connections between them. As soon as the diagram is
-/// built, whatever would change it throws BuildError.
+/// Base of DiagramBuilder and Subdiagram: blocks, and connections between them. After the diagram is built,
+/// every member that would change it throws BuildError.
 class Assembly {
  public:
   Assembly(const Assembly&) = delete;
   Assembly& operator=(const Assembly&) = delete;
 
-  /// Makes a block and adds it under `name`. Throws BuildError if the name is taken or holds a dot or a
-  /// blank, ParameterError (with the block's name in front) if the block refuses its parameters.
+  /// Constructs a block and adds it as `name`. Throws BuildError if the name is taken or contains a dot, a
+  /// comma or a blank, and ParameterError that begins with the block's name if the block rejects its
+  /// parameters.
   template <class Block, class... Args>
   Block& Add(std::string name, Args&&... args) {
     CheckName(name);
     return static_cast<Block&>(Adopt(Make<Block>(name, std::forward<Args>(args)...), name));
   }
-  /// The same with the parameters in braces: `Add<Pd>("pd", {.kp = 3})`.
+  /// Adds a block with its parameters in braces: `Add<Pd>("pd", {.kp = 3})`.
   template <class Block>
   Block& Add(std::string name, ParamsOf<Block> params) {
     CheckName(name);
     return static_cast<Block&>(Adopt(Make<Block>(name, std::move(params)), name));
   }
 
-  /// Makes a block and puts it in the place of `old`, which may stand at any depth below. It takes over name,
-  /// path and place, and the connections of ports with the same name and type; what differs is connected by
-  /// hand, and Build says what is left: outputs that somebody reads and the new block lacks, and its inputs
-  /// that nothing is connected to. An input that the new block does not have is left away. The old block
-  /// stays alive, costs nothing, and is no part of the diagram: whatever is done with its ports is an error.
+  /// Constructs a block and replaces `old`, at any depth below, by it. The new block takes over the name, the
+  /// position, and the connections of ports with the same name and type. Connect all other ports yourself;
+  /// Build reports those that remain: outputs that are read but missing in the new block, and its unconnected
+  /// inputs. Connections to inputs that the new block lacks are removed. The old block stays alive at no
+  /// run-time cost, but is not part of the diagram: every use of its ports is an error.
   template <class Block, class... Args>
   Block& Replace(const System& old, Args&&... args) {
     CheckBelow(old);
@@ -73,52 +74,51 @@ class Assembly {
     return static_cast<Block&>(Exchange(old, Make<Block>(old.path(), std::move(params))));
   }
 
-  /// Puts something between an output and all that read it: `in` reads the output, and what read it reads
-  /// `out`. For a delay, a fault, a filter behind a port of a diagram that ships:
+  /// Inserts a block between an output and all its readers: `in` is connected to the output, and its readers
+  /// to `out`. Use it for a delay, a fault or a filter at a port of a shipped diagram:
   ///
   ///     auto& delay = builder.Add<SampleDelay<Vec<12>>>("delay", {.samples = 3});
   ///     builder.Insert(loop.locomotion.torque, delay.u, delay.y);
   ///
-  /// The three may stand at any depth below. Ports of nested diagrams to which the output is connected count
-  /// as readers; logs of the output itself show what it was before. Throws BuildError if nothing reads it, or
-  /// `in` is connected already.
+  /// All three ports may be at any depth below. Ports of nested diagrams that are connected to the output
+  /// count as readers; logs of the output itself show its unmodified value. Throws BuildError if the output
+  /// has no reader, or `in` is already connected.
   template <class From, class In, class Out>
   void Insert(const From& output, In& in, const Out& out) {
     static_assert(std::is_same_v<typename From::Value, typename In::Value> &&
                       std::is_same_v<typename From::Value, typename Out::Value>,
-                  "Insert: the three ports carry different types.");
+                  "Insert: the three ports have different types.");
     Splice(output, in, out);
   }
 
-  /// Takes away the connection of an input (or that to an output of a nested diagram, from inside), at any
-  /// depth below. Throws BuildError if it has none.
+  /// Removes the connection of an input, or the inner connection of an output of a nested diagram, at any
+  /// depth below. Throws BuildError if there is none.
   void Disconnect(Source& input);
 
-  /// Connects an output to an input, an own input of a nested diagram to an inner input, or an inner output
-  /// to an own output. A DiagramBuilder also connects ports at any depth, so that what is added to a diagram
-  /// that ships finds what it needs. Throws BuildError if `to` has a connection already, or a port belongs
-  /// elsewhere.
+  /// Connects an output to an input, an input of a nested diagram to an inner input, or an inner output to an
+  /// output of the nested diagram. A DiagramBuilder also connects ports at any depth, so that you can add
+  /// blocks to a shipped diagram. Throws BuildError if `to` already has a connection, or a port belongs to
+  /// another diagram.
   template <class From, class To>
   void Connect(const From& from, To& to) {
     static_assert(std::is_same_v<typename From::Value, typename To::Value>,
-                  "Connect: the two ports carry different types.");
+                  "Connect: the two ports have different types.");
     Join(from, to);
   }
-  /// The same for ports whose units differ on purpose, which Build would refuse.
+  /// Connects ports whose units differ on purpose, which Build would otherwise report.
   template <class From, class To>
   void Connect(const From& from, To& to, IgnoreUnits) {
     Connect(from, to);
     IgnoreUnitsOf(to);
   }
 
-  /// Adds a block that is one function of the values it uses, connects it to them, and returns its output.
-  /// `Uses(builder.time, plant.state)` may name outputs of other blocks and own inputs.
+  /// Adds a block that computes one function of the values in `uses`, connects it to them, and returns its
+  /// output. `Uses(builder.time, plant.state)` may name outputs of other blocks and the diagram's own inputs.
   template <class... A, class F>
   auto& AddFunction(Spec spec, UsesList<A...> uses, F function) {
     return MakeFunctionBlock(std::move(spec), uses, std::move(function)).output;
   }
-  /// The same for a function that jumps or bends at instants that are known, see NextJump: steps of the
-  /// integrator end exactly there.
+  /// Adds a function that jumps or bends at known instants, see NextJump: integrator steps end exactly there.
   ///
   ///     builder.AddFunction({"force", "N"}, JumpsAt{{5, 6}}, Uses(builder.time),
   ///                         [](double t) { return t >= 5 && t < 6 ? 1.0 : 0.0; });
@@ -129,7 +129,7 @@ class Assembly {
                             [jumps = std::move(jumps)](double time) { return jumps.Next(time); });
     return block.output;
   }
-  /// The same, sampled.
+  /// Adds a function that is sampled.
   template <class... A, class F>
   auto& AddFunction(Spec spec, Sampled sampled, UsesList<A...> uses, F function) {
     return MakeFunctionBlock(std::move(spec), uses, std::move(function), sampled).output;
@@ -145,7 +145,7 @@ class Assembly {
   std::vector<std::unique_ptr<System>> TakeBlocks() { return std::move(blocks_); }
   std::vector<std::unique_ptr<System>> TakeReplaced() { return std::move(replaced_); }
   void CheckNotBuilt(const char* call, const std::string& subject) const;
-  /// From now on nothing changes it, or a diagram nested in it.
+  /// After this call, changing this assembly or a diagram nested in it throws BuildError.
   void MarkBuilt();
 
  private:
@@ -156,10 +156,10 @@ class Assembly {
   template <class Block, class... Args>
   static std::unique_ptr<Block> Make(const std::string& name, Args&&... args) {
     if constexpr (!std::is_base_of_v<System, Block>) {
-      static_assert(kFalse<Block>, "Add: what is added must derive from LeafSystem or Subdiagram.");
+      static_assert(kFalse<Block>, "Add: a block must derive from LeafSystem or Subdiagram.");
       throw BuildError("");
     } else if constexpr (!std::is_constructible_v<Block, Args&&...>) {
-      static_assert(kFalse<Block>, "Add: these are not the parameters that the block is made of.");
+      static_assert(kFalse<Block>, "Add: the block's constructor does not take these arguments.");
       throw BuildError("");
     } else {
       try {
@@ -175,7 +175,7 @@ class Assembly {
   void CheckStands(const Source& port) const;
   System& Exchange(const System& old, std::unique_ptr<System> block);
   void Splice(const Source& output, Source& in, const Source& out);
-  /// Of all blocks of the whole diagram, as far as it is known here.
+  /// The sources of all blocks of the diagram, as far as this assembly knows it.
   std::vector<Source*> AllSources();
   void AppendSources(std::vector<Source*>& sources);
   System& Adopt(std::unique_ptr<System> block, const std::string& name);
@@ -186,19 +186,19 @@ class Assembly {
   System* self_;  ///< the subdiagram, or null at top level
   bool built_ = false;
   std::vector<std::unique_ptr<System>> blocks_;
-  std::unordered_map<std::string, const System*> by_name_;  ///< the same
+  std::unordered_map<std::string, const System*> by_name_;  ///< blocks
   std::vector<std::unique_ptr<System>> replaced_;
 };
 
-/// The inputs of a function block, one for each port that it uses; `time` needs none.
+/// The inputs of a function block, one for each port that it uses; `time` needs no input.
 template <class... A>
 class FunctionInputs {
  public:
   FunctionInputs([[maybe_unused]] Leaf* owner, [[maybe_unused]] const std::vector<Slot>& used) {
     (Append<A>(owner, used[uses.slots.size()]), ...);
   }
-  UsesList<A...> uses;          ///< of the calculation
-  std::vector<Source*> inputs;  ///< null stands for time
+  UsesList<A...> uses;          ///< the list for the calculation
+  std::vector<Source*> inputs;  ///< null for time
 
  private:
   template <class Argument>
@@ -218,7 +218,7 @@ class FunctionInputs {
   std::vector<std::shared_ptr<void>> kept_;
 };
 
-/// The block behind AddFunction.
+/// The block that AddFunction adds.
 template <class R, class F, class... A>
 class FunctionBlock final : public Leaf {
  public:
@@ -246,27 +246,26 @@ auto& Assembly::MakeFunctionBlock(Spec spec, const UsesList<A...>& uses, F funct
 
 }  // namespace internal
 
-/// Collects blocks and connections, and compiles them into a Diagram.
+/// Collects blocks and connections and compiles them into a Diagram.
 class DiagramBuilder : public internal::Assembly {
  public:
   DiagramBuilder() : Assembly(nullptr) {}
-  /// Checks and compiles the diagram, which owns the blocks from then on. The builder is empty and done: Add,
-  /// Connect, Build and whatever else would change it throw BuildError, also those of nested diagrams; for
-  /// another diagram make another builder.
+  /// Checks and compiles the diagram, which then owns the blocks. Afterwards the builder is empty and cannot
+  /// be used again: Add, Connect, Build and all other changes, also of nested diagrams, throw BuildError.
   ///
-  /// Throws BuildError with all faults that it finds: unconnected inputs, units or sizes that differ,
-  /// algebraic loops (with every hop), states without derivative, offsets without initial value. Then the
-  /// builder is as before: mend the diagram and build again.
+  /// Throws BuildError that lists all faults found: unconnected inputs, different units or sizes, algebraic
+  /// loops (with every hop), states without derivative, offsets without initial value. In that case the
+  /// builder is unchanged, and can be corrected and built again.
   std::shared_ptr<const Diagram> Build();
-  /// The same, but leaves inputs that are not connected open, to be fixed by hand in each context.
+  /// Builds a diagram in which inputs may be unconnected; set their values in each context.
   std::shared_ptr<const Diagram> BuildWithOpenInputs();
 
  private:
   std::shared_ptr<const Diagram> Compile(const char* call, bool open_inputs);
 };
 
-/// A block made of blocks. Derive from it, declare ports as members, and add and connect inside the
-/// constructor; its own ports serve as ends of connections from both sides.
+/// A block made of blocks. Derive from it, declare its ports as members, and add and connect blocks in the
+/// constructor. Its ports are connected from both sides.
 class Subdiagram : public System, public internal::Assembly {
  public:
   Subdiagram() : Assembly(this) {}

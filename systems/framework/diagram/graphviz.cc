@@ -7,7 +7,7 @@
 namespace tenon {
 namespace {
 
-/// Colours of sample times, fastest first; what is not sampled is white.
+/// Colours of sample times, fastest first; blocks without sample time are white.
 constexpr const char* kColours[] = {"#f4b6b6", "#f7d9a8", "#f5f1a6", "#c5e6b4",
                                     "#b5e0e6", "#bcc9f0", "#dcc3ec"};
 
@@ -54,7 +54,7 @@ class Drawing {
         out_ += fmt::format(
             "{0}subgraph \"cluster_{1}\" {{\n{0}  label=\"{2}\"; style=rounded; color=\"#888888\";\n", indent,
             block->path(), block->name());
-        // Ports of a nested diagram are nodes on its border.
+        // Ports of a nested diagram are drawn as nodes on its border.
         for (const Source* port : block->sources()) {
           out_ += fmt::format("{}  \"{}\" [shape=cds, label=\"{}\", fontsize=9];\n", indent, port->path(),
                               port->name());

@@ -5,25 +5,25 @@
 
 namespace tenon {
 
-/// Base of every error that Tenon throws on purpose. The text names the thing, the place and the remedy.
+/// Base of every error that Tenon throws deliberately. The text says what is wrong, where, and what to do.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// A diagram that cannot be built: unconnected input, algebraic loop, name or port used twice.
+/// A diagram that cannot be built: unconnected input, algebraic loop, duplicate name or connection.
 class BuildError : public Error {
  public:
   using Error::Error;
 };
 
-/// A parameter, or a file of parameters, that makes no sense.
+/// An invalid parameter or parameter file.
 class ParameterError : public Error {
  public:
   using Error::Error;
 };
 
-/// A run that cannot go on: a value that is not finite, an integrator that fails, events without end.
+/// A run that cannot continue: non-finite value, failure of the integrator, accumulation of events.
 class RunError : public Error {
  public:
   using Error::Error;

@@ -14,7 +14,7 @@ struct TypeInfo;
 template <class T>
 const TypeInfo& TypeInfoOf();
 
-/// How far inside a Struct the member lies [bytes].
+/// Offset of the member in Struct [bytes].
 template <class Struct, class Member>
 std::size_t OffsetOf(Member Struct::*member) {
   const auto* somewhere = reinterpret_cast<const Struct*>(alignof(Struct) * 1024);
@@ -22,16 +22,17 @@ std::size_t OffsetOf(Member Struct::*member) {
                                   reinterpret_cast<const std::byte*>(somewhere));
 }
 
-/// How many initialisers a member takes in the braces of its struct: a C array as many as it has items.
+/// Number of initialisers that a member takes in the braces of its struct: for a C array the number of its
+/// items.
 template <class Member>
 inline constexpr std::size_t kInitializers = sizeof(Member) / sizeof(std::remove_all_extents_t<Member>);
 
 }  // namespace internal
 
-/// One member of a struct that describes itself: its name, its units and the names of its elements if it has
-/// any, and where it is.
+/// One member of a struct that describes itself: its name, its units, the names of its elements, and its
+/// offset.
 ///
-/// A struct says once what it holds; logs, state names, snapshots and YAML files are made from that:
+/// A struct lists its members once; logs, state names, snapshots and YAML files are derived from that list:
 ///
 ///     struct SpringState {
 ///       double force = 0;
@@ -41,12 +42,13 @@ inline constexpr std::size_t kInitializers = sizeof(Member) / sizeof(std::remove
 ///       }
 ///     };
 ///
-/// A struct of parameters carries the unit in the key (`mass_kg`) and marks what has no default as Required.
+/// A struct of parameters has the unit in the key (`mass_kg`) and marks members without a default as
+/// Required.
 ///
-/// Every member must be listed, as Undescribed if it is meant to stay out of logs and snapshots: the first
-/// use of a struct whose list lacks a member throws BuildError. The members of an aggregate are counted. In a
-/// class with constructors, private members or bases, the listed members must fill the object except for
-/// padding; a forgotten member that is small enough to lie in padding is not noticed there.
+/// Every member must be listed, as `Undescribed` if logs and snapshots omit it on purpose: the first use of a
+/// struct whose list lacks a member throws BuildError. The members of an aggregate are counted. In a class
+/// with constructors, private members or bases, the listed members must fill the object except for padding; a
+/// forgotten member that fits into padding is not detected there.
 class Field {
  public:
   template <class Struct, class Member>
@@ -57,7 +59,7 @@ class Field {
     this->elements = elements;
     type = &internal::TypeInfoOf<Member>;
   }
-  /// A member that is not described: see Undescribed.
+  /// A member without description: see `Undescribed`.
   template <class Struct, class Member>
   explicit Field(Member Struct::*member)
       : offset(internal::OffsetOf(member)),
@@ -66,18 +68,18 @@ class Field {
 
   const char* name = "";
   const char* units = "";
-  const char* elements = "";  ///< names of a vector's elements or of an array's items, as in a Spec
+  const char* elements = "";  ///< names of a vector's elements or an array's items, as in a Spec
   std::size_t offset;         ///< of the member in the struct [bytes]
   std::size_t size;           ///< of the member [bytes]
-  std::size_t initializers;   ///< of the member, in the braces of its struct
+  std::size_t initializers;   ///< number of initialisers of the member in the braces of its struct
   const internal::TypeInfo& (*type)() = nullptr;  ///< of the member; null if it is not described
   bool required = false;
 };
 
-/// All that logs, snapshots and files hold of a struct, in order.
+/// The members of a struct that logs, snapshots and files contain, in order.
 using FieldList = std::vector<Field>;
 
-/// A field without a default: a file that leaves it out is refused.
+/// A field without a default: a file that omits it is rejected.
 template <class Struct, class Member>
 Field Required(const char* name, Member Struct::*member) {
   Field field(name, member);
@@ -85,20 +87,20 @@ Field Required(const char* name, Member Struct::*member) {
   return field;
 }
 
-/// A member that logs, files and snapshots leave out: a pointer to shared data, say, or what is computed from
-/// the others. A clone of a context has it; a context that is restored keeps its own.
+/// A member that logs, files and snapshots omit: a pointer to shared data, or a value computed from the other
+/// members. Clone copies it; Restore leaves it unchanged.
 template <class Struct, class Member>
 Field Undescribed(Member Struct::*member) {
   return Field(member);
 }
 
-/// True for structs with a static `FieldList Fields()`.
+/// Structs with a static `FieldList Fields()`.
 template <class T>
 concept HasFields = requires {
   { std::remove_cvref_t<T>::Fields() } -> std::same_as<FieldList>;
 };
 
-/// An enumerator and what files and pages call it.
+/// An enumerator and its name in files and on pages.
 template <class E>
 struct Named {
   E value;
@@ -107,7 +109,7 @@ struct Named {
 template <class E>
 Named(E, const char*) -> Named<E>;
 
-/// An enum that is known by names. Beside the enum stands, say,
+/// An enum whose enumerators have names. Define a function beside the enum:
 ///
 ///     constexpr auto EnumNames(SwitchMode) {
 ///       return std::array{Named{SwitchMode::kOff, "off"}, Named{SwitchMode::kOn, "on"}};

@@ -32,7 +32,7 @@ std::string ListEntry(const std::string& list, std::size_t index) {
   return list.substr(first, last - first + 1);
 }
 
-/// Names for a matrix's elements: from the spec, else x, y, z for three, else their index.
+/// Name of a matrix element: from the spec, else x, y, z for three rows, else its index.
 std::string ElementName(const Spec& spec, std::size_t row, std::size_t col, std::size_t rows,
                         std::size_t cols) {
   if (cols > 1) return std::to_string(row) + "_" + std::to_string(col);
@@ -82,11 +82,11 @@ class ElementLister final : public ValueVisitor {
     path_ = Below(name);
   }
   std::vector<Spec> specs_;
-  std::vector<std::size_t> lengths_;  ///< of the path, outside
+  std::vector<std::size_t> lengths_;  ///< lengths of the enclosing paths
   std::string path_;
 };
 
-/// Calls a function for every stretch of numbers of one kind: function(data, kind, count).
+/// Calls function(data, kind, count) for every run of numbers of one kind.
 template <class Function>
 class RunVisitor final : public ValueVisitor {
  public:
@@ -110,7 +110,7 @@ void ForEachRun(const TypeInfo& type, const void* value, Function function) {
   }
 }
 
-/// Whether an element of that type can hold the number as it is.
+/// True if an element of type T can represent the number.
 template <class T>
 bool CanHold(double number) {
   using Limits = std::numeric_limits<T>;
@@ -119,14 +119,14 @@ bool CanHold(double number) {
   } else if constexpr (std::is_same_v<T, float>) {
     return !(std::abs(number) > Limits::max()) || std::isinf(number);
   } else {
-    constexpr double kEnd = 2.0 * static_cast<double>(Limits::max() / 2 + 1);  // max() may be no double
+    constexpr double kEnd = 2.0 * static_cast<double>(Limits::max() / 2 + 1);  // a double may not hold max()
     return number == std::floor(number) && number >= static_cast<double>(Limits::min()) && number < kEnd;
   }
 }
 
 template <class T>
 std::string WhatItHolds() {
-  if constexpr (std::is_floating_point_v<T>) return "what single precision can hold";
+  if constexpr (std::is_floating_point_v<T>) return "a number in the range of single precision";
   if constexpr (std::is_same_v<T, bool>) return "0 or 1";
   return fmt::format("a whole number from {} to {}", std::numeric_limits<T>::min(),
                      std::numeric_limits<T>::max());
@@ -154,7 +154,8 @@ class DoubleReader final : public ValueVisitor {
   }
 
  private:
-  /// Whether the element can hold the number. An integer that is there already stays, whatever it is.
+  /// True if the element can represent the number. An integer that already has this value is accepted,
+  /// whatever it is.
   template <class T>
   bool Store(T* element) const {
     const double number = in_[count_];
@@ -192,7 +193,7 @@ class Saver final : public ValueVisitor {
     Save(text.size(), archive_);
     archive_.Write(text.data(), text.size());
   }
-  // Not its bytes: some of them may be nobody's.
+  // The bytes of an opaque value may contain padding, so they are not saved.
   void Opaque() override { ThrowOpaque(); }
 
  private:
@@ -214,8 +215,8 @@ class Loader final : public ValueVisitor {
   void Resize(std::size_t* rows, std::size_t* cols) override {
     Load(*rows, archive_);
     Load(*cols, archive_);
-    if (*rows == 0 || *cols == 0) return;  // nothing follows, perhaps not even another byte
-    // Nothing takes less than a byte, and the product is no overflow.
+    if (*rows == 0 || *cols == 0) return;  // no bytes follow
+    // Every item takes at least one byte; checking the rows first keeps the product from overflowing.
     archive_.Demand(*rows);
     archive_.Demand(*cols);
     archive_.Demand(*rows * *cols);
@@ -223,7 +224,7 @@ class Loader final : public ValueVisitor {
   void Text(std::string& text) override {
     std::size_t size = 0;
     Load(size, archive_);
-    archive_.Demand(size);  // a size that is damaged does not ask for all memory
+    archive_.Demand(size);  // a damaged size must not allocate all memory
     text.resize(size);
     archive_.Read(text.data(), text.size());
   }
@@ -301,10 +302,7 @@ Finiteness FinitenessOf(const TypeInfo& type, const void* value) {
   ForEachRun(type, value, [&](void* data, ScalarKind kind, std::size_t count) {
     if (!IsReal(kind)) return;
     WithKind(kind, data, [&](const auto* first) {
-      // The sum of 0 x is 0 unless one is not finite.
-      double zero = 0;
-      for (std::size_t i = 0; i < count; ++i) zero += 0 * static_cast<double>(first[i]);
-      if (zero == 0) return;
+      if (AllFinite(first, count)) return;
       for (std::size_t i = 0; i < count; ++i) {
         if (std::isnan(first[i])) worst = Finiteness::kNan;
       }
@@ -327,7 +325,7 @@ void Archive::Write(const void* data, std::size_t size) {
 
 void Archive::Demand(std::size_t size) const {
   if (size <= bytes_.size() - cursor_) return;
-  throw RunError("the snapshot is cut short: " + std::to_string(bytes_.size()) + " bytes, more are needed");
+  throw RunError("the snapshot is truncated after " + std::to_string(bytes_.size()) + " bytes");
 }
 
 void Archive::Read(void* data, std::size_t size) {
@@ -340,7 +338,7 @@ void Archive::Read(void* data, std::size_t size) {
 void Load(bool& value, Archive& archive) {
   std::uint8_t byte = 0;
   archive.Read(&byte, sizeof(byte));
-  if (byte > 1) throw RunError("the snapshot is damaged: a truth value is neither");
+  if (byte > 1) throw RunError("the snapshot is damaged: a bool is neither 0 nor 1");
   value = byte == 1;
 }
 

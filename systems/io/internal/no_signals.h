@@ -4,7 +4,7 @@
 
 namespace tenon::internal {
 
-/// While one lives, the threads that this thread starts get no signals: those are for the main thread.
+/// Blocks signals during its lifetime, so that threads started meanwhile leave signals to the main thread.
 class NoSignals {
  public:
   NoSignals() {

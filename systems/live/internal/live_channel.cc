@@ -7,12 +7,12 @@
 namespace tenon::internal {
 namespace {
 
-constexpr std::size_t kMaxBytes = 64 << 20;  // of the history, whatever it holds
-constexpr std::size_t kMaxRequests = 256;    // that wait
+constexpr std::size_t kMaxBytes = 64 << 20;  // maximal size of the history
+constexpr std::size_t kMaxRequests = 256;    // maximal number of waiting requests
 constexpr std::size_t kMaxStreams = 32;
-constexpr std::size_t kChunk = 64 << 10;           // sent at once [bytes]
-constexpr std::chrono::seconds kSilence(1);        // after which a stream shows that it lives
-constexpr std::chrono::seconds kAnswerWithin(10);  // a run that computes longer than this between two ticks
+constexpr std::size_t kChunk = 64 << 10;           // size of a chunk [bytes]
+constexpr std::chrono::seconds kSilence(1);        // interval of keep-alive comments
+constexpr std::chrono::seconds kAnswerWithin(10);  // timeout for an answer of the run
 
 std::string Event(const std::string& name, const std::string& json) {
   return "event: " + name + "\ndata: " + json + "\n\n";
@@ -72,7 +72,7 @@ void LiveChannel::Say(double time, const std::string& event, const std::string& 
 
 void LiveChannel::Clear() {
   const std::lock_guard lock(mutex_);
-  first_ += messages_.size() + 1;  // one is missing to every reader: so each is told
+  first_ += messages_.size() + 1;  // a gap in the numbering tells every reader to start over
   messages_.clear();
   bytes_ = 0;
 }
@@ -120,7 +120,7 @@ void LiveChannel::Close() {
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
-    requests_.clear();  // whoever waits for an answer sees a broken promise
+    requests_.clear();  // waiting readers get a broken promise
   }
   news_.notify_all();
   asked_.notify_all();
@@ -131,13 +131,13 @@ LiveReply LiveChannel::Ask(const std::string& client, std::string json) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return Refusal(503, "the run has ended");
-    if (requests_.size() >= kMaxRequests) return Refusal(503, "too many commands wait: send fewer");
+    if (requests_.size() >= kMaxRequests) return Refusal(503, "too many commands are waiting: send fewer");
     requests_.push_back({client, std::move(json), {}});
     answer = requests_.back().reply.get_future();
   }
   asked_.notify_all();
   if (answer.wait_for(kAnswerWithin) != std::future_status::ready)
-    return Refusal(503, "the run did not answer in time: it may still do what was asked");
+    return Refusal(503, "the run did not answer in time; it may still execute the command");
   try {
     return answer.get();
   } catch (const std::future_error&) {
@@ -194,7 +194,7 @@ std::string LiveChannel::Reader::Next() {
     out += "event: append\ndata: {" + (named_ ? "" : c.names_ + ",") + message.text + "}\n\n";
     named_ = true;
   }
-  if (next_ != c.first_ + c.messages_.size()) return out;  // what only counts as it is comes at the end
+  if (next_ != c.first_ + c.messages_.size()) return out;  // latest values follow after all messages
   if (status_ != c.status_.version) {
     status_ = c.status_.version;
     out += c.status_.text;

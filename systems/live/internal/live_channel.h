@@ -13,64 +13,65 @@
 
 namespace tenon::internal {
 
-/// An answer to a command, as HTTP has it.
+/// An HTTP answer to a command.
 struct LiveReply {
   int status = 200;
   std::string json = R"({"ok":true})";
 };
 LiveReply Refusal(int status, const std::string& why);
 
-/// What a browser asks for, until the run has answered.
+/// A command of a browser that waits for the answer of the run.
 struct LiveRequest {
   std::string client;
   std::string json;
   std::promise<LiveReply> reply;
 };
 
-/// Stands between the thread of the run and those of the server. The run never waits for a browser: messages
-/// go into one bounded history that all read at their own pace, and who falls behind it begins anew.
+/// Exchanges messages between the thread of the run and the threads of the server. The run never waits for a
+/// browser: messages go into a bounded history that browsers read at their own pace; a browser that is too
+/// slow starts over.
 class LiveChannel {
  public:
   explicit LiveChannel(double history) : history_(history) {}
 
-  // The run's side.
+  // For the thread of the run.
 
-  /// A run begins: what describes it. `names` stands in the first append that a reader gets.
+  /// Begins a run with its description. The first append to each reader contains `names`.
   void Begin(std::string hello, std::string names);
-  /// An append at `time` [s], without its braces and names.
+  /// Adds an append message at `time` [s], given without braces and names.
   void Append(double time, std::string body);
-  /// Any other message that comes in its order.
+  /// Adds another kind of message in order.
   void Say(double time, const std::string& event, const std::string& json);
-  /// Forgets the history; readers are told.
+  /// Clears the history and notifies the readers.
   void Clear();
-  /// Messages of which only the last counts.
+  /// Sets messages of which readers need only the last one.
   void SetStatus(std::string json);
   void SetPull(std::string json);
   std::optional<LiveRequest> TakeRequest();
-  /// Until there is a request, or the time has come.
+  /// Waits for a request, at most until the given time.
   void WaitUntil(std::chrono::steady_clock::time_point time);
   std::size_t clients() const;
   bool IsConnected(const std::string& client) const;
   void CountRefused();
   long refused() const;
-  /// Everything that waits returns.
+  /// Ends all waiting calls.
   void Close();
 
-  // The server's side.
+  // For the threads of the server.
 
   LiveReply Ask(const std::string& client, std::string json);
 
-  /// One stream of events.
+  /// A stream of events to one browser.
   class Reader {
    public:
-    /// Throws nothing; `admitted` says whether there is room for one more.
+    /// Does not throw; `admitted` returns whether the number of streams is within its limit.
     Reader(LiveChannel& channel, std::string client);
     ~Reader();
     Reader(const Reader&) = delete;
     Reader& operator=(const Reader&) = delete;
     bool admitted() const { return admitted_; }
-    /// What comes next, as Server-Sent Events; a comment if nothing does for a while; empty if the server
-    /// ends.
+    /// Returns the next messages as Server-Sent Events, a comment after a while without messages, or an empty
+    /// text at the end of the server.
     std::string Next();
 
    private:
@@ -93,17 +94,17 @@ class LiveChannel {
   void Push(Message message);
   void Set(Latest& latest, std::string text);
 
-  const double history_;  // [s]
+  const double history_;  // length of the history [s]
   mutable std::mutex mutex_;
   std::condition_variable news_, asked_;
   bool closed_ = false;
   Latest hello_, status_, pull_;
   std::string names_;
   std::deque<Message> messages_;
-  std::uint64_t first_ = 0;  // number of the first message that is kept
-  std::size_t bytes_ = 0;    // of all that are
+  std::uint64_t first_ = 0;  // number of the first message in the history
+  std::size_t bytes_ = 0;    // size of the history
   std::deque<LiveRequest> requests_;
-  std::map<std::string, int> streams_;  // of each client
+  std::map<std::string, int> streams_;  // number of streams of each client
   std::size_t num_streams_ = 0;
   long refused_ = 0;
 };

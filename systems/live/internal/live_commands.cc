@@ -12,13 +12,13 @@
 namespace tenon::internal {
 namespace {
 
-/// A command that makes sense, but not now.
+/// A command that is valid but not possible at present.
 struct NotNow {
   int status;
   std::string why;
 };
 
-/// How long a driver without a stream of events is waited for.
+/// Time after which a driver without a stream of events loses control.
 constexpr std::chrono::seconds kDriverWaits(5);
 
 double Number(const Json& command, const char* key) {
@@ -78,7 +78,7 @@ void LiveRun::ServeRequests() {
 LiveReply LiveRun::Execute(const std::string& client, const std::string& json) {
   const Json command = Json::parse(json, nullptr, false);
   if (!command.is_object() || !command.contains("command") || !command["command"].is_string())
-    return Refusal(400, R"(a command is an object: {"command": "pause"})");
+    return Refusal(400, R"(a command must be an object: {"command": "pause"})");
   try {
     Json answer = Do(client, command);
     answer["ok"] = true;
@@ -86,11 +86,11 @@ LiveReply LiveRun::Execute(const std::string& client, const std::string& json) {
   } catch (const NotNow& refused) {
     return Refusal(refused.status, refused.why);
   } catch (const OutputError&) {
-    throw;  // the recording cannot be written
+    throw;  // an error of writing the recording ends the run
   } catch (const Error& error) {
     return Refusal(400, error.what());
   } catch (const Json::exception&) {
-    return Refusal(400, fmt::format("the command '{}' lacks something, or has it as another type",
+    return Refusal(400, fmt::format("the command '{}' lacks a value or has one of the wrong type",
                                     command["command"].get<std::string>()));
   }
 }
@@ -107,7 +107,7 @@ void LiveRun::DemandDriver(const std::string& client) {
   throw NotNow{403, HasDriver() ? fmt::format("'{}' drives", driver_) : "nobody drives: take it first"};
 }
 
-/// A driver whose page is gone may have held a key: nothing moves by it any more.
+/// Sets the commands of a driver whose page has closed to zero, because a key may have been held.
 void LiveRun::LetGoIfAbandoned() {
   const bool listens = channel_.IsConnected(driver_);
   if (driver_listens_ && !listens) {
@@ -124,7 +124,7 @@ void LiveRun::LetGo() {
   drives_ = pulls_ = false;
 }
 
-/// Whether the last command that set what `release` sets, all at once, was another one.
+/// Returns whether the last command that set all paths of `release` was another one.
 bool LiveRun::IsHeld(const LiveSets& release) const {
   const auto sets_the_same = [&](const LiveEntry& entry) {
     return std::ranges::equal(entry.sets, release, {}, &LiveSet::path, &LiveSet::path);
@@ -230,7 +230,7 @@ void LiveRun::Steer(const Json& command, const std::string& name) {
   }
 }
 
-/// All or none.
+/// Applies all changes or none.
 void LiveRun::Apply(LiveSets sets) {
   LiveEntry entry{time(), std::move(sets)}, before{time(), {}};
   for (const LiveSet& set : entry.sets)
@@ -268,7 +268,7 @@ void LiveRun::SetParameter(const Json& command) {
   SayEvent(fmt::format("{} = {}", path, Dump(ParameterValue(parameter, context()))));
 }
 
-/// Tells the pages of all that are no longer as they have them.
+/// Sends all Parameters whose values differ from those that the pages show.
 void LiveRun::SayChangedParameters() {
   for (std::size_t i = 0; i < parameters_.size(); ++i) {
     Json value = ParameterValue(*parameters_[i], context());
@@ -296,7 +296,7 @@ void LiveRun::Tick() {
 }
 
 std::string LiveRun::SaveScenario() {
-  if (!view_.save) throw ParameterError("this run comes from no scenario: there is none to save");
+  if (!view_.save) throw ParameterError("this run has no scenario to save");
   LiveSets sets;
   for (const ParameterSource* parameter : parameters_) {
     if (tuned_.contains(parameter->path()))

@@ -8,17 +8,16 @@
 
 namespace tenon::internal {
 
-/// Sets the values of an entry, one after the other; throws what Context::SetDoubles throws, and Error for an
-/// unknown path.
+/// Sets the values of an entry in order. Throws as Context::SetDoubles does, and Error for an unknown path.
 void ApplyEntry(Context& context, const LiveEntry& entry);
 
-/// Writes a recording as the run goes on: after every entry the file is whole.
+/// Writes a recording during the run; the file is complete after every entry.
 class LiveFile {
  public:
-  /// Nothing is written without a name. Throws OutputError.
+  /// Writes nothing if the name is empty. Throws OutputError.
   LiveFile(std::filesystem::path file, std::uint64_t seed);
   void Add(LiveEntry entry);
-  /// Forgets what was set at `time` [s] and later.
+  /// Removes the entries at `time` [s] and later.
   void DropFrom(double time);
   void End(double time, bool tick);
   const std::vector<LiveEntry>& entries() const { return recording_.entries; }

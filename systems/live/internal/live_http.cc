@@ -21,11 +21,11 @@ namespace tenon::internal {
 namespace {
 
 constexpr int kPortsTried = 20;
-constexpr std::size_t kThreads = 48;         // a stream of events takes one as long as it lasts
-constexpr std::size_t kMaxBody = 1 << 16;    // of a command [bytes]
-constexpr std::size_t kMaxName = 64;         // of a client [bytes]
-constexpr std::chrono::seconds kBegins(10);  // within which a run begins after its address is known
-constexpr time_t kWriteTimeout = 5;          // for a client that does not read [s]
+constexpr std::size_t kThreads = 48;         // each stream of events occupies one
+constexpr std::size_t kMaxBody = 1 << 16;    // maximal size of a command [bytes]
+constexpr std::size_t kMaxName = 64;         // maximal length of a client's name [bytes]
+constexpr std::chrono::seconds kBegins(10);  // time to wait for the begin of a run
+constexpr time_t kWriteTimeout = 5;          // timeout for a client that does not read [s]
 
 std::string RandomToken() {
   std::random_device random;
@@ -34,7 +34,7 @@ std::string RandomToken() {
   return token;
 }
 
-/// As a URL has it.
+/// Encodes a text for a URL.
 std::string HostOf(const std::string& address) {
   return address.find(':') == address.npos ? address : "[" + address + "]";
 }
@@ -46,9 +46,9 @@ struct LiveHttp::Impl {
   httplib::Server server;
   std::string url, token;
   int port = 0;
-  std::vector<std::string> hosts;  // that a browser may call this server by; any if there is a token
+  std::vector<std::string> hosts;  // accepted names of this server; not checked if there is a token
   std::mutex mutex;
-  std::condition_variable changed;  // the page is there, or is not to be waited for any more
+  std::condition_variable changed;  // the page is available or the server ends
   std::string page;
   bool ends = false;
   std::thread thread;
@@ -61,13 +61,14 @@ struct LiveHttp::Impl {
     response.set_content(reply.json, "application/json");
   }
 
-  /// Whether the request comes from the page itself or from no page at all. A page of another origin names
-  /// that, and one whose name was made to lead here (DNS rebinding) names a host that is none of ours.
+  /// Returns whether the request comes from the page of this server or not from a page at all. A page of
+  /// another origin sends its origin, and a page after DNS rebinding sends a host name other than those of
+  /// this server.
   bool Admit(const httplib::Request& request, httplib::Response& response) {
     const std::string host = request.get_header_value("Host");
     const std::string origin = request.get_header_value("Origin");
     if (token.empty() && std::ranges::find(hosts, host) == hosts.end()) {
-      Answer(response, Refusal(403, fmt::format("this server is not called '{}': open {}", host, url)));
+      Answer(response, Refusal(403, fmt::format("the name of this server is not '{}': open {}", host, url)));
     } else if (!origin.empty() && origin != "http://" + host) {
       Answer(response, Refusal(403, fmt::format("commands from the page of '{}' are refused", origin)));
     } else if (request.get_param_value("token") != token) {
@@ -78,7 +79,7 @@ struct LiveHttp::Impl {
     return false;
   }
 
-  /// The name that the page gave itself; empty if it is none.
+  /// Returns the client's name; empty if it is invalid.
   static std::string Client(const httplib::Request& request) {
     std::string client = request.get_param_value("client");
     return client.size() <= kMaxName ? client : "";
@@ -89,20 +90,21 @@ struct LiveHttp::Impl {
     server.set_payload_max_length(kMaxBody);
     server.set_write_timeout(kWriteTimeout);
     server.set_read_timeout(kWriteTimeout);
-    server.set_keep_alive_max_count(1);  // so that nothing but streams is open when the run ends
+    server.set_keep_alive_max_count(1);  // so that only streams are open at the end of the run
     server.set_tcp_nodelay(true);
     server.Get("/", [this](const httplib::Request& request, httplib::Response& response) {
       if (!Admit(request, response)) return;
       std::unique_lock lock(mutex);
       if (!changed.wait_for(lock, kBegins, [this] { return ends || !page.empty(); }) || page.empty())
-        return Answer(response, Refusal(503, "the run has not begun: load the page again"));
+        return Answer(response, Refusal(503, "the run has not begun: reload the page"));
       response.set_header("Cache-Control", "no-store");
       response.set_content(page, "text/html; charset=utf-8");
     });
     server.Get("/events", [this](const httplib::Request& request, httplib::Response& response) {
       if (!Admit(request, response)) return;
       const auto reader = std::make_shared<LiveChannel::Reader>(channel, Client(request));
-      if (!reader->admitted()) return Answer(response, Refusal(503, "too many browsers look on: close one"));
+      if (!reader->admitted())
+        return Answer(response, Refusal(503, "too many browsers are connected: close one"));
       response.set_header("Cache-Control", "no-store");
       response.set_chunked_content_provider("text/event-stream",
                                             [reader](std::size_t, httplib::DataSink& sink) {
@@ -118,17 +120,20 @@ struct LiveHttp::Impl {
       if (!Admit(request, response)) return;
       const std::string type = request.get_header_value("Content-Type");
       if (type != "application/json" && !type.starts_with("application/json;"))
-        return Answer(response, Refusal(415, "a command has Content-Type application/json"));
+        return Answer(response, Refusal(415, "a command must have the Content-Type application/json"));
       const std::string client = Client(request);
       if (client.empty())
-        return Answer(response, Refusal(400, "name yourself: /command?client=ID, at most 64 characters"));
+        return Answer(
+            response,
+            Refusal(400,
+                    "the name of the client is missing: use /command?client=ID with at most 64 characters"));
       Answer(response, channel.Ask(client, request.body));
     });
     server.set_error_handler([this](const httplib::Request&, httplib::Response& response) {
       if (!response.body.empty()) return;
-      const char* const why = response.status == 404   ? "there is nothing here: open /"
-                              : response.status == 413 ? "a command has 64 kB at most"
-                                                       : "this is no request that is understood";
+      const char* const why = response.status == 404   ? "the page does not exist: open /"
+                              : response.status == 413 ? "a command may have at most 64 kB"
+                                                       : "the request is invalid";
       Answer(response, Refusal(response.status, why));
     });
     server.set_exception_handler(
@@ -136,13 +141,14 @@ struct LiveHttp::Impl {
           Answer(response, Refusal(500, "the server failed"));
         });
     thread = std::thread([this] { server.listen_after_bind(); });
-    while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // else no stop
+    while (!server.is_running())
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // stop() before that has no effect
   }
 };
 
 LiveHttp::LiveHttp(const std::string& address, int port, LiveChannel& channel)
     : impl_(std::make_unique<Impl>(channel)) {
-  // A port that is taken must be seen to be: httplib would share it (SO_REUSEPORT).
+  // Without SO_REUSEPORT, which httplib sets, a port in use is detected.
   impl_->server.set_socket_options([](socket_t socket) {
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
@@ -156,10 +162,10 @@ LiveHttp::LiveHttp(const std::string& address, int port, LiveChannel& channel)
     }
   }
   if (impl_->port <= 0) {
-    throw OutputError(
-        fmt::format("cannot listen at {} on port {} or the next ones: choose another port, or an "
-                    "address of this machine",
-                    address, port));
+    throw OutputError(fmt::format(
+        "cannot listen at {} on port {} or the next ones: choose another port or an address of this "
+        "machine",
+        address, port));
   }
   if (!local) impl_->token = RandomToken();
   std::string shown = HostOf(address);

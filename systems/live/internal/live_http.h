@@ -7,20 +7,20 @@ namespace tenon::internal {
 
 class LiveChannel;
 
-/// The HTTP server: the page, the events, the commands. It has threads of its own and knows nothing of the
-/// run but its channel.
+/// The HTTP server of the page, the events and the commands. It has its own threads and accesses the run only
+/// through the channel.
 class LiveHttp {
  public:
-  /// Listens at `port` or one of the next twenty; 0: any. Throws OutputError that says what is wrong with the
-  /// address or the ports.
+  /// Listens at `port` or one of the next twenty, or at any port for 0. Throws OutputError if that is
+  /// impossible.
   LiveHttp(const std::string& address, int port, LiveChannel& channel);
-  ~LiveHttp();  ///< closes the channel too
+  ~LiveHttp();  ///< closes the channel
   LiveHttp(const LiveHttp&) = delete;
   LiveHttp& operator=(const LiveHttp&) = delete;
 
   void SetPage(std::string html);
   const std::string& url() const;
-  const std::string& token() const;  ///< empty on this machine alone
+  const std::string& token() const;  ///< empty if only this machine has access
   int port() const;
 
  private:

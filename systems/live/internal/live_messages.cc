@@ -2,7 +2,7 @@
 #include <tenon/systems/live/internal/live_messages.h>
 #include <tenon/systems/live/internal/parameter_ranges.h>
 #include <tenon/systems/report/internal/page.h>
-#include <tenon/systems/report/internal/shapes_json.h>
+#include <tenon/systems/report/internal/report_json.h>
 
 #include <algorithm>
 #include <charconv>
@@ -11,9 +11,10 @@
 namespace tenon::internal {
 namespace {
 
-constexpr std::size_t kMaxElements = 64;  // of a Parameter that is shown
+constexpr std::size_t kMaxElements = 64;  // maximal number of elements of a shown Parameter
 
-/// As short as single precision can be read back; null for what is not finite, which JSON has no number for.
+/// Appends a number in the shortest form that reads back in single (`exact`: double) precision; null if not
+/// finite.
 void AppendNumber(std::string& text, double value, bool exact) {
   if (!std::isfinite(value)) {
     text += "null";
@@ -63,7 +64,7 @@ Json ControlsJson(const LiveControls& controls) {
   return json;
 }
 
-/// A number for one, a list for several; what is infinite becomes null as text.
+/// Returns a number for one element, a list for several. Infinities become null in the text.
 Json BoundsJson(const std::vector<ParameterRange>& ranges, double ParameterRange::*bound) {
   Json list = Json::array();
   for (const ParameterRange& range : ranges) list.push_back(range.*bound);
@@ -127,9 +128,8 @@ Json Hello(const LiveView& view, const Geometry& shapes, Context& context,
   Json bands = Json::array(), limits = Json::array(), tunable = Json::array();
   for (const Band& band : view.bands)
     bands.push_back({{"signal", band.signal}, {"names", band.names}, {"intervals", Json::array()}});
-  const auto bound = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   for (const auto& [signal, range] : view.limits)
-    limits.push_back({{"signal", signal}, {"limits", {bound(range.low), bound(range.high)}}});
+    limits.push_back({{"signal", signal}, {"limits", LimitsJson(range)}});
   const auto copy = context.Clone();
   for (const ParameterSource* parameter : parameters)
     tunable.push_back(ParameterJson(*parameter, context, *copy));

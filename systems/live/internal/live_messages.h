@@ -11,36 +11,36 @@ namespace tenon::internal {
 
 using Json = nlohmann::ordered_json;
 
-/// JSON as text, whatever bytes the strings hold.
+/// Writes JSON as text; replaces bytes that are not UTF-8.
 std::string Dump(const Json& json);
 
-/// The data of the page, as report.js reads them: a report without samples, and how to reach the run.
+/// Returns the data of the page for report.js: a report without samples, and the token of the run.
 std::string PageData(const LiveView& view, const std::string& token);
 
-/// What a page needs to know before samples come.
+/// Returns the description of the run, which a page needs before the samples.
 Json Hello(const LiveView& view, const Geometry& shapes, Context& context,
            const std::vector<const ParameterSource*>& parameters, double history);
 
-/// Those that can be set as numbers, of a size that does not change.
+/// Returns the Parameters that consist of a fixed number of numbers.
 std::vector<const ParameterSource*> Tunable(const Diagram& diagram);
 
-/// The value of a Parameter: a number, or a list of them.
+/// Returns the value of a Parameter as a number or a list of numbers.
 Json ParameterValue(const ParameterSource& parameter, Context& context);
 
-/// Rows of a log between two messages.
+/// Collects the rows of a log between two messages.
 class LiveRows final : public LogSink {
  public:
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
-  /// Rows are left away while this is set: they have been sent before.
+  /// While this is set, rows are skipped because they were already sent.
   bool muted = false;
   void Clear() { data_.clear(); }
   bool empty() const { return data_.empty(); }
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<std::string>& units() const { return units_; }
 
-  /// "time":[…],"KEY":[[…],…]: a list for each column. One that stays the same is one number, if `constants`.
-  /// Empties itself.
+  /// Removes the rows and returns them as "time":[…],"KEY":[[…],…] with a list for each column. With
+  /// `constants`, a constant column is a single number.
   std::string Take(const char* key, bool constants);
 
  private:

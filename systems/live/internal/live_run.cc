@@ -13,12 +13,12 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr double kSnapshotPeriod = 0.5;     // [s] of the run
-constexpr milliseconds kLongestWait(50);    // between two looks at what is asked
-constexpr milliseconds kMessagePeriod(28);  // of samples on the clock: every third frame, 33 a second
+constexpr double kSnapshotPeriod = 0.5;     // interval of snapshots in the run's time [s]
+constexpr milliseconds kLongestWait(50);    // interval of polling for commands
+constexpr milliseconds kMessagePeriod(28);  // wall-clock interval of sample messages
 constexpr milliseconds kStatusPeriod(200);
-constexpr milliseconds kCatchUp(500);         // a run that is later than this lets the time go
-constexpr std::chrono::seconds kRateOver(1);  // that the rate is measured
+constexpr milliseconds kCatchUp(500);         // delay beyond which the run does not catch up
+constexpr std::chrono::seconds kRateOver(1);  // interval over which the rate is measured
 
 }  // namespace
 
@@ -38,7 +38,7 @@ LiveRun::LiveRun(Simulator& simulator, const LiveView& view, const LiveOptions& 
   Begin();
 }
 
-/// The simulator keeps its logs.
+/// Mutes the sinks, because the simulator keeps them after the run.
 LiveRun::~LiveRun() {
   signals_->muted = frames_->muted = true;
   signals_->Clear();
@@ -75,7 +75,7 @@ RunStatus LiveRun::Run(std::optional<double> duration) {
     return Serve(duration);
   } catch (...) {
     try {
-      simulator_.ReleaseLogs();  // what is held is judged and written, as far as it can be
+      simulator_.ReleaseLogs();  // passes held rows to their sinks
     } catch (const OutputError&) {
     }
     throw;
@@ -86,7 +86,7 @@ RunStatus LiveRun::Serve(std::optional<double> duration) {
   for (;;) {
     ServeRequests();
     LetGoIfAbandoned();
-    const bool stopped = options_.stop && options_.stop();  // which may give commands
+    const bool stopped = options_.stop && options_.stop();  // may execute commands
     if (stopped || stop_) return Finish({time(), true, "interrupted"}, false);
     if (reset_seed_) return Finish({time(), true, "reset"}, false);
     const auto now = Clock::now();
@@ -110,7 +110,7 @@ RunStatus LiveRun::Serve(std::optional<double> duration) {
 }
 
 RunStatus LiveRun::Finish(RunStatus status, bool tick) {
-  if (state_ == State::kEnded) {  // and was stopped after that
+  if (state_ == State::kEnded) {  // and was then stopped
     status = ended_;
     tick = true;
   }
@@ -131,7 +131,7 @@ void LiveRun::Advance(double until, bool to_tick) {
       state_ = State::kEnded;
       SayEvent(status.reason);
     } else if (!to_tick && !signals_->muted && time() - snapshots_.back().time >= kSnapshotPeriod - 1e-9) {
-      TakeSnapshot();  // before its tick, which what is set there must reach
+      TakeSnapshot();  // before the tick, so that commands at this time affect it
     }
   } catch (const Error& error) {
     failure_ = std::current_exception();
@@ -213,8 +213,8 @@ LiveStatus LiveRun::status() const {
 
 void LiveRun::Back(double to) {
   if (snapshots_.empty() || to < snapshots_.front().time)
-    throw ParameterError(fmt::format("the run goes back to {:.4g} s at most", snapshots_.front().time));
-  if (to > time()) throw ParameterError(fmt::format("the run is at {:.4g} s: it can only go back", time()));
+    throw ParameterError(fmt::format("the run can go back at most to {:.4g} s", snapshots_.front().time));
+  if (to > time()) throw ParameterError(fmt::format("the run is at {:.4g} s and can only go back", time()));
   Publish(true);
   while (snapshots_.back().time > to) snapshots_.pop_back();
   const Snapshot& from = snapshots_.back();
@@ -233,10 +233,10 @@ void LiveRun::Back(double to) {
   file_.DropFrom(to);
   const LiveControls& controls = view_.controls;
   drives_ = controls.drive && IsHeld(controls.drive->set(Vec<3>::Zero()));
-  pulls_ = false;  // the hand is elsewhere by now
+  pulls_ = false;  // the pull ends, because the body has moved
   if (controls.pull && IsHeld(controls.pull->release())) Apply(controls.pull->release());
   RestartClock();
-  // The tick at this time is still to come, and sends its samples again.
+  // The tick at this time has not happened yet and sends its samples again.
   channel_.Say(time(), "back", Dump({{"to_s", std::max(0.0, time() - 1e-9)}}));
   SayChangedParameters();
   PublishStatus();

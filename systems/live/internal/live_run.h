@@ -14,8 +14,8 @@
 
 namespace tenon::internal {
 
-/// One run of a LiveServer, from its beginning to its end, in one thread. Between two frames (a hundredth of
-/// a second of the run, say) it does what browsers ask for.
+/// One run of a LiveServer in one thread. Commands of browsers are executed between two frames, say every
+/// hundredth of a second of the run.
 class LiveRun {
  public:
   LiveRun(Simulator& simulator, const LiveView& view, const LiveOptions& options, LiveChannel& channel);
@@ -23,7 +23,7 @@ class LiveRun {
   LiveRun(const LiveRun&) = delete;
   LiveRun& operator=(const LiveRun&) = delete;
   RunStatus Run(std::optional<double> duration);
-  /// Does what a command says and returns the answer; never throws for what is wrong with the command.
+  /// Executes a command and returns the answer, which also reports errors of the command.
   LiveReply Execute(const std::string& client, const std::string& json);
   LiveStatus status() const;
   std::optional<std::uint64_t> reset_seed() const { return reset_seed_; }
@@ -31,11 +31,11 @@ class LiveRun {
  private:
   using Clock = std::chrono::steady_clock;
   enum class State { kRunning, kPaused, kEnded };
-  /// A place to which the run can be set back.
+  /// A state to which the run can be set back.
   struct Snapshot {
     double time;
     std::vector<std::byte> bytes;
-    std::size_t entries;  // that had been recorded
+    std::size_t entries;  // number of recorded entries
   };
 
   Context& context() { return simulator_.context(); }
@@ -75,25 +75,25 @@ class LiveRun {
   LiveChannel& channel_;
   LiveFile file_;
   std::vector<const ParameterSource*> parameters_;
-  std::vector<Json> shown_;  // values of them, as the pages have them
+  std::vector<Json> shown_;  // values shown in the pages
   std::set<std::string> tuned_;
   std::shared_ptr<LiveRows> signals_ = std::make_shared<LiveRows>(), frames_ = std::make_shared<LiveRows>();
   std::deque<Snapshot> snapshots_;
-  std::vector<std::byte> start_;  // of the run, before anything happened
+  std::vector<std::byte> start_;  // snapshot of the begin of the run
 
   State state_ = State::kRunning;
   RunStatus ended_;
   std::exception_ptr failure_;
-  double wanted_rate_;  // 0: as fast as it can
+  double wanted_rate_;  // 0: as fast as possible
   Clock::time_point clock_start_;
   double clock_start_time_ = 0;
-  std::deque<std::pair<Clock::time_point, double>> pace_;  // what the clock showed, and the run
+  std::deque<std::pair<Clock::time_point, double>> pace_;  // wall-clock times and times of the run
   double rate_ = 0;
   Clock::time_point published_, status_published_;
   std::string driver_;
   Clock::time_point driver_seen_;
   bool driver_listens_ = false, drives_ = false, pulls_ = false, stop_ = false;
-  Json pull_;  // as the pages have it
+  Json pull_;  // pull shown in the pages
   std::optional<std::uint64_t> reset_seed_;
   std::string message_;
 };

@@ -8,10 +8,10 @@
 namespace tenon::internal {
 namespace {
 
-constexpr double kFar = 1e9;    // times the value: as good as unbounded
-constexpr double kNear = 1e-7;  // times the value: as good as the bound
+constexpr double kFar = 1e9;    // relative distance treated as unbounded
+constexpr double kNear = 1e-7;  // relative distance treated as at the bound
 
-/// The last value from `value` on, in direction `sign`, that `accepts`.
+/// Returns the last value in direction `sign` from `value` for which `accepts` is true.
 template <class Accepts>
 double Bound(double value, double sign, const Accepts& accepts) {
   const double size = std::max(std::abs(value), 1e-3);

@@ -8,14 +8,15 @@
 
 namespace tenon::internal {
 
-/// What an element of a Parameter may be; infinite where nothing bounds it, or nothing is known.
+/// The range of an element of a Parameter; infinite if it is unbounded or unknown.
 struct ParameterRange {
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
 };
 
-/// The ranges that the elements of a Parameter may be in, about their present values and with all else as it
-/// is: found by trying what its block refuses, to six digits. `context` is a copy to try it on; it is left as
-/// it was. What has no real number, or takes longer than 1 ms to try once, has no range.
+/// Returns the ranges of a Parameter's elements around their present values with all other values fixed. They
+/// are found to six digits by trying which values the block refuses. `context` is a copy for the trials and
+/// is left unchanged. Elements that are not real numbers, and Parameters whose trials take longer than 1 ms,
+/// have no range.
 std::vector<ParameterRange> RangesOf(const ParameterSource& parameter, Context& context);
 
 }  // namespace tenon::internal

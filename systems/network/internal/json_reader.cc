@@ -50,7 +50,7 @@ class NumberStore final : public ValueVisitor {
 
 }  // namespace
 
-/// What nlohmann_json calls as it goes through a message; false stops it.
+/// Handles the parser events of nlohmann_json for a message; returning false stops the parser.
 class JsonReader::Handler {
  public:
   explicit Handler(JsonReader& reader) : reader_(reader) {}
@@ -60,8 +60,8 @@ class JsonReader::Handler {
   bool number_integer(std::int64_t value) { return Take(value); }
   bool number_unsigned(std::uint64_t value) { return Take(value); }
   bool number_float(double value, const std::string&) { return Take(value); }
-  bool string(std::string&) { return Refuse("'{}' is a text, no number", path_); }
-  bool binary(std::vector<std::uint8_t>&) { return false; }  // JSON has none
+  bool string(std::string&) { return Refuse("'{}' is a text, not a number", path_); }
+  bool binary(std::vector<std::uint8_t>&) { return false; }  // does not occur in JSON
   bool start_object(std::size_t) {
     lengths_.push_back(path_.size());
     return true;
@@ -77,10 +77,10 @@ class JsonReader::Handler {
     lengths_.pop_back();
     return true;
   }
-  bool start_array(std::size_t) { return Refuse("'{}' is a list, no number", path_); }
+  bool start_array(std::size_t) { return Refuse("'{}' is a list, not a number", path_); }
   bool end_array() { return true; }
   bool parse_error(std::size_t place, const std::string&, const nlohmann::json::exception&) {
-    return Refuse("it is no JSON: something is wrong before byte {}", place);
+    return Refuse("invalid JSON before byte {}", place);
   }
   std::string reason;
 
@@ -93,24 +93,25 @@ class JsonReader::Handler {
 
   template <class T>
   bool Take(T number) {
-    if (lengths_.empty()) return Refuse("it is no object");
-    // Most messages have their keys in our order.
+    if (lengths_.empty()) return Refuse("the message is not a JSON object");
+    // Most messages have their keys in the order of the signal, which avoids the look-up.
     if (next_ == reader_.names_.size() || reader_.names_[next_] != path_) {
       const auto found = reader_.places_.find(path_);
-      if (found == reader_.places_.end()) return Refuse("'{}' is no element of the signal", path_);
+      if (found == reader_.places_.end()) return Refuse("the signal has no element '{}'", path_);
       next_ = found->second;
     }
     const std::size_t i = next_++;
-    if (reader_.given_[i]) return Refuse("'{}' is there twice", path_);
-    if (!Fits(number, reader_.kinds_[i])) return Refuse("'{}' = {} does not fit its element", path_, number);
+    if (reader_.given_[i]) return Refuse("'{}' is given twice", path_);
+    if (!Fits(number, reader_.kinds_[i]))
+      return Refuse("'{}' = {} does not fit the type of its element", path_, number);
     if (const TypeInfo* type = reader_.enumerations_[i]; type != nullptr && !IsNamedBy(*type, number))
-      return Refuse("'{}' = {} is none of {}", path_, number, NamedValues(*type));
+      return Refuse("'{}' = {} must be one of {}", path_, number, NamedValues(*type));
     reader_.given_[i] = true;
     reader_.numbers_[i] = number;
     return true;
   }
 
-  /// Whether an element of that kind can hold the number as it is.
+  /// Returns whether an element of that kind can represent the number exactly.
   template <class T>
   static bool Fits(T number, ScalarKind kind) {
     bool fits = false;
@@ -141,7 +142,7 @@ class JsonReader::Handler {
 
   JsonReader& reader_;
   std::string path_;
-  std::vector<std::size_t> lengths_;  ///< of the path, outside of the objects
+  std::vector<std::size_t> lengths_;  ///< lengths of the paths to the enclosing objects
   std::size_t next_ = 0;
 };
 

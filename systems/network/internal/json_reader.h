@@ -12,26 +12,27 @@
 
 namespace tenon::internal {
 
-/// A number as JSON has it.
+/// A number in JSON.
 using JsonNumber = std::variant<double, std::int64_t, std::uint64_t, bool>;
 
-/// Reads such messages, flat names ("cart.position") as well, into values of the size of a model.
+/// Reads the messages of JsonWriter, also with flat names ("cart.position"), into values of the size of a
+/// model.
 class JsonReader {
  public:
   JsonReader(std::string name, const TypeInfo& type, const void* model, const Spec& spec);
-  /// Returns why the message is refused, with `value` as it was; empty if it is not: it is no such object, or
-  /// has a key too many or too few, or a number that its element cannot hold.
+  /// Reads a message. Returns an empty text, or the reason of a refusal, which leaves `value` unchanged:
+  /// invalid JSON, an unknown or missing key, or a number that its element cannot represent.
   std::string Read(std::span<const char> message, double* timestamp, void* value);
 
  private:
   class Handler;
 
   const TypeInfo& type_;
-  std::vector<std::string> names_;  ///< of the elements, "timestamp" behind them
+  std::vector<std::string> names_;  ///< names of the elements, followed by "timestamp"
   std::unordered_map<std::string, std::size_t> places_;
   std::vector<ScalarKind> kinds_;
   std::vector<const TypeInfo*> enumerations_;  ///< null for other elements
-  std::vector<JsonNumber> numbers_;            ///< of the present message
+  std::vector<JsonNumber> numbers_;            ///< numbers of the current message
   std::vector<bool> given_;
 };
 

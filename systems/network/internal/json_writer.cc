@@ -12,7 +12,7 @@
 namespace tenon::internal {
 namespace {
 
-/// Room for the longest, "-2.2250738585072014e-308".
+/// Space for the longest number, "-2.2250738585072014e-308" [characters].
 constexpr std::size_t kLongestNumber = 32;
 
 std::vector<std::string> Split(const std::string& name) {
@@ -25,14 +25,14 @@ std::vector<std::string> Split(const std::string& name) {
   return parts;
 }
 
-/// The sizes of what can change its size, in order.
+/// Compares the sizes of matrices and lists with recorded ones and records them.
 class ShapeVisitor final : public ValueVisitor {
  public:
   explicit ShapeVisitor(std::vector<std::size_t>& shape) : shape_(shape) {}
   void Numbers(void*, ScalarKind, std::size_t, std::size_t) override {}
   void Resize(std::size_t* rows, std::size_t* cols) override {
     for (const std::size_t extent : {*rows, *cols}) {
-      if (count_ == shape_.size()) shape_.push_back(extent + 1);  // that differs in any case
+      if (count_ == shape_.size()) shape_.push_back(extent + 1);  // differs from extent
       changed_ = changed_ || shape_[count_] != extent;
       shape_[count_++] = extent;
     }
@@ -61,7 +61,8 @@ char* AppendNumber(char* out, Number number) {
     if constexpr (std::is_floating_point_v<Number>) {
       if (std::isnan(number)) return Append(out, "\"NaN\"");
       if (std::isinf(number)) return Append(out, number > 0 ? "\"Infinity\"" : "\"-Infinity\"");
-      if (number == 0 && std::signbit(number)) return Append(out, "-0.0");  // "-0" reads as an integer
+      if (number == 0 && std::signbit(number))
+        return Append(out, "-0.0");  // "-0" would be read as an integer
     }
     return std::to_chars(out, out + kLongestNumber, number).ptr;
   }
@@ -95,7 +96,7 @@ std::vector<std::string> JsonKeys(const std::string& name, const TypeInfo& type,
 
 void JsonWriter::Prepare(const std::string& name, const TypeInfo& type, const void* value, const Spec& spec) {
   pieces_.assign(1, fmt::format("{{\"{}\":", kJsonTimestamp));
-  std::vector<std::string> open;  // the objects around the present place
+  std::vector<std::string> open;  // names of the enclosing objects
   std::size_t size = pieces_[0].size();
   for (const std::string& key : JsonKeys(name, type, value, spec)) {
     std::vector<std::string> parts = Split(key);

@@ -11,7 +11,7 @@ namespace tenon::internal {
 
 constexpr const char* kJsonTimestamp = "timestamp";
 
-/// The keys of a signal's numbers: "cart.position".
+/// Returns the dotted keys of a signal's numbers: "cart.position".
 std::vector<std::string> JsonKeys(const std::string& name, const TypeInfo& type, const void* value,
                                   const Spec& spec);
 
@@ -19,20 +19,20 @@ std::vector<std::string> JsonKeys(const std::string& name, const TypeInfo& type,
 ///
 ///     {"timestamp":0.25,"cart":{"position":0.1,"velocity":-0.2}}
 ///
-/// with the elements of the signal as logs name them, a dot being a level. Numbers are the shortest that read
-/// back as the same bits; what JSON has no number for is "NaN", "Infinity", "-Infinity". What is no number
-/// (text) is left out.
+/// with the elements of the signal named as in logs, one level of objects for each dot. Numbers are written
+/// in the shortest form that reads back exactly, and "NaN", "Infinity" and "-Infinity" as texts. Members that
+/// are not numbers are omitted.
 class JsonWriter {
  public:
-  /// The message; lies in the writer until the next. Allocates for the first one, and when the value has
-  /// changed its size.
+  /// Returns the message, which is valid until the next call. Allocates only for the first message and when
+  /// the size of the value changes.
   std::span<const char> Write(double time, const std::string& name, const TypeInfo& type, const void* value,
                               const Spec& spec);
 
  private:
   void Prepare(const std::string& name, const TypeInfo& type, const void* value, const Spec& spec);
-  std::vector<std::string> pieces_;  ///< in front of each number, and behind the last
-  std::vector<std::size_t> shape_;   ///< of what can change its size
+  std::vector<std::string> pieces_;  ///< texts before each number and after the last one
+  std::vector<std::size_t> shape_;   ///< sizes of matrices and lists of variable size
   std::vector<char> text_;
 };
 

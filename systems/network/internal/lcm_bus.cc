@@ -17,12 +17,12 @@
 namespace tenon::internal {
 namespace {
 
-/// Of a subscription; who does not take them loses the oldest.
+/// Queue length of a subscription; beyond it, the oldest messages are dropped.
 constexpr std::size_t kMostMessages = 4096;
-/// A sender that never pauses does not hold up a tick for ever.
+/// Maximal number of messages handled at once, so that a fast sender does not block a tick.
 constexpr int kMostAtOnce = 1 << 20;
 
-/// LCM takes channels for regular expressions.
+/// Escapes a channel, which LCM interprets as a regular expression.
 std::string Quoted(const std::string& channel) {
   std::string quoted;
   for (const char c : channel) {
@@ -33,10 +33,11 @@ std::string Quoted(const std::string& channel) {
 }
 
 [[noreturn]] void ThrowNotOpen(const std::string& url) {
-  throw ParameterError(fmt::format(
-      "url = '{}': LCM does not open it, and says why on stderr; give one such as "
-      "udpm://239.255.76.67:7667?ttl=0, or none for LCM's default; these need a route for multicast",
-      url));
+  throw ParameterError(
+      fmt::format("url = '{}': LCM cannot open it, see stderr; use a URL such as "
+                  "udpm://239.255.76.67:7667?ttl=0, or an empty "
+                  "one for LCM's default; these need a multicast route",
+                  url));
 }
 
 }  // namespace
@@ -83,7 +84,7 @@ LcmBus::Subscription::Subscription(std::shared_ptr<LcmBus> bus, const std::strin
   mail_ = &bus_->mails_.emplace_back(Mail{bus_.get()});
   subscription_ = lcm_subscribe(bus_->lcm_, Quoted(channel).c_str(), &Handle, mail_);
   if (subscription_ == nullptr) ThrowNotOpen(bus_->url_);
-  // A full queue of LCM drops new messages. 0 means no limit: the watcher empties it.
+  // A full queue of LCM drops new messages. 0 means unlimited, because the watcher empties the queue.
   lcm_subscription_set_queue_capacity(subscription_, on_demand ? static_cast<int>(kMostMessages) : 0);
   if (on_demand || bus_->watcher_) return;
   bus_->watcher_.emplace(lcm_get_fileno(bus_->lcm_), [bus = bus_.get()] {
@@ -114,10 +115,10 @@ bool LcmBus::Subscription::Take(double timeout_s, std::vector<char>& message) {
   for (;;) {
     int came = 1;
     for (int i = 0; i < kMostAtOnce && came > 0 && mail_->messages.empty(); ++i) came = bus_->HandleNext();
-    bus_->Notify();  // of messages for others
+    bus_->Notify();  // other threads may have messages
     if (!mail_->messages.empty()) break;
     const std::chrono::duration<double> left = end - Clock::now();
-    if (came < 0 || left.count() <= 0) return false;  // a log that has come to its end
+    if (came < 0 || left.count() <= 0) return false;  // the end of a log file
     if (bus_->waiting_ || bus_->watcher_) {
       bus_->came_.wait_until(lock, end);
       continue;

@@ -16,33 +16,33 @@
 
 namespace tenon::internal {
 
-/// A connection to an LCM network. All blocks of a program that name the same URL share one.
+/// A connection to an LCM network, shared by all blocks of a program with the same URL.
 class LcmBus {
   struct Mail;
 
  public:
-  /// Throws ParameterError if LCM does not open it.
+  /// Throws ParameterError if LCM cannot open the URL.
   static std::shared_ptr<LcmBus> Open(const std::string& url);
   explicit LcmBus(const std::string& url);
   ~LcmBus();
   LcmBus(const LcmBus&) = delete;
   LcmBus& operator=(const LcmBus&) = delete;
 
-  /// False if LCM does not take it.
+  /// Returns false if LCM refuses the message.
   bool Publish(const std::string& channel, std::span<const char> message);
 
-  /// Takes what comes on a channel.
+  /// A subscription of a channel.
   class Subscription {
    public:
-    /// With `on_demand`, messages stay in LCM until Take asks for them; else a thread collects them all the
-    /// time. Throws ParameterError if LCM does not subscribe.
+    /// With `on_demand`, messages stay in LCM's queue until Take requests them; else a thread collects them
+    /// continuously. Throws ParameterError if LCM refuses the subscription.
     Subscription(std::shared_ptr<LcmBus> bus, const std::string& channel, bool on_demand);
     ~Subscription();
     Subscription(const Subscription&) = delete;
     Subscription& operator=(const Subscription&) = delete;
-    /// Waits for a message as long [s]; false if none comes.
+    /// Waits for a message; returns false at the timeout [s].
     bool Take(double timeout_s, std::vector<char>& message);
-    /// All messages that have come and were not taken, in their order.
+    /// Removes and returns all received messages in order.
     std::deque<std::vector<char>> TakeAll();
 
    private:
@@ -52,29 +52,29 @@ class LcmBus {
   };
 
  private:
-  /// What has come to a subscription and was not yet taken. Another thread may be about to put something in
-  /// while the subscription ends: so it lives as long as the bus.
+  /// Received messages of a subscription. It lives as long as the bus, because another thread may add
+  /// messages while the subscription ends.
   struct Mail {
     LcmBus* bus;
     bool open = true;
     std::deque<std::vector<char>> messages = {};
   };
-  /// Called by HandleNext alone.
+  /// Called only by HandleNext.
   static void Handle(const lcm_recv_buf_t* received, const char* channel, void* mail);
-  /// Puts the next message that is queued in LCM into its mail; needs `mutex_`. As lcm_handle_timeout,
-  /// returns 0 if there is none and less if none can come any more.
+  /// Moves the next message of LCM's queue to its subscription; requires `mutex_`. Returns 0 if there is none
+  /// and a negative number if there can be no more, as lcm_handle_timeout does.
   int HandleNext() { return lcm_handle_timeout(lcm_, 0); }
   int HandleAll();
-  /// Wakes all that wait for messages.
+  /// Wakes all threads that wait for messages.
   void Notify();
 
   const std::string url_;
   lcm_t* lcm_;
-  std::mutex mutex_;  ///< of what follows, and held while LCM hands out messages
+  std::mutex mutex_;  ///< protects the members below; locked while LCM handles messages
   std::condition_variable came_;
   std::list<Mail> mails_;
-  bool waiting_ = false;  ///< some thread waits for LCM, for all
-  int nudge_ = -1;        ///< a file descriptor that wakes that thread
+  bool waiting_ = false;  ///< one thread waits for LCM on behalf of all
+  int nudge_ = -1;        ///< file descriptor that wakes the waiting thread
   std::optional<Watcher> watcher_;
 };
 

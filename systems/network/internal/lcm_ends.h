@@ -11,12 +11,12 @@ namespace tenon::internal {
 
 class LcmBus;
 
-/// What an LcmPublisher of any type sends through.
+/// The part of LcmPublisher that does not depend on its type.
 class LcmSender {
  public:
   LcmSender(const std::string& channel, const std::string& url, const TypeInfo& type);
   ~LcmSender();
-  /// False if LCM does not take it. `message` is memory.
+  /// Returns false if LCM refuses the message. `message` is a reusable buffer.
   bool Send(double time, const void* value, std::vector<char>& message) const;
 
  private:
@@ -25,7 +25,7 @@ class LcmSender {
   std::shared_ptr<LcmBus> bus_;
 };
 
-/// Where the messages of an LcmInput of any type arrive.
+/// Makes the inbox of an LcmInput of any type.
 std::unique_ptr<Inbox> MakeLcmInbox(const std::string& channel, const std::string& url, Reception reception,
                                     const TypeInfo& type);
 void CheckChannel(const std::string& channel);

@@ -46,10 +46,10 @@ WireType WireTypeOf(ScalarKind kind) {
   return {"int64_t", 8};
 }
 
-/// A name that lcm-gen takes: of "ns::Pair<double, 2>" that is "Pair_double_2".
+/// Converts a type name to a name for lcm-gen: "ns::Pair<double, 2>" to "Pair_double_2".
 std::string Identifier(const std::string& text) {
   std::string name;
-  std::size_t word = 0;  // where the present one begins in the name
+  std::size_t word = 0;  // begin of the current word
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto c = static_cast<unsigned char>(text[i]);
     if (std::isalnum(c) != 0 || c == '_') {
@@ -67,7 +67,7 @@ std::string Identifier(const std::string& text) {
   return name;
 }
 
-// As lcm-gen hashes a description.
+// The hash of a description as in lcm-gen.
 std::uint64_t HashByte(std::uint64_t hash, char c) {
   const auto sign_extended = static_cast<std::uint64_t>(static_cast<std::int64_t>(hash) >> 55);
   return ((hash << 8) ^ sign_extended) + static_cast<std::uint64_t>(static_cast<signed char>(c));
@@ -84,25 +84,25 @@ LcmType::LcmType(const TypeInfo& value) {
   Member member{"value", "", 0, &value};
   if (!Describe(member)) {
     throw ParameterError(
-        fmt::format("{} holds no numbers that could be sent: give it a static Fields()", TypeName(value)));
+        fmt::format("{} holds no numbers to send: give it a static Fields()", TypeName(value)));
   }
   structures_.push_back({nullptr, Identifier(TypeName(value)) + "Sample"});
   structures_.back().members.push_back(std::move(member));
   fingerprint_ = Fingerprint(structures_.back());
 }
 
-/// Returns the index of the structure; -1 if there is nothing in it that can be sent.
+/// Returns the index of the structure, or -1 if it has no numbers.
 int LcmType::Add(const TypeInfo& type) {
   const std::string name = Identifier(TypeName(type));
   for (std::size_t i = 0; i < structures_.size(); ++i) {
     if (*structures_[i].type->id == *type.id) return static_cast<int>(i);
     if (structures_[i].name == name) {
-      throw ParameterError(
-          fmt::format("two types are named {} where LCM knows no namespaces: rename one", name));
+      throw ParameterError(fmt::format(
+          "two types have the name {} without namespaces, which LCM does not have: rename one", name));
     }
   }
   if (std::find(open_.begin(), open_.end(), &type) != open_.end()) {
-    throw ParameterError(fmt::format("{} holds items of its own type, which LCM does not have", name));
+    throw ParameterError(fmt::format("{} contains items of its own type, which LCM does not support", name));
   }
   open_.push_back(&type);
   Structure structure{&type, name};
@@ -116,7 +116,7 @@ int LcmType::Add(const TypeInfo& type) {
   return static_cast<int>(structures_.size()) - 1;
 }
 
-/// Fills in what its type says; false if there is nothing in it that can be sent.
+/// Describes a member by its type; returns false if it has no numbers.
 bool LcmType::Describe(Member& member) {
   const auto demand_outermost = [&] {
     if (member.extents.empty()) return;
@@ -202,7 +202,7 @@ std::uint64_t LcmType::Fingerprint(const Structure& structure) const {
   return std::rotl(hash, 1);
 }
 
-// ---- Messages ----
+// Messages.
 
 template <class Visitor>
 void LcmType::Visit(Visitor& visitor, const Structure& structure, const void* value) const {
@@ -210,7 +210,7 @@ void LcmType::Visit(Visitor& visitor, const Structure& structure, const void* va
     const auto* place = static_cast<const std::byte*>(value) + member.offset;
     if (!member.sizes.empty()) {
       const TypeInfo* type = member.type;
-      // Sizes are those of the outermost list or matrix, which lies in the structure itself.
+      // The sizes belong to the outermost list or matrix, which is a member of the structure.
       std::size_t extents[2];
       type->shape(place, &extents[0], &extents[1]);
       const bool columns_vary_alone = type->kind == Kind::kMatrix && type->rows >= 0;
@@ -286,7 +286,7 @@ void LcmType::Encode(double timestamp, const void* value, std::vector<char>& mes
   Visit(encoder, structures_.back(), value);
 }
 
-/// First looks whether all is right, then stores.
+/// Decodes a message in two passes: the first one checks it, the second one stores the values.
 class LcmType::Decoder {
  public:
   explicit Decoder(std::span<const char> message) : message_(message) {}
@@ -297,7 +297,7 @@ class LcmType::Decoder {
   }
   std::uint64_t Get(std::size_t size) {
     if (message_.size() - cursor_ < size) {
-      Refuse(fmt::format("it is cut short: {} bytes, more are needed", message_.size()));
+      Refuse(fmt::format("the message is truncated: {} bytes are too few", message_.size()));
       return 0;
     }
     std::uint64_t bits = 0;
@@ -308,7 +308,7 @@ class LcmType::Decoder {
   }
   void Size(std::int32_t size, const std::string& name) {
     const auto given = static_cast<std::int32_t>(Get(4));
-    if (given != size) Refuse(fmt::format("'{}' is {} where the signal has {}", name, given, size));
+    if (given != size) Refuse(fmt::format("'{}' is {}, but the signal has {}", name, given, size));
   }
   void Number(const TypeInfo& type, const void* value, const std::string& name) {
     const std::size_t size = WireTypeOf(type.scalar).size;
@@ -322,9 +322,9 @@ class LcmType::Decoder {
       } else {
         result = static_cast<T>(bits);
         const std::uint64_t again = static_cast<std::uint64_t>(result) << (64 - 8 * size) >> (64 - 8 * size);
-        if (again != bits) Refuse(fmt::format("'{}' holds a number that does not fit", name));
+        if (again != bits) Refuse(fmt::format("'{}' holds a number that its type cannot represent", name));
         if (!IsNamed(type, &result))
-          Refuse(fmt::format("'{}' = {} is none of {}", name, result, NamedValues(type)));
+          Refuse(fmt::format("'{}' = {} must be one of {}", name, result, NamedValues(type)));
       }
       if (stores_) *number = result;
     });
@@ -343,12 +343,12 @@ class LcmType::Decoder {
 std::string LcmType::Decode(std::span<const char> message, double* timestamp, void* value) const {
   Decoder decoder(message);
   if (const std::uint64_t given = decoder.Get(8); decoder.reason.empty() && given != fingerprint_) {
-    return fmt::format("it is of another type than {}: its fingerprint is {:#018x}, not {:#018x}",
+    return fmt::format("the message has another type than {}: its fingerprint is {:#018x}, not {:#018x}",
                        structures_.back().name, given, fingerprint_);
   }
   const auto time = std::bit_cast<double>(decoder.Get(8));
   Visit(decoder, structures_.back(), value);
-  if (!decoder.exhausted()) decoder.Refuse("it is longer than its type");
+  if (!decoder.exhausted()) decoder.Refuse("the message is longer than its type");
   if (!decoder.reason.empty()) return decoder.reason;
   decoder.StoreFrom(16);
   Visit(decoder, structures_.back(), value);

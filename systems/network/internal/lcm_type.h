@@ -10,7 +10,7 @@
 
 namespace tenon::internal {
 
-/// A type of LCM's that carries a signal:
+/// The LCM type for the messages of a signal:
 ///
 ///     struct SpringState {
 ///       double force;  // N
@@ -21,24 +21,24 @@ namespace tenon::internal {
 ///       SpringState value;
 ///     }
 ///
-/// Numbers are of LCM's types: bool a boolean, uint8_t a byte, wider unsigned ones the next wider signed one,
-/// uint64_t an int64_t of the same bits, an enumeration its integer. A matrix is an array by rows; what has
-/// its size at run time has it in a member `name_size`, or `name_rows` and `name_cols`, in front. What is no
-/// number is left out.
+/// Numbers have LCM's types: bool is a boolean, uint8_t a byte, uint16_t and uint32_t the next wider signed
+/// type, uint64_t an int64_t with the same bits, and an enumeration its integer. A matrix is an array by
+/// rows. Members of variable size are preceded by a member `name_size`, or `name_rows` and `name_cols`.
+/// Members that are not numbers are omitted.
 class LcmType {
  public:
-  /// Throws ParameterError for a type without numbers, and for what LCM does not have: lists of lists, a
-  /// structure that holds itself, two structures of one name.
+  /// Throws ParameterError for a type without numbers and for types that LCM does not support: lists of
+  /// lists, a structure that contains itself, two structures of one name.
   explicit LcmType(const TypeInfo& value);
 
-  /// The description that lcm-gen reads.
+  /// Returns the description for lcm-gen.
   std::string Text(const std::string& package) const;
-  /// What messages of the type begin with, as lcm-gen computes it.
+  /// The hash with which messages of the type begin, as computed by lcm-gen.
   std::uint64_t fingerprint() const { return fingerprint_; }
 
   void Encode(double timestamp, const void* value, std::vector<char>& message) const;
-  /// Returns why the message is refused, with `value` as it was; empty if it is not. Sizes must be those that
-  /// `value` has.
+  /// Reads a message. Returns an empty text, or the reason of a refusal, which leaves `value` unchanged.
+  /// Sizes must equal those of `value`.
   std::string Decode(std::span<const char> message, double* timestamp, void* value) const;
 
  private:
@@ -48,12 +48,12 @@ class LcmType {
   };
   struct Member {
     std::string name, unit;
-    std::size_t offset;  ///< in the structure [bytes]
+    std::size_t offset;  ///< offset in the structure [bytes]
     const TypeInfo* type;
-    ScalarKind scalar = ScalarKind::kDouble;  ///< of its numbers, unless it is made of structures
+    ScalarKind scalar = ScalarKind::kDouble;  ///< kind of its numbers, unless it consists of structures
     int structure = -1;
     std::vector<Extent> extents = {};
-    std::vector<std::string> sizes = {};  ///< members in front of it
+    std::vector<std::string> sizes = {};  ///< size members that precede it
   };
   struct Structure {
     const TypeInfo* type;
@@ -71,8 +71,8 @@ class LcmType {
   template <class Visitor>
   void VisitValue(Visitor& visitor, const Member& member, const TypeInfo& type, const void* value) const;
 
-  std::vector<Structure> structures_;  ///< the message last, what it holds before
-  std::vector<const TypeInfo*> open_;  ///< while they are added
+  std::vector<Structure> structures_;  ///< each after the structures that it contains; the message is last
+  std::vector<const TypeInfo*> open_;  ///< structures being added, to detect recursion
   std::uint64_t fingerprint_ = 0;
 };
 

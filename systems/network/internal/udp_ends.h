@@ -11,12 +11,12 @@ namespace tenon::internal {
 
 class UdpSocket;
 
-/// What a UdpPublisher of any type sends through.
+/// The part of UdpPublisher that does not depend on its type.
 class UdpSender {
  public:
   UdpSender(const std::string& name, const std::string& address, int port, const TypeInfo& type);
   ~UdpSender();
-  /// False if the message did not leave. `port` knows what the elements are called.
+  /// Returns false if the message was not sent. `port` determines the names of the elements.
   bool Send(double time, const Source& port, const void* value, JsonWriter& writer) const;
 
  private:
@@ -27,10 +27,10 @@ class UdpSender {
 struct UdpReception {
   std::string name, address;
   int port;
-  Spec spec;  ///< of y
+  Spec spec;  ///< spec of y
   Reception reception;
 };
-/// Where the messages of a UdpInput of any type arrive; `port` becomes what the system has chosen.
+/// Makes the inbox of a UdpInput of any type. Sets `port` to the actual port.
 std::unique_ptr<Inbox> MakeUdpInbox(const UdpReception& reception, const TypeInfo& type, const void* model,
                                     int* port);
 void CheckSignalName(const std::string& name);

@@ -18,11 +18,11 @@
 namespace tenon::internal {
 namespace {
 
-/// Remedies for what binding fails at.
+/// Returns the remedy for an error of bind().
 const char* RemedyFor(int error) {
-  if (error == EADDRINUSE) return "choose another port, 0 for any, or end the program that has it";
+  if (error == EADDRINUSE) return "choose another port, 0 for any, or end the program that uses it";
   if (error == EADDRNOTAVAIL)
-    return "give an address of this machine: 127.0.0.1, or 0.0.0.0 for all that it has";
+    return "give an address of this machine: 127.0.0.1, or 0.0.0.0 for all of its addresses";
   return "choose another port, 0 for any, or another address";
 }
 

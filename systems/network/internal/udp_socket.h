@@ -10,26 +10,26 @@
 
 namespace tenon::internal {
 
-/// A socket for datagrams.
+/// A UDP socket.
 class UdpSocket {
  public:
   static constexpr std::size_t kLargestDatagram = 65507;  ///< [bytes], of IPv4
   enum class Use { kSend, kReceive };
-  /// Binds to the address, or sends there. Throws ParameterError if there is no such address, or the port is
-  /// taken.
+  /// Binds to the address for receiving, or connects to it for sending. Throws ParameterError if the address
+  /// does not exist or the port is in use.
   UdpSocket(Use use, const std::string& address, int port);
   ~UdpSocket();
   UdpSocket(const UdpSocket&) = delete;
   UdpSocket& operator=(const UdpSocket&) = delete;
 
-  /// "127.0.0.1:9870", the port being the one that the system has chosen if it was 0.
+  /// Address and actual port: "127.0.0.1:9870".
   const std::string& name() const { return name_; }
   int port() const { return port_; }
-  int file() const { return file_; }  ///< to wait for a datagram
-  /// Without waiting; false if the system does not take the datagram: its buffers are full, the network is
-  /// down.
+  int file() const { return file_; }  ///< file descriptor, to wait for a datagram
+  /// Sends without waiting. Returns false if the system refuses the datagram, because its buffers are full or
+  /// the network is down.
   bool Send(std::span<const char> message) const;
-  /// Waits for a datagram as long [s]; nothing if none comes. It lies in the socket until the next.
+  /// Waits for a datagram; empty at the timeout [s]. The result is valid until the next call.
   std::optional<std::span<const char>> Receive(double timeout_s);
 
  private:

@@ -5,8 +5,8 @@
 
 namespace tenon::internal {
 
-/// Calls a function in a thread of its own whenever there is something to read from a file descriptor, until
-/// it returns false or the watcher is destroyed. Does nothing if the system has no thread to give.
+/// Calls a function in a separate thread whenever a file descriptor is readable, until the function returns
+/// false or the watcher is destroyed. Does nothing if the system cannot create a thread.
 class Watcher {
  public:
   Watcher(int file, std::function<bool()> read);
@@ -15,7 +15,7 @@ class Watcher {
   Watcher& operator=(const Watcher&) = delete;
 
  private:
-  int stop_;  ///< readable when the thread is to end
+  int stop_;  ///< becomes readable to end the thread
   std::thread thread_;
 };
 

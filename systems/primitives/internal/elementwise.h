@@ -9,22 +9,22 @@
 
 namespace tenon::internal {
 
-/// What the primitives carry: a double, a Vec<N>, or another matrix of fixed size.
+/// Value types of most primitives: a double, a Vec<N>, or another matrix of fixed size.
 template <class T>
 concept DoubleOrMatrix = std::same_as<T, double> ||
     (InlineMatrix<T>&& std::same_as<typename T::Scalar, double>);
 
-/// A vector of doubles whose size is known at run time, with whatever alignment.
+/// A vector of doubles whose size is known only at run time, with any alignment.
 template <class T>
 concept VectorOfRunTimeSize = std::derived_from<T, Eigen::PlainObjectBase<T>> &&
                                   T::RowsAtCompileTime == Eigen::Dynamic&& T::ColsAtCompileTime == 1 &&
                               std::same_as<typename T::Scalar, double>;
 
-/// What noise is put on: those, and structs that describe themselves.
+/// Value types of noise: those of most primitives, and structs that describe themselves.
 template <class T>
 concept DoublesInside = DoubleOrMatrix<T> || HasFields<T>;
 
-/// A T with every number in it `number`.
+/// A T in which every number is `number`.
 template <DoubleOrMatrix T>
 T Filled(double number) {
   if constexpr (std::same_as<T, double>) {
@@ -34,7 +34,7 @@ T Filled(double number) {
   }
 }
 
-/// The same; a struct is zero.
+/// A T in which every number is `number`, or a struct in which every number is zero.
 template <DoublesInside T>
 T FilledOrZero([[maybe_unused]] double number) {
   if constexpr (DoubleOrMatrix<T>) {
@@ -44,7 +44,7 @@ T FilledOrZero([[maybe_unused]] double number) {
   }
 }
 
-/// Applies `function` to the numbers of the values, element by element, in order.
+/// Applies `function` to the elements of the values, one by one and in order.
 template <class F, DoubleOrMatrix T, std::same_as<T>... More>
 T Elementwise(F function, const T& first, const More&... more) {
   if constexpr (std::same_as<T, double>) {
@@ -57,7 +57,7 @@ T Elementwise(F function, const T& first, const More&... more) {
   }
 }
 
-/// Whether `condition` holds for all numbers of the values, element by element.
+/// True if `condition` holds for all elements of the values.
 template <class F, DoubleOrMatrix T, std::same_as<T>... More>
 bool Everywhere(F condition, const T& first, const More&... more) {
   bool all = true;
@@ -70,7 +70,8 @@ bool Everywhere(F condition, const T& first, const More&... more) {
   return all;
 }
 
-/// One number for the pieces on which all elements of the values are, for a Kink: it changes if one does.
+/// An index, for a Kink, of the pieces on which the elements of the values are; it changes if one of them
+/// does.
 template <class F, DoubleOrMatrix T, std::same_as<T>... More>
 std::int64_t PieceOf(F piece, const T& first, const More&... more) {
   if constexpr (std::same_as<T, double>) {
@@ -92,7 +93,7 @@ inline const double* DoublesAt(const void* value, std::size_t offset) {
   return reinterpret_cast<const double*>(static_cast<const std::byte*>(value) + offset);
 }
 
-/// Calls `visit(double&, …)` for all doubles of the values, one of each, in order. Their type must be fixed.
+/// Calls `visit(double&, …)` for each double of the values, in order. Their type must have a fixed size.
 template <class F, class T, class... More>
 void ForEachDouble(F visit, T& first, More&... more) {
   for (const ScalarRun& run : TypeInfoOf<std::remove_const_t<T>>().runs) {

@@ -28,10 +28,10 @@ std::vector<std::size_t> FindElements(const std::vector<Element>& elements,
     for (std::size_t i = 0; i < elements.size(); ++i) {
       if (!Means(name, elements[i].name)) continue;
       if (real_only && elements[i].name == name && !elements[i].is_real) {
-        throw ParameterError(
-            fmt::format("'{}' is no real number, which this kind of fault needs: choose another element, or "
-                        "drop_out, stuck, late or lost",
-                        name));
+        throw ParameterError(fmt::format(
+            "'{}' is not a real number, as this kind of fault requires: choose another element, or "
+            "drop_out, stuck, late or lost",
+            name));
       }
       found = chosen[i] = true;
     }
@@ -45,8 +45,8 @@ std::vector<std::size_t> FindElements(const std::vector<Element>& elements,
     if (chosen[i] && (elements[i].is_real || !real_only)) indices.push_back(i);
   if (indices.empty()) {
     throw ParameterError(
-        "there is no number in the signal that this kind of fault could change: choose stuck, late or lost, "
-        "or give `initial` its size if that is known at run time only");
+        "the signal has no number that this kind of fault could change: choose stuck, late or lost, "
+        "or set the size of `initial` if it is known only at run time");
   }
   return indices;
 }

@@ -4,11 +4,11 @@
 
 namespace tenon::internal {
 
-/// The derivative of a sampled signal behind a first-order low-pass filter, by backward differences:
+/// The derivative of a sampled signal, with a first-order low-pass filter, by backward differences:
 ///
 ///     d[n] = (T d[n - 1] + u[n] - u[n - 1]) / (T + h),   d[0] = 0
 ///
-/// Stable for every T from 0, and then the plain difference (Åström and Hägglund, "PID Controllers: Theory,
+/// Stable for every T >= 0; T = 0 gives the plain difference (Åström and Hägglund, "PID Controllers: Theory,
 /// Design, and Tuning", ISA 1995, chapter 3).
 template <DoubleOrMatrix T>
 struct FilteredDifference {

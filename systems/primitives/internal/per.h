@@ -4,7 +4,7 @@
 
 namespace tenon::internal {
 
-/// Each of the comma-separated units per a unit of time: "m, rad" per "s" is "m/s, rad/s".
+/// Divides each of the comma-separated units by a unit of time: "m, rad" per "s" is "m/s, rad/s".
 inline std::string Per(const std::string& units, const std::string& time) {
   std::string quotients;
   for (const char c : units + ",") {

@@ -8,7 +8,7 @@
 
 namespace tenon::internal {
 
-/// y = M v, or y += M v with `add`; throws RunError that names them if the sizes do not fit.
+/// y = M v, or y += M v with `add`. Throws RunError that names M and v if their sizes do not match.
 template <class Matrix, class V, class Y>
 void Multiply(const char* m_name, const Matrix& m, const char* v_name, const V& v, Y* y, bool add = false) {
   if (m.cols() != v.size()) {

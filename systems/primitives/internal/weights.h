@@ -11,8 +11,8 @@
 
 namespace tenon::internal {
 
-/// A std::vector<double>, but that two numbers lie in the object itself: what is computed with them at every
-/// step follows no pointer.
+/// Like std::vector<double>, but stores up to two numbers in the object itself, so that calculations in every
+/// step follow no pointer.
 class Weights {
  public:
   Weights() = default;
@@ -31,7 +31,7 @@ class Weights {
   const double* begin() const { return data(); }
   const double* end() const { return data() + size_; }
   double operator[](std::size_t i) const { return data()[i]; }
-  /// The new ones are zero.
+  /// Resizes; new elements are zero.
   void resize(std::size_t size) {
     std::vector<double> weights(begin(), end());
     weights.resize(size);
@@ -44,7 +44,7 @@ class Weights {
  private:
   std::size_t size_ = 0;
   std::array<double, 2> few_ = {};
-  std::vector<double> many_ = {};  ///< all of them, if they are more
+  std::vector<double> many_ = {};  ///< all elements, if there are more than two
 };
 
 template <>

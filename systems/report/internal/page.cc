@@ -32,15 +32,15 @@ fs::path FindPart(const Part& part) {
   const char* own = std::getenv("TENON_JAVASCRIPT_DIR");
   const fs::path file = fs::path(own != nullptr ? own : TENON_JAVASCRIPT_DIR) / part.file;
   if (!fs::exists(file)) {
-    throw OutputError(
-        fmt::format("a report needs '{}', which is not there: apt-get install {}, or set "
-                    "TENON_JAVASCRIPT_DIR to where it is",
-                    file.string(), part.package));
+    throw OutputError(fmt::format(
+        "a report needs '{}', which does not exist: apt-get install {}, or set TENON_JAVASCRIPT_DIR to the "
+        "directory that contains it",
+        file.string(), part.package));
   }
   return file;
 }
 
-/// Without the line that names a source map, which would not lie beside the page.
+/// Removes the line that names a source map, because the map is not available to the page.
 std::string ReadPart(const Part& part) {
   std::ifstream in(FindPart(part), std::ios::binary);
   std::string text, line;
@@ -70,14 +70,14 @@ void CheckPageParts() {
 }
 
 std::string MakePage(const std::string& title, std::string data_json, PageKind kind) {
-  ReplaceAll(data_json, "</", "<\\/");  // nothing in the data ends the script that holds it
+  ReplaceAll(data_json, "</", "<\\/");  // so that the data cannot end its script element
   ReplaceAll(data_json, "<!--", "<\\u0021--");
   std::string escaped_title = title;
   ReplaceAll(escaped_title, "&", "&amp;");
   ReplaceAll(escaped_title, "<", "&lt;");
 
   std::string out;
-  // The template's slots are written as {{name}}.
+  // Placeholders of the template have the form {{name}}.
   std::string_view rest = kPageHtml, scripts = kRunJs;
   if (kind == PageKind::kCampaign) rest = kCampaignHtml, scripts = kCampaignJs;
   if (kind == PageKind::kVolume) rest = kVolumeHtml, scripts = kVolumeJs;

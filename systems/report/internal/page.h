@@ -6,21 +6,21 @@
 
 namespace tenon::internal {
 
-/// Throws RunError that names the Debian package if three.js or Dygraphs is not where it should be.
+/// Throws RunError with the Debian package to install if three.js or Dygraphs is missing.
 void CheckPageParts();
 
-/// Of the data in the page of runs; another number for each change that Report::Read cannot read.
+/// Version of the data in a page of runs; it changes whenever Report::Read cannot read earlier pages.
 inline constexpr int kPageFormat = 2;
 
-/// The data that a page holds as JSON; throws std::out_of_range if there are none.
+/// Returns the JSON data of a page. Throws std::out_of_range if there are none.
 std::string_view DataOf(std::string_view page);
 
 enum class PageKind { kRun, kCampaign, kVolume };
 
-/// The page: our template with style, libraries, data and our scripts put in. Throws RunError.
+/// Returns the page: the template with style, libraries, data and scripts inserted. Throws RunError.
 std::string MakePage(const std::string& title, std::string data_json, PageKind kind = PageKind::kRun);
 
-/// Writes it.
+/// Writes the page. Throws RunError and OutputError.
 void WritePage(const std::filesystem::path& file, const std::string& title, std::string data_json,
                PageKind kind = PageKind::kRun);
 

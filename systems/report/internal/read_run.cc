@@ -20,24 +20,24 @@ using Json = nlohmann::ordered_json;
 std::string ReadPart(const fs::path& directory, const std::string& name) {
   std::ifstream in(directory / name, std::ios::binary);
   if (!in) {
-    throw ParameterError(fmt::format(
-        "'{}' has no {}: name the --out of one run; those of a comparison are the directories below "
-        "its own",
-        directory.string(), name));
+    throw ParameterError(
+        fmt::format("'{}' has no {}: give the output directory of one run; a comparison has them in "
+                    "subdirectories",
+                    directory.string(), name));
   }
   std::ostringstream text;
   text << in.rdbuf();
   return std::move(text).str();
 }
 
-/// Calls `take` with each part of a line.
+/// Calls `take` with each cell of a line.
 void Split(std::string_view line, char separator, const auto& take) {
   for (std::size_t end; (end = line.find(separator)) != line.npos; line.remove_prefix(end + 1))
     take(line.substr(0, end));
   take(line);
 }
 
-/// What CsvLog wrote.
+/// Reads a file of CsvLog.
 std::shared_ptr<ColumnLog> ReadSignals(const fs::path& file, std::string_view text) {
   const auto fail = [&](std::size_t line, const std::string& what) {
     throw ParameterError(fmt::format("'{}', line {}: {}; run the scenario again", file.string(), line, what));
@@ -53,7 +53,7 @@ std::shared_ptr<ColumnLog> ReadSignals(const fs::path& file, std::string_view te
     names.emplace_back(cell.substr(0, unit));
     units.emplace_back(unit == cell.npos ? "" : cell.substr(unit + 2, cell.size() - unit - 3));
   });
-  if (names.front() != "time") fail(1, "no log of a run, whose first column is the time");
+  if (names.front() != "time") fail(1, "the first column of a log must be the time");
   auto log = std::make_shared<ColumnLog>(ColumnLog::Thinning::kPeaks, ColumnLog::kRows, nullptr);
   log->Begin(names, units);
   std::vector<double> row;
@@ -65,7 +65,7 @@ std::shared_ptr<ColumnLog> ReadSignals(const fs::path& file, std::string_view te
       row.push_back(*value);
     });
     if (row.size() != names.size())
-      fail(number, fmt::format("{} values under {} names", row.size(), names.size()));
+      fail(number, fmt::format("the line has {} values for {} columns", row.size(), names.size()));
     log->Row(row);
   }
   return log;
@@ -76,7 +76,7 @@ std::shared_ptr<ColumnLog> ReadSignals(const fs::path& file, std::string_view te
 Report Report::Read(const fs::path& directory) {
   if (!fs::is_directory(directory))
     throw ParameterError(
-        fmt::format("'{}' is no directory: name what the --out of a run was", directory.string()));
+        fmt::format("'{}' is not a directory: give the output directory of a run", directory.string()));
   const std::string text = ReadPart(directory, "report.html");
   const std::string signals = ReadPart(directory, "signals.csv");
   try {
@@ -91,11 +91,11 @@ Report Report::Read(const fs::path& directory) {
       report.own().signals = ReadSignals(directory / "signals.csv", signals);
       return report;
     }
-  } catch (const Json::exception&) {  // as below
+  } catch (const Json::exception&) {  // handled below
   } catch (const std::out_of_range&) {
   }
   throw ParameterError(
-      fmt::format("'{}' is no report of one run by this version of tenon: run the scenario again",
+      fmt::format("'{}' is not the report of one run by this version of Tenon: run the scenario again",
                   (directory / "report.html").string()));
 }
 

@@ -1,6 +1,6 @@
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/internal/run.h>
-#include <tenon/systems/report/internal/shapes_json.h>
 
 #include <fmt/format.h>
 
@@ -17,20 +17,20 @@ using internal::ColumnLog;
 using internal::FindColumns;
 using Json = nlohmann::ordered_json;
 
-// What one page holds, shared by its runs, so that it stays below 10 MB.
-constexpr std::size_t kPlotRows = 12000;      // of one plot; at most half of them of one run
-constexpr std::size_t kPlotSamples = 400000;  // of what is plotted at once, 4 bytes each before base64
-constexpr std::size_t kRestSamples = 180000;  // of the other signals, 6 bytes each
-constexpr std::size_t kRestRows = 4000;       // of one of them
-constexpr std::size_t kFrameBytes = 2700000;  // of the replay, before base64
-constexpr std::size_t kChangesMarked = 50;    // of one signal; more would be a hatching
-constexpr std::size_t kModesMarked = 1000;    // of one band
+// Limits for the data of a page, which its runs share, so that the page stays below 10 MB.
+constexpr std::size_t kPlotRows = 12000;      // rows of one plot; one run uses at most half of them
+constexpr std::size_t kPlotSamples = 400000;  // samples of plotted signals, 4 bytes each before base64
+constexpr std::size_t kRestSamples = 180000;  // samples of the other signals, 6 bytes each
+constexpr std::size_t kRestRows = 4000;       // rows of one of the other signals
+constexpr std::size_t kFrameBytes = 2700000;  // size of the replay before base64
+constexpr std::size_t kChangesMarked = 50;    // marked changes of one signal; more would be unreadable
+constexpr std::size_t kModesMarked = 1000;    // marked modes of one band
 
 std::string Number(double value) {
   return fmt::format("{:.4g}", value);
 }
 
-/// "loop.load.load.mass" is marked as "load.mass".
+/// Shortens the name of a signal for a label: "loop.load.load.mass" to "load.mass".
 std::string LastTwo(const std::string& name) {
   const std::size_t last = name.rfind('.');
   if (last == std::string::npos || last == 0) return name;
@@ -38,11 +38,6 @@ std::string LastTwo(const std::string& name) {
   return before == std::string::npos ? name : name.substr(before + 1);
 }
 
-/// [low, high], null where there is no bound.
-Json ToJson(const Limits& limits) {
-  const auto bound = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
-  return {bound(limits.low), bound(limits.high)};
-}
 Limits LimitsFrom(const Json& json) {
   const auto bound = [](const Json& value) {
     return value.is_null() ? std::nullopt : std::optional<double>(value);
@@ -50,7 +45,7 @@ Limits LimitsFrom(const Json& json) {
   return {bound(json.at(0)), bound(json.at(1))};
 }
 
-/// Columns of a log at common rows: without those that say only that nothing changed.
+/// Returns columns of a log at common rows, without rows that repeat the previous values.
 Json Group(const ColumnLog& log, const std::vector<std::size_t>& columns, std::size_t max_rows) {
   const std::vector<std::size_t> all = internal::DecimatePeaks(log, columns, max_rows);
   const auto same = [&](std::size_t a, std::size_t b) {
@@ -71,7 +66,7 @@ Json Group(const ColumnLog& log, const std::vector<std::size_t>& columns, std::s
   return {{"rows", Base64(rows)}, {"columns", std::move(list)}};
 }
 
-/// {start, step, count} if that says it all, else all times.
+/// Returns {start, step, count} for equidistant times, else all times.
 Json Times(const ColumnLog& log) {
   std::vector<double> time;
   for (std::size_t row = 0; row < log.rows(); ++row) time.push_back(log.time(row));
@@ -83,7 +78,7 @@ Json Times(const ColumnLog& log) {
   return {{"start", time.empty() ? 0 : time.front()}, {"step", step}, {"count", time.size()}};
 }
 
-/// Whether nothing changed; a number that is none stays one.
+/// Returns whether a value has not changed; NaN equals NaN.
 bool Same(float before, float after) {
   return before == after || (std::isnan(before) && std::isnan(after));
 }
@@ -96,7 +91,7 @@ Json BandJson(const Band& band, const ColumnLog& log) {
       if (row > 0 && Same(value, log.at(row - 1, column))) continue;
       if (intervals.size() == kModesMarked) {
         intervals.push_back(
-            {{"time", log.time(row)}, {"value", nullptr}, {"name", "more changes than are shown"}});
+            {{"time", log.time(row)}, {"value", nullptr}, {"name", "further changes are not shown"}});
         return intervals;
       }
       const bool in_names = value >= 0 && value < static_cast<float>(band.names.size());
@@ -132,8 +127,9 @@ std::vector<Plot> Report::Run::DefaultPlots() const {
   return result;
 }
 
-/// {time, groups: [{rows, columns: [{name, unit, values}]}]}: a column is in one group, at rows of the time.
-/// The columns of a plot are one group, so that a signal and its reference are of the same times.
+/// Returns {time, groups: [{rows, columns: [{name, unit, values}]}]}, where a group has samples at the given
+/// rows of `time`. The columns of a plot form one group, so that a signal and its reference have the same
+/// times.
 Json Report::Run::Samples(const std::vector<Plot>& plots, std::size_t num_runs) const {
   std::vector<bool> taken(signals->columns());
   std::vector<std::vector<std::size_t>> groups;
@@ -213,10 +209,10 @@ Json Report::Run::Events() const {
 }
 
 Json Report::Run::ToJson(const std::vector<Plot>& plots, std::size_t num_runs) const {
-  Json json{{"verdict", verdict}, {"good", good ? Json(*good) : Json(nullptr)}, {"figures", Json::array()}};
+  Json json{{"verdict", verdict}, {"good", internal::JsonOrNull(good)}, {"figures", Json::array()}};
   for (const Figure& figure : figures) {
     Json item{{"name", figure.name}, {"value", figure.value}};
-    if (figure.limits.low || figure.limits.high) item["limits"] = tenon::ToJson(figure.limits);
+    if (figure.limits.low || figure.limits.high) item["limits"] = internal::LimitsJson(figure.limits);
     json["figures"].push_back(std::move(item));
   }
   if (signals == nullptr) return json;
@@ -229,7 +225,7 @@ Json Report::Run::ToJson(const std::vector<Plot>& plots, std::size_t num_runs) c
         {{"signal", band.signal}, {"names", band.names}, {"intervals", BandJson(band, *signals)}});
   json["limits"] = Json::array();
   for (const auto& [signal, bounds] : limits)
-    json["limits"].push_back({{"signal", signal}, {"limits", tenon::ToJson(bounds)}});
+    json["limits"].push_back({{"signal", signal}, {"limits", internal::LimitsJson(bounds)}});
   return json;
 }
 
@@ -238,7 +234,7 @@ std::size_t Report::Run::JsonBytes() const {
   if (signals == nullptr) return bytes;
   bytes += std::min(signals->rows() * signals->columns() * 6, kPlotSamples * 4 + kRestSamples * 6);
   bytes += std::min(frames->rows() * frames->columns() * 4, kFrameBytes);
-  bytes += signals->columns() * 512;  // names, and what lists take
+  bytes += signals->columns() * 512;  // names and list overhead
   return bytes * 4 / 3;               // as base64
 }
 

@@ -13,7 +13,7 @@
 
 namespace tenon {
 
-/// What is gathered of one run, and how it is put into a page. Shared by the reports that show it.
+/// The data of one run and their conversion to a page. Reports that show the run share this object.
 struct Report::Run {
   using Json = nlohmann::ordered_json;
   struct Figure {
@@ -32,13 +32,13 @@ struct Report::Run {
   std::optional<bool> good;
   std::string verdict;
 
-  /// One plot for neighbouring columns of one unit, called by what their names begin with.
+  /// Makes one plot for adjacent columns with the same unit, titled by the common beginning of their names.
   std::vector<Plot> DefaultPlots() const;
-  /// As a page holds it, beside `num_runs - 1` others. What `plots` show is kept finer than the rest.
+  /// Converts the run to the data of a page with `num_runs` runs. Signals in `plots` have a finer resolution.
   Json ToJson(const std::vector<Plot>& plots, std::size_t num_runs) const;
-  /// About what that takes [bytes], at most.
+  /// Returns an upper estimate of the size of these data [bytes].
   std::size_t JsonBytes() const;
-  /// What ToJson made, without the signals.
+  /// Reads the data of ToJson, without the signals.
   static Run FromJson(const Json& json);
 
  private:

@@ -10,7 +10,7 @@
 
 namespace tenon::internal {
 
-static_assert(std::endian::native == std::endian::little, "Base64 writes the bytes as they are");
+static_assert(std::endian::native == std::endian::little, "Base64 writes bytes in memory order");
 
 void ColumnLog::Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) {
   if (begin_) begin_();
@@ -72,7 +72,7 @@ void ColumnLog::Truncate(std::size_t rows) {
 
 namespace {
 
-// NaN is neither the lowest nor the highest, as long as there is anything else.
+// NaN is neither the lowest nor the highest value if there are other values.
 bool Lower(float a, float b) {
   return a < b || std::isnan(b);
 }
@@ -82,7 +82,7 @@ bool Higher(float a, float b) {
 
 }  // namespace
 
-/// Takes a row into the last interval: the two rows at the end, of which either may be the lower.
+/// Adds a row to the last interval, whose lowest and highest values are the last two rows in either order.
 void ColumnLog::Widen(std::span<const double> row) {
   const std::size_t last = rows() - 1;
   time_[last] = row[0];
@@ -95,12 +95,12 @@ void ColumnLog::Widen(std::span<const double> row) {
       first = second = value;
       continue;
     }
-    first = value > high ? low : high;  // what lies on the other side came before
+    first = value > high ? low : high;  // the opposite extremum came before
     second = value;
   }
 }
 
-/// Of every four rows the lowest and the highest in each column, in the order in which they came.
+/// Replaces every four rows by the lowest and the highest value of each column, in their temporal order.
 void ColumnLog::MergePeaks() {
   for (std::size_t to = 0; 2 * to < rows(); to += 2) {
     const std::size_t from = 2 * to;
@@ -193,7 +193,7 @@ std::string DecodeBase64(const std::string& text) {
   for (const char c : text) {
     if (c == '=') break;
     const int value = digit[static_cast<unsigned char>(c)];
-    if (value < 0) throw std::out_of_range("no base64");
+    if (value < 0) throw std::out_of_range("invalid base64");
     bits = bits << 6 | static_cast<unsigned>(value);
     if ((count += 6) < 8) continue;
     count -= 8;

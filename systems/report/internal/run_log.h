@@ -11,15 +11,15 @@
 
 namespace tenon::internal {
 
-/// Columns of a log, kept in single precision, time in double, in memory that does not grow with the run. All
-/// rows of a short one; of a long one what `Thinning` says, ever coarser as the run goes on.
+/// Columns of a log in single precision, with time in double precision, in memory of bounded size. A short
+/// run keeps all rows; a long run is thinned out as `Thinning` says, increasingly as the run proceeds.
 class ColumnLog final : public LogSink {
  public:
   enum class Thinning {
-    kPeaks,   ///< every two rows stand for an interval: in each column its lowest and highest, as they came
-    kSample,  ///< every second, fourth, ... row as it was, and the last
+    kPeaks,   ///< two rows hold the lowest and highest values of an interval in their temporal order
+    kSample,  ///< every second, fourth, ... row, and the last
   };
-  /// What a report keeps of signals and of frames: at the usual rates all of some 80 s.
+  /// Numbers of signal rows and frames in a report, which at the default rates cover 80 s.
   static constexpr std::size_t kRows = 16384, kFrames = 4096;
 
   /// Keeps up to `max_rows`, a multiple of 4. `begin` runs before the first row.
@@ -27,7 +27,7 @@ class ColumnLog final : public LogSink {
       : thinning_(thinning), max_rows_(max_rows), begin_(std::move(begin)) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
-  /// Of rows that stand for an interval, the whole interval.
+  /// Drops whole intervals if two rows stand for an interval.
   void DropFrom(double time, bool after) override;
 
   const std::vector<std::string>& names() const { return names_; }
@@ -49,35 +49,37 @@ class ColumnLog final : public LogSink {
   std::size_t max_rows_;
   std::function<void()> begin_;
   std::vector<std::string> names_, units_;
-  std::size_t stride_ = 1;   ///< rows of the run that one row here stands for
-  std::size_t pending_ = 0;  ///< rows of the run since the last one kept, or since the last interval began
-  bool trailing_ = false;    ///< whether the last row is not one to keep
+  std::size_t stride_ = 1;  ///< number of the run's rows for each stored row
+  std::size_t pending_ =
+      0;  ///< number of the run's rows since the last stored row or the begin of the last interval
+  bool trailing_ = false;  ///< whether the last row is temporary
   std::vector<double> time_;
   std::vector<float> data_;
 };
 
-/// The columns that a name means: the one of that name, or all elements of the signal of that name.
+/// Returns the indices of the column of that name, or of all elements of the signal of that name.
 std::vector<std::size_t> FindColumns(const std::vector<std::string>& names, const std::string& name);
 
-/// At most about `limit` rows of the log that show the same curves: of each of equally long runs of rows the
-/// first, and of each of the columns the smallest and the largest; and the last of all. Ascending.
+/// Selects about `limit` rows that preserve the curves of the columns: of each interval of rows the first row
+/// and the rows with the smallest and largest value of each column, and the last row of the log. Returns
+/// ascending indices.
 std::vector<std::size_t> DecimatePeaks(const ColumnLog& log, const std::vector<std::size_t>& columns,
                                        std::size_t limit);
 
 std::string EncodeBase64(const void* data, std::size_t size);
 std::string DecodeBase64(const std::string& text);
 
-/// Numbers as base64 of their little-endian bytes.
+/// Encodes numbers as base64 of their little-endian bytes.
 template <class T>
 std::string Base64(const std::vector<T>& values) {
   return EncodeBase64(values.data(), values.size() * sizeof(T));
 }
-/// What Base64 made; throws std::out_of_range if that it is not.
+/// Decodes a text of Base64. Throws std::out_of_range for invalid texts.
 template <class T>
 std::vector<T> FromBase64(const std::string& text) {
   const std::string bytes = DecodeBase64(text);
   std::vector<T> values(bytes.size() / sizeof(T));
-  // memcpy wants a place even for nothing, which an empty vector does not have.
+  // memcpy requires a valid pointer even for size 0, which an empty vector does not have.
   if (!values.empty()) {
     std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
   }

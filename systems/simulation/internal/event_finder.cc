@@ -11,22 +11,24 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kRounding = 64 * kEpsilon;  ///< of a value, relative to the largest in recent steps
-constexpr std::size_t kMaxDepth = 9;         ///< of halving a step
-constexpr std::size_t kMaxDips = 2;          ///< that are looked at
-/// A middle value that misses the cubic through the others by more than these, relative to the largest and
-/// the smallest magnitude, asks for halving.
+constexpr std::size_t kMaxDepth = 9;         ///< levels of halving a step
+constexpr std::size_t kMaxDips = 2;          ///< maximum number of dips that are sampled per interval
+/// An interval is halved if a middle value differs from the cubic through the others by more than these
+/// fractions of the largest and of the smallest magnitude.
 constexpr double kBends = 0.02, kReachesZero = 0.25;
-/// An extremum of the polynomial closer to zero than this, relative to the samples beside it, is looked at.
+/// Extrema of the polynomial are sampled if they are closer to zero than this fraction of the samples beside
+/// them.
 constexpr double kDips = 0.2;
-/// Where a step is looked at, as parts of it. Not evenly, so that a periodic function does not hide.
+/// Sampled places as fractions of a step; uneven, so that they do not alias with a periodic function.
 constexpr std::size_t kNumPlaces = 6;
 constexpr std::array<double, kNumPlaces> kPlaces{0, 0.13, 0.32, 0.55, 0.79, 1};
-constexpr std::size_t kPerDepth = kNumPlaces - 2 + kMaxDips;  ///< samples
+constexpr std::size_t kPerDepth = kNumPlaces - 2 + kMaxDips;  ///< maximum samples per level
 using Values = std::array<double, kNumPlaces>;
-/// Behind an event: a function may return to zero at once.
+/// Fractions of a step after an event, because a function may return to zero at once.
 constexpr std::array<double, 7> kProbes{1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3};
 
-/// The Lagrange polynomial of `nodes`, of value 1 at the k-th and 0 at the others, at `s`.
+/// The k-th Lagrange polynomial of `nodes`, which is 1 at the k-th node and 0 at the others, evaluated at
+/// `s`.
 template <std::size_t n>
 constexpr double Lagrange(const std::array<double, n>& nodes, std::size_t k, double s) {
   double weight = 1;
@@ -36,7 +38,7 @@ constexpr double Lagrange(const std::array<double, n>& nodes, std::size_t k, dou
   return weight;
 }
 
-/// The value at place `k`, less that of the cubic through the two places before and behind it.
+/// The value at place `k` minus the cubic through the two places before and after it.
 double MissOfCubic(const Values& values, std::size_t k) {
   const std::array<double, 4> nodes{kPlaces[k - 2], kPlaces[k - 1], kPlaces[k + 1], kPlaces[k + 2]};
   return values[k] -
@@ -44,7 +46,7 @@ double MissOfCubic(const Values& values, std::size_t k) {
           Lagrange(nodes, 2, kPlaces[k]) * values[k + 1] + Lagrange(nodes, 3, kPlaces[k]) * values[k + 2]);
 }
 
-/// Where the polynomial through all values is evaluated: inside each of the intervals between the places.
+/// Number of places inside each interval at which the polynomial through all values is evaluated.
 constexpr std::size_t kInside = 5;
 struct InsidePlace {
   double place = 0;
@@ -63,8 +65,8 @@ constexpr auto kInsidePlaces = [] {
   return table;
 }();
 
-/// The part of the step at which the polynomial through `values` comes closest to zero, or beyond it, between
-/// two values on one side of zero; 0 if it does not.
+/// Fraction of the step at which the polynomial through `values` comes closest to zero, or crosses it,
+/// between two values on one side of zero; 0 if there is no such place.
 double FindDip(const Values& values) {
   double dip = 0, deepest = kDips;
   for (std::size_t k = 0; k + 1 < kNumPlaces; ++k) {
@@ -96,7 +98,7 @@ void EventFinder::Start(const double* values) {
   Settle(values);
 }
 
-/// Whether a witness of this value is on a side.
+/// Returns whether a witness with this value is on a side of zero.
 bool EventFinder::IsSide(std::size_t i, double value) const {
   return std::abs(value) > std::max(Memory(kZeros, i), kRounding * Memory(kScales, i));
 }
@@ -192,7 +194,7 @@ bool EventFinder::Look(const Sample& a, const Sample& b, std::size_t depth, doub
     const Sample& middle = inside[kNumInside / 2];
     return Look(a, middle, depth + 1, time, fired) || Look(middle, b, depth + 1, time, fired);
   }
-  std::array<const Sample*, kPerDepth + 1> samples{};  // in the order of time
+  std::array<const Sample*, kPerDepth + 1> samples{};  // in order of time
   std::size_t count = 0;
   const auto insert = [&](const Sample& sample) {
     std::size_t k = count++;
@@ -214,17 +216,18 @@ bool EventFinder::Look(const Sample& a, const Sample& b, std::size_t depth, doub
   return false;
 }
 
-/// Whether a function has changed side at `b`; if so, where the first one does. Nothing fires at `a`.
+/// Returns whether a function changes its side between `a` and `b`, and where the first does. No event is at
+/// `a`.
 bool EventFinder::LookBetween(const Sample& a, const Sample& b, double* time,
                               std::vector<std::size_t>* fired) {
   if (FindJump(b.values.data()) == kinds_.size()) {
     Settle(b.values.data());
     return false;
   }
-  // The functions of the samples move as they please from here: copies.
+  // Copies, because evaluations overwrite the samples.
   low_ = a;
   high_ = b;
-  double low_weight = 1, high_weight = 1;  // of the Illinois method
+  double low_weight = 1, high_weight = 1;  // weights of the Illinois method
   for (int iteration = 0; iteration < 200; ++iteration) {
     const double width = high_.time - low_.time;
     const double resolution = 4 * kEpsilon * std::max(std::abs(low_.time), std::abs(high_.time));

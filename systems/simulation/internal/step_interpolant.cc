@@ -6,8 +6,8 @@
 namespace tenon::internal {
 namespace {
 
-constexpr double kFirst = 0.2, kSecond = 0.8;  ///< where derivatives inside the step are taken
-constexpr double kSettled = 0.3;               ///< a correction may leave this part of itself
+constexpr double kFirst = 0.2, kSecond = 0.8;  ///< θ of the derivatives inside the step
+constexpr double kSettled = 0.3;               ///< required contraction of successive corrections
 
 /// d/dθ of θ² (1 - θ)² and of θ³ (1 - θ)².
 constexpr double QuarticSlope(double s) {
@@ -40,10 +40,10 @@ void StepInterpolant::SetStep(double t0, const double* x0, double t1, const doub
     if (past_.size() > kMaxPast * row)
       past_.erase(past_.begin(), past_.begin() + static_cast<std::ptrdiff_t>(row));
   }
-  // What was computed for the end of one step serves at the beginning of the next.
+  // The derivative at the end of one step is reused at the beginning of the next.
   const bool follows = prepared_ && t0 == t1_ && std::equal(x1_.begin(), x1_.end(), x0);
   if (follows) f0_ = slope1_;
-  has_f0_ = follows;  // that of f0, now
+  has_f0_ = follows;  // f0 is now the derivative at t0
   t0_ = t0, t1_ = t1;
   std::copy_n(x0, x0_.size(), x0_.begin());
   std::copy_n(x1, x1_.size(), x1_.begin());
@@ -97,7 +97,7 @@ void StepInterpolant::Prepare(DerivativeSource& source) {
     if (degree_ < 5 || stiff_) return;
   }
   evaluate(kSecond, g_);
-  // a p(θ) + b q(θ) = what Hermite's cubic lacks, at both points.
+  // a p(θ) + b q(θ) = slope error of Hermite's cubic, at both points.
   constexpr double p1 = QuarticSlope(kFirst), q1 = QuinticSlope(kFirst);
   constexpr double p2 = QuarticSlope(kSecond), q2 = QuinticSlope(kSecond);
   constexpr double determinant = p1 * q2 - p2 * q1;
@@ -108,7 +108,7 @@ void StepInterpolant::Prepare(DerivativeSource& source) {
   }
 }
 
-/// Lagrange's polynomial.
+/// Lagrange's polynomial through the states.
 void StepInterpolant::EvaluateThroughStates(double t, double* x) const {
   const std::size_t size = x0_.size(), count = past_.size() / (size + 1) + 2;
   const auto time = [&](std::size_t i) {

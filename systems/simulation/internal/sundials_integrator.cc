@@ -20,22 +20,22 @@ using internal::Tiny;
 
 namespace {
 
-// Of the step size, see ChooseStep.
+// Constants of the step-size control, see ChooseStep.
 constexpr double kSafety = 0.9;
 constexpr double kMaxGrowth = 5;
 constexpr double kMinShrink = 0.2;
-constexpr double kProportional = 0.7, kIntegral = 0.4;  // over the order: exponents of the errors
-/// By order of the estimate: two errors in succession, the second no larger, that let a step grow as far as
-/// it may; rounded down from (kSafety / kMaxGrowth)^(order / (kProportional - kIntegral)).
+constexpr double kProportional = 0.7, kIntegral = 0.4;  // exponents of the errors, times the order
+/// By order of the estimate: if two successive errors are below this, the second not larger, the step grows
+/// by the maximum factor; rounded down from (kSafety / kMaxGrowth)^(order / (kProportional - kIntegral)).
 constexpr std::array<double, 6> kNegligible{0, 0, 1e-5, 3.5e-8, 1.1e-10, 0};
 constexpr int kMaxRefused = 50;
-/// The derivatives jump in an interval if this part of their change stays in ever smaller halves of it.
+/// The derivatives jump in an interval if this fraction of their change remains under repeated halving.
 constexpr double kStays = 0.2;
-/// A change between two stages that is so much faster than beside them may be a jump.
+/// A jump is suspected where derivatives change faster between two stages than beside them by this factor.
 constexpr double kJumps = 3;
-/// Error of a step, in tolerances, that a jump must be able to cause.
+/// Error of a step, in tolerances, that a jump must be able to cause to be considered.
 constexpr double kShows = 0.1;
-constexpr double kFirstTry = 1e-3;  // s, where nothing is known; the error test corrects it
+constexpr double kFirstTry = 1e-3;  // first step [s] without further information; the error test corrects it
 /// A run that takes SimulatorOptions::max_steps steps within this time [s] makes no progress.
 constexpr double kProgress = 0.1;
 
@@ -49,18 +49,20 @@ void CheckOptions(const SimulatorOptions& options) {
   demand(options.order >= lowest && options.order <= highest,
          fmt::format("order {} does not exist for this method: choose {} to {}", options.order, lowest,
                      highest));
-  demand(options.rtol > 0, fmt::format("rtol = {} must be positive", options.rtol));
-  demand(options.atol > 0, fmt::format("atol = {} must be positive", options.atol));
+  demand(options.rtol > 0, fmt::format("`rtol` must be positive, but is {}", options.rtol));
+  demand(options.atol > 0, fmt::format("`atol` must be positive, but is {}", options.atol));
   for (const StateTolerance& own : options.state_atol) {
-    demand(own.atol > 0, fmt::format("atol = {} of '{}' must be positive", own.atol, own.prefix));
+    demand(own.atol > 0, fmt::format("`atol` of '{}' must be positive, but is {}", own.prefix, own.atol));
   }
-  demand(options.fixed_step >= 0, fmt::format("fixed_step = {} s must not be negative", options.fixed_step));
-  demand(options.max_step >= 0, fmt::format("max_step = {} s must not be negative", options.max_step));
+  demand(options.fixed_step >= 0,
+         fmt::format("`fixed_step` must not be negative, but is {} s", options.fixed_step));
+  demand(options.max_step >= 0,
+         fmt::format("`max_step` must not be negative, but is {} s", options.max_step));
   demand(options.fixed_step == 0 || !multistep,
          "fixed_step is for Runge-Kutta methods: CVODE chooses its steps");
 }
 
-/// One per state; a diagram without states, but with witnesses of time, gets one that stays 0.
+/// One tolerance per state. A diagram without states but with witnesses gets a dummy state that stays 0.
 std::vector<double> AbsoluteTolerances(const SimulatorOptions& options, const Diagram& diagram) {
   const std::vector<std::string> names = diagram.ContinuousStateNames();
   std::vector<double> tolerances(std::max<std::size_t>(1, names.size()), options.atol);
@@ -73,29 +75,22 @@ std::vector<double> AbsoluteTolerances(const SimulatorOptions& options, const Di
     }
     if (!found) {
       throw ParameterError(
-          fmt::format("state_atol: no continuous state's path begins with '{}'", own.prefix));
+          fmt::format("state_atol: no path of a continuous state begins with '{}'", own.prefix));
     }
   }
   return tolerances;
 }
 
-/// The end of an interval without end, for SUNDIALS, from the present [s].
+/// Length of an interval without end, for SUNDIALS [s].
 constexpr double kFarAway = 1e6;
 
-/// Whether a tick can restart the integrator: open tables are sound only up to one.
+/// Returns whether ticks restart the integrator: open tables are accurate only up to a restart.
 bool HasFeedingTicks(const internal::Program& program) {
   return std::any_of(program.groups.begin(), program.groups.end(),
                      [](const internal::SampleGroup& group) { return group.feeds; });
 }
 
-bool AllFinite(const double* values, int size) {
-  // The sum of 0 x is 0 unless one is not finite.
-  double zero = 0;
-  for (int i = 0; i < size; ++i) zero += 0 * values[i];
-  return zero == 0;
-}
-
-/// Divides what is left of the interval evenly into steps no larger than `wanted`: no sliver at the end.
+/// Divides the rest of the interval evenly into steps not larger than `wanted`, to avoid a tiny last step.
 double EvenStep(double remaining, double wanted) {
   if (std::isinf(remaining)) return wanted;
   const double count = std::ceil(remaining / wanted * (1 - 1e-9));
@@ -121,7 +116,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
     if (checks_stages) stages.slopes.resize(stages.times.size() * before.size());
   }
 
-  // Those that every step takes are hidden from other libraries: only so does GCC inline them.
+  // Functions called at every step have hidden visibility, so that GCC can inline them.
   [[gnu::visibility("hidden")]] bool Start(double to, bool jumps);
   [[gnu::visibility("hidden")]] void Restart(double time, double first_step);
   [[gnu::visibility("hidden")]] void Advance(bool one_step);
@@ -161,44 +156,44 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   const internal::Program& program;
   SimulatorOptions options;
   std::vector<double> tolerances;  // absolute, one per state
-  bool open;                       // tables may be
+  bool open;                       // open tables may be used
   internal::SundialsSolver solver;
 
-  bool live = false;          // the solver stands at `finish` and can go on
-  std::uint64_t edition = 0;  // of the context that it knows
+  bool live = false;          // the solver is at `finish` and can continue
+  std::uint64_t edition = 0;  // the context's edition that the solver knows
   double finish = 0;
   internal::StepInterpolant interpolant;
-  std::vector<double> before;       // the states where the last Advance began
-  double begin = 0;                 // and when
-  std::vector<double> step_states;  // where the last step began
-  double step_begin = 0;            // and when
-  // Open tables meet jumps at the ticks that end their steps.
+  std::vector<double> before;       // states at the beginning of the last Advance
+  double begin = 0;                 // time of the beginning of the last Advance
+  std::vector<double> step_states;  // states at the beginning of the last step
+  double step_begin = 0;            // time of the beginning of the last step
+  // Open tables meet jumps only at the ticks that end their steps.
   const bool seeks_jumps =
       !(open && (options.method == Method::kErkOpen || options.method == Method::kStabilized));
-  // Whether an accepted step is looked at for a jump that its table sees badly.
+  // True if accepted steps are searched for jumps that the table detects badly.
   const bool checks_stages;
   struct {
     std::size_t count = 0;
     std::array<double, 16> times{};
-    std::vector<double> slopes;   // derivatives at those, one after another
+    std::vector<double> slopes;   // derivatives at those times, contiguous
   } stages;                       // of the present step, the first at its beginning
   double end = 0;                 // of the interval
-  bool before_event = false;      // the interval ends there because of one
-  double last_instant = 0;        // at which the dynamics of the interval may be evaluated
+  bool before_event = false;      // the interval ends just before an event
+  double last_instant = 0;        // last instant at which the interval's dynamics may be evaluated
   long steps = 0;                 // in the present window of progress
-  double window = 0;              // when that began
-  double step = 0;                // the first one after the restart; if fixed, all
-  int refused = 0;                // evaluations since the restart that were not finite
-  bool first_evaluation = false;  // after the restart
+  double window = 0;              // beginning of the window
+  double step = 0;                // first step after a restart; with a fixed step, all steps
+  int refused = 0;                // non-finite evaluations since the restart
+  bool first_evaluation = false;  // the next evaluation is the first after the restart
   struct {
     bool known = false;
-    double from = 0, to = 0;  // it lies in between
-    double step = 0;          // that met it
+    double from = 0, to = 0;  // interval that contains it
+    double step = 0;          // size of the step that met it
   } jump;
   std::array<std::vector<double>, 5> jump_work;  // of FindJump
-  bool at_end = false;                           // the last evaluation was for the end of the interval
-  // Open tables have no stage at the end of a step. SUNDIALS evaluates there all the same, to start the next
-  // step: for nothing if a restart comes first.
+  bool at_end = false;                           // the last evaluation was at the end of the interval
+  // Open tables have no stage at the end of a step. SUNDIALS evaluates there to start the next step, which is
+  // unnecessary if a restart comes first.
   const bool needs_end = !open ||
                          (options.method != Method::kErkOpen && options.method != Method::kStabilized) ||
                          options.order > 3;
@@ -220,8 +215,8 @@ double SundialsIntegrator::Run::FirstStep() const {
   return EvenStep(remaining, std::min(wanted, LargestStep(context.time())));
 }
 
-/// Without a limit, and where no tick ends the interval, a step at most doubles the time: a motion that is
-/// integrated exactly for a while would otherwise take steps in which events could not be told apart.
+/// Without a limit and an end of the interval by a tick, a step at most doubles the time: a motion that is
+/// integrated exactly would otherwise lead to steps too long to separate events.
 double SundialsIntegrator::Run::LargestStep(double time) const {
   if (options.max_step > 0) return options.max_step;
   if (std::isinf(end)) return kFirstTry + std::abs(time);
@@ -237,7 +232,7 @@ void SundialsIntegrator::Run::Restart(double time, double first_step) {
   live = true;
   edition = context.edition_;
   interpolant.Restart();
-  if (!AllFinite(solver.states(), program.num_continuous)) ThrowNonFiniteState(time);
+  if (!internal::AllFinite(solver.states(), before.size())) ThrowNonFiniteState(time);
   solver.Restart(time, end, step);
 }
 
@@ -259,8 +254,8 @@ bool SundialsIntegrator::Run::Start(double to, bool jumps) {
   return false;
 }
 
-/// The context is inside a step, or at the end of one that the solver does not know. Returns whether the step
-/// could be taken again.
+/// Continues in a context that is inside a step, or at the end of a step that the solver does not know.
+/// Returns whether the step could be repeated.
 bool SundialsIntegrator::Run::TakeStepAgain() {
   Context::StepStart& from = context.step_start_;
   const double time = context.time();
@@ -271,13 +266,13 @@ bool SundialsIntegrator::Run::TakeStepAgain() {
   before_event = std::isfinite(from.end_before_event);
   if (before_event) end = last_instant = from.end_before_event;
   Restart(from.time, from.size);
-  first_evaluation = false;  // what the context holds is of another time
+  first_evaluation = false;  // the context's values are for another time
   const std::vector<double> held(context.continuous_data(),
                                  context.continuous_data() + program.num_continuous);
   while (finish < time - Tiny(time)) Advance(true);
   MoveContext(time);
   if (std::equal(held.begin(), held.end(), context.continuous_data())) return true;
-  // With other options it is another step: what the context held counts.
+  // With other options the step would differ, so start from the present states instead.
   from.valid = false;
   context.LoadStates(held.data());
   std::copy(held.begin(), held.end(), solver.states());
@@ -306,7 +301,7 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
     const int flag = solver.Step(Target(), &t);
     if (flag < 0) ThrowFailure(flag);
     if (checks_stages && StagesJump() && FindJump(finish, finish, t) && jump.from > finish + 4 * Tiny(t)) {
-      // Another attempt, which ends before the jump.
+      // another attempt, which ends before the jump
       const auto found = jump;
       Retake(jump.from);
       jump = found;
@@ -325,8 +320,8 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
   if (one_step) interpolant.SetStep(begin, before.data(), finish, solver.states());
 }
 
-/// Keeps a derivative of the present step; with null, a new attempt begins at `t`, of whose derivatives the
-/// last one of the step before may be the first.
+/// Keeps a derivative of the present step. With null, a new attempt begins at `t`; the last derivative of the
+/// step before may be its first.
 void SundialsIntegrator::Run::KeepStage(double t, const double* xdot) {
   const std::size_t n = before.size();
   if (xdot == nullptr) {
@@ -346,8 +341,8 @@ void SundialsIntegrator::Run::KeepStage(double t, const double* xdot) {
   ++stages.count;
 }
 
-/// Whether the derivatives change between two stages of the step, by what matters to the error, much faster
-/// than beside them. They do so at a jump, and now and then where there is none.
+/// Returns whether the derivatives change much faster between two stages of the step than beside them, in
+/// terms of the error. That is so at a jump, and sometimes without one.
 bool SundialsIntegrator::Run::StagesJump() const {
   const std::size_t n = before.size();
   std::array<std::size_t, 16> order{};
@@ -356,7 +351,7 @@ bool SundialsIntegrator::Run::StagesJump() const {
             [this](std::size_t a, std::size_t b) {
               return std::pair(stages.times[a], a) < std::pair(stages.times[b], b);
             });
-  std::size_t count = 0;  // of the last derivative at each time
+  std::size_t count = 0;  // number of times; the last derivative at each counts
   for (std::size_t k = 0; k < stages.count; ++k) {
     const double time = stages.times[order[k]];
     const bool again = count > 0 && time - stages.times[order[count - 1]] <= Tiny(time);
@@ -364,7 +359,7 @@ bool SundialsIntegrator::Run::StagesJump() const {
   }
   if (count < 3) return false;
   const double h = stages.times[order[count - 1]] - stages.times[order[0]];
-  std::array<double, 16> rates{};  // between two stages, of the state that changes fastest
+  std::array<double, 16> rates{};  // between two stages, for the state that changes fastest
   double largest_change = 0;
   for (std::size_t k = 0; k + 1 < count; ++k) {
     const double* const a = stages.slopes.data() + order[k] * n;
@@ -385,17 +380,17 @@ bool SundialsIntegrator::Run::StagesJump() const {
   return false;
 }
 
-/// Goes back to where the last step began, to take one up to `time`.
+/// Goes back to the beginning of the last step, for a step up to `time`.
 void SundialsIntegrator::Run::Retake(double time) {
   std::copy(step_states.begin(), step_states.end(), solver.states());
   context.last_error_ = 0;
   Restart(step_begin, time - step_begin);
-  first_evaluation = false;  // what the context holds is of another time
+  first_evaluation = false;  // the context's values are for another time
 }
 
-/// The step that a kink lies in, or a witness where the derivatives jump, has used derivatives from both
-/// sides. Unless it lies at the very beginning, goes back, to end the interval just before. Returns whether
-/// it did.
+/// Handles a kink, or a witness at which the derivatives jump, inside the last step, which has used
+/// derivatives from both sides. Goes back to end the interval just before, unless the event is at the
+/// beginning of the step. Returns whether it went back.
 bool SundialsIntegrator::Run::RetakeBefore(double event) {
   constexpr double kBefore = 1e-3, kBeginning = 1e-2;
   if (options.fixed_step > 0 || event - step_begin <= kBeginning * (finish - step_begin)) return false;
@@ -410,7 +405,7 @@ bool SundialsIntegrator::Run::RetakeBefore(double event) {
   return true;
 }
 
-/// A long run takes many steps; one that takes too many of them on the spot fails.
+/// Throws RunError if too many steps are taken within a short time; a long run may take many.
 void SundialsIntegrator::Run::CheckProgress(double t) {
   if (t - window < kProgress && options.fixed_step == 0) {
     ThrowFailure(t, solver.last_step(),
@@ -420,8 +415,8 @@ void SundialsIntegrator::Run::CheckProgress(double t) {
   window = t;
 }
 
-/// What it takes to come here again: of an explicit Runge-Kutta method the step, of methods with a past that
-/// SUNDIALS shows nobody (Jacobians, earlier steps) everything since it started.
+/// Keeps the data needed to repeat the last step. For an explicit Runge-Kutta method that is the step;
+/// methods with hidden history in SUNDIALS (Jacobians, earlier steps) need everything since their start.
 void SundialsIntegrator::Run::KeepStepStart() {
   Context::StepStart& from = context.step_start_;
   if (from.valid && has_past()) return;
@@ -435,8 +430,8 @@ void SundialsIntegrator::Run::KeepStepStart() {
   from.end_before_event = before_event ? end : std::numeric_limits<double>::infinity();
 }
 
-/// At the finish: if that is where the last derivatives were evaluated, as it is with most Runge-Kutta
-/// methods at the end of an interval, then what they took to compute stays fresh for the tick.
+/// At the finish, if the last derivatives were evaluated there (true of most Runge-Kutta methods at the end
+/// of an interval), their prerequisites stay fresh for the tick.
 void SundialsIntegrator::Run::MoveContext(double t) {
   if (std::abs(t - finish) <= Tiny(t)) {
     const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
@@ -448,7 +443,7 @@ void SundialsIntegrator::Run::MoveContext(double t) {
   context.SetRunTime(t);
 }
 
-/// The states at `t`, in the last step.
+/// Loads the states at `t` in the last step.
 void SundialsIntegrator::Run::LoadInside(double t) {
   if (std::abs(t - finish) <= Tiny(t)) {
     context.LoadStates(solver.states());
@@ -472,11 +467,10 @@ void SundialsIntegrator::Run::EvaluateWitnesses(double t, double* values) {
 void SundialsIntegrator::Run::EvaluateForInterpolant(double t, const double* x, double* xdot) {
   ++interpolant_evaluations;
   context.CalcRunDerivatives(std::min(t, last_instant), x, xdot);
-  if (AllFinite(xdot, program.num_continuous)) return;
-  throw RunError(
-      fmt::format("{} at t = {} s, inside a step of the integrator: the run cannot go on; check that "
-                  "block and what feeds it",
-                  context.DescribeNonFinite(), t));
+  if (internal::AllFinite(xdot, before.size())) return;
+  throw RunError(fmt::format(
+      "{} at t = {} s, inside an integrator step: the run cannot continue; check that block and its inputs",
+      context.DescribeNonFinite(), t));
 }
 
 void SundialsIntegrator::Run::Count(double step) {
@@ -491,8 +485,8 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
     ydot[0] = 0;
     return 0;
   }
-  // At the start of an interval, what the tick has just computed is not computed again; what is computed at
-  // its end is kept for the next tick. Sums of steps miss the end by their rounding.
+  // Values computed by the tick at the start of an interval are reused, and values computed at its end are
+  // kept for the next tick. Sums of steps miss the end by rounding.
   const bool first = first_evaluation && t == context.time();
   first_evaluation = false;
   at_end = !first && last_instant == end && std::abs(t - end) <= Tiny(t);
@@ -516,23 +510,23 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
     thrown = std::current_exception();
     return -1;
   }
-  if (AllFinite(ydot, size)) {
+  if (internal::AllFinite(ydot, before.size())) {
     if (checks_stages) KeepStage(t, ydot);
     not_finite.clear();
     return 0;
   }
   not_finite = fmt::format("{} at t = {} s", context.DescribeNonFinite(), t);
-  // A smaller step may help, but not for ever: step sizes have no lower bound.
+  // A smaller step may help; the number of attempts is limited because the step size is not.
   return first || ++refused > kMaxRefused ? -1 : 1;
 }
 
-/// PI control of the step (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4 and II,
-/// IV.2), with its memory in the context; then the rest of the interval is divided evenly.
+/// PI control of the step size (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4 and
+/// II, IV.2), with its memory in the context. The rest of the interval is then divided evenly.
 double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, int order) {
   if (seeks_jumps && (jump.known || measured > 1)) {
     if (const double step = StepRoundJump(t, h, measured <= 1); step > 0) return step;
   }
-  // A step cut short by the end of its interval says little of the next one.
+  // A step shortened by the end of its interval says little about the next one.
   const bool cut = t >= end - StepRounding(t) && h < 0.5 * context.next_step_;
   const double error = std::max(measured, 1e-10);
   double factor = kMaxGrowth;
@@ -543,7 +537,7 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
       context.step_start_.size = h;
       context.step_start_.next_step = context.next_step_;
     }
-    // A small error that has not grown needs no powers to know that the step grows as far as it may.
+    // A small error that has not grown permits the maximum growth without computing powers.
     if (error > kNegligible[static_cast<std::size_t>(order)] || error > context.last_error_) {
       factor = kSafety * std::pow(error, -kProportional / order);
       if (context.last_error_ > 0) factor *= std::pow(context.last_error_, kIntegral / order);
@@ -561,10 +555,9 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
   return remaining > StepRounding(t) ? EvenStep(remaining, wanted) : wanted;
 }
 
-/// Where the derivatives jump at an instant that nobody has declared, or at a state, the error test alone
-/// would creep up to it in ever smaller steps, and some tables see little of it: a step ends just before,
-/// another one leads just behind it, and then the step size is what it was. Returns 0 if there is no such
-/// jump.
+/// Handles a jump of the derivatives, in time or state, that is not declared. The error test alone would
+/// approach it in ever smaller steps, and some tables hardly detect it. One step ends just before the jump,
+/// another one crosses it, and then the step size is restored. Returns 0 if there is no such jump.
 double SundialsIntegrator::Run::StepRoundJump(double t, double h, bool accepted) {
   if (!jump.known) {
     if (!FindJump(t, t, t + h)) return 0;
@@ -577,7 +570,7 @@ double SundialsIntegrator::Run::StepRoundJump(double t, double h, bool accepted)
       context.step_start_.next_step = context.next_step_;
     }
   } else if (t + h <= jump.to + 64 * Tiny(t)) {
-    jump.known = false;  // it was not that jump
+    jump.known = false;  // another jump
     return 0;
   }
   double next = jump.from - t;
@@ -599,7 +592,7 @@ void SundialsIntegrator::Run::ErrorWeights(const double* y, double* weights) {
   for (std::size_t i = 0; i < tolerances.size(); ++i) out[i] = 1 / (relative * std::abs(y[i]) + absolute[i]);
 }
 
-/// The state with the largest error estimate in units of its tolerance; without an estimate, the state that
+/// The state with the largest error estimate relative to its tolerance; without an estimate, the state that
 /// changes most in a step of `h`.
 std::string SundialsIntegrator::Run::DescribeWorstState(double h) {
   if (program.num_continuous == 0) return "none";
@@ -630,18 +623,18 @@ void SundialsIntegrator::Run::ThrowFailure(int flag) {
   ++context.instant_;  // the context holds values of different times
   if (thrown) std::rethrow_exception(thrown);
   if (!not_finite.empty()) {
-    throw RunError(fmt::format("{}: the run cannot go on; check that block and what feeds it", not_finite));
+    throw RunError(fmt::format("{}: the run cannot continue; check that block and its inputs", not_finite));
   }
   ThrowFailure(solver.current_time(), solver.current_step(), solver.Describe(flag));
 }
 
 void SundialsIntegrator::Run::ThrowFailure(double t, double h, const std::string& what) {
   ++context.instant_;  // the context holds values of different times
-  throw RunError(fmt::format("the integrator fails at t = {} s with a step of {:.3g} s, rtol {:g}: {} [{}]",
+  throw RunError(fmt::format("the integrator fails at t = {} s with a step of {:.3g} s, `rtol` {:g}: {} [{}]",
                              t, h, options.rtol, DescribeFailure(t, h), what));
 }
 
-/// The cause, as far as it can be found, the worst state, and the remedy.
+/// Describes the cause, as far as it can be found, the worst state, and the remedy.
 std::string SundialsIntegrator::Run::DescribeFailure(double t, double h) {
   const std::string worst_state = "worst state " + DescribeWorstState(h);
   const bool for_smooth = internal::IsExplicit(options.method) || options.method == Method::kAdams;
@@ -656,19 +649,19 @@ std::string SundialsIntegrator::Run::DescribeFailure(double t, double h) {
           worst_state, rate);
     }
   } catch (const std::exception&) {
-    // The search for the cause evaluates blocks where the run does not: what they throw there says nothing.
+    // The search for the cause evaluates blocks at points outside the run, so their exceptions are ignored.
   }
   if (std::abs(h) <= 100 * Tiny(t)) {
     return worst_state +
-           ". The step is within rounding of the time: check the blocks on which that derivative depends. "
-           "Loosen the tolerance if they are right";
+           ". The step is within rounding of the time: check the blocks that the derivative depends on. "
+           "Loosen the tolerance if they are correct";
   }
   return worst_state + ". Loosen the tolerance" +
          (for_smooth ? ", or use Method::kBdf or kDirk if the system is stiff" : "");
 }
 
-/// The derivatives at `at`, on the line through the states at `t` along the derivatives that FindJump found
-/// there.
+/// Computes the derivatives at time `at`, on the straight line through the states at `t` along the
+/// derivatives there, which FindJump has computed.
 void SundialsIntegrator::Run::EvaluateAlong(double t, double at, double* xdot) {
   const std::vector<double>& slope = jump_work[0];
   std::vector<double>& x = jump_work[1];
@@ -676,9 +669,9 @@ void SundialsIntegrator::Run::EvaluateAlong(double t, double at, double* xdot) {
   context.CalcRunDerivatives(std::min(at, last_instant), x.data(), xdot);
 }
 
-/// Looks for a jump of the derivatives from `from` to `to`, on the line through the states at `t` along the
-/// derivatives there, by halving the interval that holds the largest change. Keeps it in `jump`. Smaller ones
-/// than could cause an error of `shows` tolerances do not count.
+/// Searches for a jump of the derivatives between `from` and `to`, on the straight line through the states at
+/// `t` along the derivatives there, by halving the interval with the largest change. Stores it in `jump`.
+/// Ignores jumps that could not cause an error of `shows` tolerances.
 bool SundialsIntegrator::Run::FindJump(double t, double from, double to, double shows) {
   const auto n = static_cast<std::size_t>(program.num_continuous);
   if (n == 0) return false;
@@ -697,7 +690,7 @@ bool SundialsIntegrator::Run::FindJump(double t, double from, double to, double 
     return largest;
   };
   const double first = change(low, high);
-  // A jump that would not show in the error test is none, whatever rounding does.
+  // A jump too small for the error test is ignored; it may be rounding.
   jump.known = first * (to - from) > shows;
   while (jump.known && to - from > 8 * Tiny(t)) {
     const double at = from + (to - from) / 2;
@@ -714,7 +707,7 @@ bool SundialsIntegrator::Run::FindJump(double t, double from, double to, double 
   return jump.known;
 }
 
-/// The first block that jumps near `t`, and when; empty if none does.
+/// Describes the first block that jumps near `t`; empty if none does.
 std::string SundialsIntegrator::Run::DescribeJump(double t, double h) {
   const double reach = 4 * std::max(std::abs(h), 100 * Tiny(t));
   if (!FindJump(t, t - reach, t + reach, 0)) return "";
@@ -736,13 +729,12 @@ std::string SundialsIntegrator::Run::DescribeJump(double t, double h) {
   }
   if (first_jump == UINT32_MAX) return "";
   return fmt::format(
-      "'{}' jumps at t = {} s. If it jumps in time, declare a NextJump in that block; if in state, a Kink, "
-      "or "
-      "a Witness with a Mode",
+      "'{}' jumps at t = {} s. If it jumps in time, declare a NextJump in that block; if in state, a Kink "
+      "or a Witness with a Mode",
       calculations[first_jump].source->path(), jump.to);
 }
 
-/// A lower estimate of the Lipschitz constant of the derivatives [1/s], along the present derivatives.
+/// A lower bound of the Lipschitz constant of the derivatives [1/s], along the present derivatives.
 double SundialsIntegrator::Run::FastestRate(double t) {
   const auto n = static_cast<std::size_t>(program.num_continuous);
   std::vector<double> x(solver.states(), solver.states() + n), f(n), g(n);

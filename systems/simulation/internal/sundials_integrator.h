@@ -9,41 +9,42 @@
 
 namespace tenon {
 
-/// Moves a context's continuous states in time with SUNDIALS, through internal::SundialsSolver. It integrates
+/// Integrates a context's continuous states with SUNDIALS, through internal::SundialsSolver. It integrates
 /// ahead, to `finish`; the context can then be moved to any time in the last step. A Simulator uses it
-/// between the instants that change what is integrated.
+/// between the instants at which the dynamics change.
 class SundialsIntegrator {
  public:
-  /// Throws ParameterError for an order that the method does not have, or tolerances that are not positive.
+  /// Throws ParameterError for an order that the method does not have, or non-positive tolerances.
   SundialsIntegrator(Context& context, const SimulatorOptions& options);
   ~SundialsIntegrator();
 
-  /// Whether it can go on from where it has come. If not (at first, after Halt, and when the context was
-  /// changed by hand) Start is due.
+  /// Returns whether the integration can continue. If not (initially, after Halt, and after the context was
+  /// changed from outside), call Start.
   bool can_go_on() const;
-  /// Starts at the context's time and states. If the context says in which step it was (a clone, or one that
-  /// was restored), takes that step again and goes on from there, bit for bit; implicit and multistep
-  /// methods, which have a past, begin where they started last. `end` is when the integrated dynamics change
-  /// next, infinity if never; `jumps` says whether a declared jump is what changes them, so that they must
-  /// not be evaluated at `end`. Returns whether a step was taken again.
+  /// Starts at the context's time and states. If the context is inside a recorded step (after Clone or
+  /// Restore), repeats that step and continues bit for bit; implicit and multistep methods, which use past
+  /// steps, repeat from their last start. `end` is the time of the next change of the dynamics, infinity if
+  /// there is none; `jumps` is true if that is a declared jump, so that the dynamics must not be evaluated at
+  /// `end`. Returns whether a step was repeated.
   bool Start(double end, bool jumps);
-  /// The integrated dynamics change here: the next advance begins with Start.
+  /// Ends the interval, because the dynamics change here: the next advance begins with Start.
   void Halt();
-  /// Integrates to the end of the interval or, with `one_step`, by one step. Throws RunError: what a block
-  /// threw, the first value that is not finite, or the cause of the failure. The context is at an undefined
-  /// time until MoveContext is called.
+  /// Integrates to the end of the interval or, with `one_step`, by one step. Throws RunError: an exception of
+  /// a block, the first non-finite value, or the cause of a failure. The context is at an undefined time
+  /// until MoveContext is called.
   void Advance(bool one_step);
-  /// Goes back to the beginning of the last step, to end the interval just before an event in it that changes
-  /// the derivatives; not if the event lies at the very beginning. Returns whether it did.
+  /// Goes back to the beginning of the last step, to end the interval just before an event that changes the
+  /// derivatives, unless the event is at the beginning of the step. Returns whether it went back.
   bool RetakeBefore(double event);
-  /// Whether the interval ends just before an event, by RetakeBefore; also after Start in such an interval.
+  /// True if the interval ends just before an event because of RetakeBefore, also after Start in such an
+  /// interval.
   bool ends_before_event() const;
-  /// The beginning and the end of the last step [s]; the beginning is known after one_step alone.
+  /// The beginning and the end of the last step [s]; the beginning is known only after one_step.
   double begin() const;
   double finish() const;
-  /// Moves the context to `time`, in the last step.
+  /// Moves the context to `time` in the last step.
   void MoveContext(double time);
-  /// Computes the values of all witnesses and kinks at `time`, in the last step.
+  /// Computes the values of all witnesses and kinks at `time` in the last step.
   void EvaluateWitnesses(double time, double* values);
   IntegratorStatistics statistics() const;
 

@@ -21,17 +21,16 @@
 #include <new>
 #include <type_traits>
 
-// SUNDIALS 7 has other names for the functions of ERKStep and ARKStep, beside these.
+// Names of functions in SUNDIALS 7 that replace those of ERKStep and ARKStep.
 #if SUNDIALS_VERSION_MAJOR >= 7
 #pragma GCC diagnostic ignored "-Wdeprecated-declarations"
 #endif
 
 namespace tenon::internal {
 
-/// The functions of one solver. The same things have the same signatures in all of them; null is what CVODE
-/// does not have.
+/// The functions of one solver, with common signatures; null for functions that CVODE does not have.
 struct SundialsSolver::Api {
-  const char* solver;  ///< the beginning of its functions' names
+  const char* solver;  ///< prefix of its functions' names
   int (*evolve)(void*, double, N_Vector, double*, int);
   int (*set_stop_time)(void*, double);
   int (*get_errors)(void*, N_Vector);
@@ -152,16 +151,16 @@ const SundialsSolver::Api SundialsSolver::Api::kCvode{
 namespace {
 
 // Explicit Runge-Kutta pairs. The error estimate of a step is a sum of derivatives at its stages with weights
-// e = b - d that add up to 0. A jump of the derivative inside the step shows in it with the sum of the
-// weights behind the jump; those sums are given below, largest error of the step first. All sums must be well
-// away from 0, or a jump could pass unseen.
+// e = b - d that add up to 0. A jump of the derivative inside the step contributes to it with the sum of the
+// weights after the jump; these sums are given below, for the largest error of the step first. No sum may be
+// close to 0, or a jump could stay undetected.
 //
-// SUNDIALS's own tables of order 2 and 3 are not used: ERKStep 6.4 takes the last stage of Heun-Euler for the
-// next step's first, which it is not, and Bogacki and Shampine's estimate sees a jump in the third quarter of
-// a step with a weight of 1/72, at an error of 0.19.
+// SUNDIALS's own tables of order 2 and 3 are not used: ERKStep 6.4 wrongly uses the last stage of Heun-Euler
+// as the first of the next step, and Bogacki and Shampine's estimate weights a jump in the third quarter of a
+// step, which causes an error of 0.19, with only 1/72.
 
-/// Makes a table of which `a` holds what lies below the diagonal, row by row; b, and d of the embedded
-/// method.
+/// Makes a table from the entries of `a` below the diagonal, row by row, the weights b, and the weights d of
+/// the embedded method.
 ARKodeButcherTable Table(int order, int embedded, std::initializer_list<double> a,
                          std::initializer_list<double> b, std::initializer_list<double> d) {
   ARKodeButcherTable table = ARKodeButcherTable_Alloc(static_cast<int>(b.size()), SUNTRUE);
@@ -177,43 +176,46 @@ ARKodeButcherTable Table(int order, int embedded, std::initializer_list<double> 
   return table;
 }
 
-/// Explicit midpoint with a stage at the end of the step, which is the next step's first. e = (-1, 2, -1) is
-/// a second difference, large enough for the error of many steps; jumps err by up to 1/2 and show with 1.
+/// Explicit midpoint with a stage at the end of the step, reused as the first of the next step.
+/// e = (-1, 2, -1) is a second difference, large enough for the accumulated error of many steps. Jumps cause
+/// errors of up to 1/2 and have a weight of 1 in the estimate.
 ARKodeButcherTable MidpointTable() {
   return Table(2, 1, {0.5, 0, 1}, {0, 1, 0}, {1, -1, 1});
 }
 
 /// The method of Bogacki and Shampine ("A 3(2) pair of Runge-Kutta formulas", Appl. Math. Lett. 2, 1989),
-/// with the embedded method of order 2 whose estimate is a second difference, e = (-1, 2, 0, -1)/12, as large
-/// as theirs on smooth solutions; jumps err by up to 0.28 and show with 1/12.
+/// with an embedded method of order 2 whose estimate is a second difference, e = (-1, 2, 0, -1)/12, as large
+/// as theirs on smooth solutions. Jumps cause errors of up to 0.28 and have a weight of 1/12 in the estimate.
 ARKodeButcherTable BogackiShampineTable() {
   return Table(3, 2, {0.5, 0, 0.75, 2.0 / 9, 1.0 / 3, 4.0 / 9}, {2.0 / 9, 1.0 / 3, 4.0 / 9, 0},
                {2.0 / 9 + 1.0 / 12, 1.0 / 3 - 1.0 / 6, 4.0 / 9, 1.0 / 12});
 }
 
-// Open tables, without a stage at the end of a step. They see nothing of its last part, and serve where a
-// tick, which restarts the integrator, comes soon.
+// Open tables have no stage at the end of a step. They do not sample its last part, and are meant for steps
+// that end at a tick which restarts the integrator.
 
 /// Explicit midpoint with Euler embedded.
 ARKodeButcherTable OpenMidpointTable() {
   return Table(2, 1, {0.5}, {0, 1}, {1, 0});
 }
 
-/// Ralston's method of order 3, the first three stages of Bogacki-Shampine, with one of order 2 embedded.
+/// Ralston's method of order 3, the first three stages of Bogacki-Shampine, with an embedded method of order
+/// 2.
 ARKodeButcherTable RalstonTable() {
   return Table(3, 2, {0.5, 0, 0.75}, {2.0 / 9, 1.0 / 3, 4.0 / 9}, {1.0 / 6, 1.0 / 2, 1.0 / 3});
 }
 
-// Stabilized methods have one stage more than their order takes. It serves stability: of x' = s x, a step of
-// h multiplies x by R(h s), which an explicit method keeps within 1 for h s from -2 (midpoint) or -2.5
-// (Ralston) to 0. The closed variants have a further stage at the end of the step, which the next step uses.
+// Stabilized methods have one stage more than their order requires, to extend the stability region. For
+// x' = s x, a step of h multiplies x by R(h s). |R| <= 1 for h s from -2 (midpoint) or -2.5 (Ralston) to 0.
+// The closed variants have a further stage at the end of the step, which the next step reuses.
 
-/// Order 2 in three stages, Heun's of order 3 but for R(z) = 1 + z + z²/2 + z³/14: stable from -5.36.
+/// Order 2 in three stages, like Heun's method of order 3 with R(z) = 1 + z + z²/2 + z³/14: stable from
+/// -5.36.
 ARKodeButcherTable OpenStabilizedTable2() {
   return Table(2, 2, {1.0 / 3, 8.0 / 21, 2.0 / 7}, {1.0 / 4, 0, 3.0 / 4}, {1.0 / 16, 3.0 / 8, 9.0 / 16});
 }
-/// e = (-2, 3, 0, -1) 3/8, large enough for the error of many steps; jumps err by up to 0.42 and show with
-/// 3/8.
+/// e = (-2, 3, 0, -1) 3/8, large enough for the accumulated error of many steps. Jumps cause errors of up to
+/// 0.42 and have a weight of 3/8 in the estimate.
 ARKodeButcherTable StabilizedTable2() {
   return Table(2, 1, {1.0 / 3, 8.0 / 21, 2.0 / 7, 1.0 / 4, 0, 3.0 / 4}, {1.0 / 4, 0, 3.0 / 4, 0},
                {1.0 / 4 + 3.0 / 4, -9.0 / 8, 3.0 / 4, 3.0 / 8});
@@ -224,14 +226,14 @@ ARKodeButcherTable OpenStabilizedTable3() {
   return Table(3, 2, {1.0 / 4, 0, 1.0 / 2, 0, 3.0 / 8, 3.0 / 8}, {2.0 / 9, 0, 1.0 / 3, 4.0 / 9},
                {1.0 / 9, 0, 2.0 / 3, 2.0 / 9});
 }
-/// e = (-1, 0, 2, 0, -1)/12; jumps err by up to 0.53 and show with 1/12.
+/// e = (-1, 0, 2, 0, -1)/12. Jumps cause errors of up to 0.53 and have a weight of 1/12 in the estimate.
 ARKodeButcherTable StabilizedTable3() {
   return Table(3, 2, {1.0 / 4, 0, 1.0 / 2, 0, 3.0 / 8, 3.0 / 8, 2.0 / 9, 0, 1.0 / 3, 4.0 / 9},
                {2.0 / 9, 0, 1.0 / 3, 4.0 / 9, 0},
                {2.0 / 9 + 1.0 / 12, 0, 1.0 / 3 - 1.0 / 6, 4.0 / 9, 1.0 / 12});
 }
 
-/// The table of an explicit method, or null for those of SUNDIALS.
+/// The table of an explicit method; null to use that of SUNDIALS.
 ARKodeButcherTable ExplicitTable(Method method, int order, bool open) {
   if (order > 3) return nullptr;
   if (method == Method::kStabilized) {
@@ -242,10 +244,10 @@ ARKodeButcherTable ExplicitTable(Method method, int order, bool open) {
   return order == 2 ? MidpointTable() : BogackiShampineTable();
 }
 
-/// ARKODE multiplies a step that a client chooses by this.
+/// Factor by which ARKODE multiplies a step that its client chooses.
 constexpr double kSafetyFactor = 0.5;
 
-/// A step that meets a jump is rejected many times, each time for one a fifth as long.
+/// A step that meets a jump is rejected many times, and reduced to a fifth each time.
 constexpr int kMaxErrorFailures = 50;
 
 SundialsClient& Client(void* client) {
@@ -277,7 +279,7 @@ void KeepMessage(int, const char*, const char*, char* message, void* to) {
 constexpr void* kNoCommunicator = nullptr;
 #endif
 
-/// Throws RunError unless `flag` is 0 or positive.
+/// Throws RunError if `flag` is negative.
 void CheckFlag(int flag, const char* function, const std::string& message = "") {
   if (flag >= 0) return;
   throw RunError(fmt::format("SUNDIALS: {} failed with flag {}{}{}", function, flag,
@@ -287,7 +289,7 @@ void CheckFlag(int flag, const char* function, const std::string& message = "") 
 /// Returns the object; throws RunError if it is null.
 template <class Object>
 Object* Made(Object* object, const char* function) {
-  if (object == nullptr) throw RunError(fmt::format("SUNDIALS: {} made nothing: out of memory?", function));
+  if (object == nullptr) throw RunError(fmt::format("SUNDIALS: {} returned null: out of memory?", function));
   return object;
 }
 
@@ -327,7 +329,7 @@ SundialsSolver::SundialsSolver(const SimulatorOptions& options, bool open, doubl
     : api_(Api::Of(options.method)), options_(options), handles_(std::make_unique<Handles>()) {
   const auto size = static_cast<sunindextype>(absolute_tolerances.size());
   N_Vector& y = handles_->y = Made(N_VNew_Serial(size, handles_->sun), "N_VNew_Serial");
-  // Vectors cloned from it inherit them.
+  // cloned vectors inherit the operations
   CheckFlag(N_VEnableFusedOps_Serial(y, SUNTRUE), "N_VEnableFusedOps_Serial");
   if (IsExplicit(options.method)) UseFastOperations(y);
   N_VConst(0, y);
@@ -348,12 +350,12 @@ SundialsSolver::SundialsSolver(const SimulatorOptions& options, bool open, doubl
   if (IsExplicit(options.method) && options.fixed_step == 0) {
     Check(ERKStepWFtolerances(memory_, ErrorWeights), "WFtolerances");
   } else {
-    // The errors of many steps of CVODE add up to more than those of a Runge-Kutta method.
+    // Errors of many CVODE steps accumulate to more than those of a Runge-Kutta method.
     const double part = multistep() ? 0.5 : 1;
     N_VScale(part, atol, atol);
     Check(api_.set_tolerances(memory_, part * options.rtol, atol), "SVtolerances");
   }
-  Check(api_.set_max_steps(memory_, -1), "SetMaxNumSteps");  // counted by the client, across restarts
+  Check(api_.set_max_steps(memory_, -1), "SetMaxNumSteps");  // the client counts steps, across restarts
   Check(api_.set_max_error_failures(memory_, kMaxErrorFailures), "SetMaxErrTestFails");
 }
 
@@ -375,21 +377,23 @@ void SundialsSolver::CreateRungeKutta(bool open, double time, SundialsClient& cl
   } else {
     memory_ = Made(ARKStepCreate(nullptr, Derivatives, time, h.y, h.sun), "ARKStepCreate");
     if (options_.order == 4) {
-      // The default for order 4 has no stage in the first quarter of a step, and sees no jump there.
+      // The default for order 4 has no stage in the first quarter of a step, so that it cannot detect a jump
+      // there.
       Check(ARKStepSetTableNum(memory_, ARKODE_ARK436L2SA_DIRK_6_3_4, ARKODE_ERK_NONE), "SetTableNum");
     } else {
       Check(ARKStepSetOrder(memory_, options_.order), "SetOrder");
     }
     CreateLinearSolver();
     Check(ARKStepSetLinearSolver(memory_, h.linear_solver, h.matrix), "SetLinearSolver");
-    // The matrix follows the step size: the default accepts one iteration with a matrix for steps 20 % off,
-    // on the strength of how well earlier stages converged, and errs by a hundred tolerances.
+    // Update the Newton matrix with the step size. The default accepts a single iteration with a matrix for a
+    // step size that differs by 20 %, based on the convergence of earlier stages, and can err by a hundred
+    // tolerances.
     Check(ARKStepSetDeltaGammaMax(memory_, 1e-3), "SetDeltaGammaMax");
-    // The derivative at a stage from its equation: evaluated, it multiplies what Newton's method left over by
-    // the stiffness.
+    // Compute the derivative at a stage from the stage equation: evaluating it would multiply the residual of
+    // Newton's method by the stiffness.
     Check(ARKStepSetDeduceImplicitRhs(memory_, SUNTRUE), "SetDeduceImplicitRhs");
-    Check(ARKStepSetNonlinConvCoef(memory_, 1e-3), "SetNonlinConvCoef");  // what is left over adds up
-    if (options_.fixed_step > 0)                                          // a smaller step is no remedy here
+    Check(ARKStepSetNonlinConvCoef(memory_, 1e-3), "SetNonlinConvCoef");  // residuals accumulate
+    if (options_.fixed_step > 0)                                          // a smaller step is not possible
       Check(ARKStepSetMaxNonlinIters(memory_, 10), "SetMaxNonlinIters");
   }
   if (options_.fixed_step > 0) return;
@@ -397,7 +401,7 @@ void SundialsSolver::CreateRungeKutta(bool open, double time, SundialsClient& cl
   Check(api_.set_fixed_step_bounds(memory_, 1, 1), "SetFixedStepBounds");
   Check(api_.set_safety_factor(memory_, kSafetyFactor), "SetSafetyFactor");
   Check(api_.set_error_bias(memory_, 1), "SetErrorBias");
-  Check(api_.set_min_reduction(memory_, 1e-15), "SetMinReduction");  // over a jump
+  Check(api_.set_min_reduction(memory_, 1e-15), "SetMinReduction");  // to cross a jump
   Check(api_.set_max_growth(memory_, 1e15), "SetMaxGrowth");
   Check(api_.set_max_first_growth(memory_, 1e15), "SetMaxFirstGrowth");
 }
@@ -424,7 +428,7 @@ void SundialsSolver::Restart(double time, double end, double step) {
     earlier_failures_ = failed_steps();
   }
   Check(api_.reset(memory_, time, handles_->y), multistep() ? "ReInit" : "Reset");
-  // A stop time stays set: an interval without end gets one that is never reached.
+  // A stop time stays set, so an interval without end gets one that is never reached.
   constexpr double kFarAway = 1e300;
   if (!ends_by_steps()) Check(api_.set_stop_time(memory_, std::min(end, kFarAway)), "SetStopTime");
   if (multistep()) return;

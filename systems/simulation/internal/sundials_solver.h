@@ -9,7 +9,7 @@
 
 namespace tenon::internal {
 
-/// Whether ERKStep runs it.
+/// True for methods that ERKStep runs.
 inline bool IsExplicit(Method method) {
   return method == Method::kErk || method == Method::kErkOpen || method == Method::kStabilized;
 }
@@ -17,45 +17,46 @@ inline bool IsExplicit(Method method) {
 /// The callbacks of a SundialsSolver.
 class SundialsClient {
  public:
-  /// Computes ydot = f(t, y). Returns 0; a positive number asks for a smaller step, a negative one gives up.
+  /// Computes `ydot` = f(t, y). Returns 0; a positive number to request a smaller step, a negative one to
+  /// fail.
   virtual int Derivatives(double t, const double* y, double* ydot) = 0;
-  /// Returns the step to take at `t`, after one of size `h` whose error is `error` tolerances; `order` is
-  /// that of the error estimate. Called by Runge-Kutta methods without a fixed step.
+  /// Returns the step to take at `t`, after a step of size `h` with an error of `error` tolerances; `order`
+  /// is the order of the error estimate. Called by Runge-Kutta methods without a fixed step.
   virtual double ChooseStep(double t, double h, double error, int order) = 0;
-  /// Computes the weight of an error of each state in the norm that ChooseStep gets. Called by explicit
-  /// Runge-Kutta methods.
+  /// Computes the error weight of each state in the norm passed to ChooseStep. Called by explicit Runge-Kutta
+  /// methods.
   virtual void ErrorWeights(const double* y, double* weights) = 0;
 
  protected:
   ~SundialsClient() = default;
 };
 
-/// ERKStep, ARKStep or CVODE behind one interface. It owns every SUNDIALS handle and checks every call; only
-/// its .cc includes headers of SUNDIALS.
+/// ERKStep, ARKStep or CVODE behind one interface. It owns all SUNDIALS handles and checks all calls; only
+/// its .cc includes SUNDIALS headers.
 ///
 /// Explicit Runge-Kutta tables, see sundials_solver.cc: pairs of order 2(1), 3(2), 4(3) and 5(4) for
-/// Method::kErk, and tables of one stage less for kErkOpen and kStabilized.
+/// Method::kErk, and tables with one stage less for kErkOpen and kStabilized.
 class SundialsSolver {
  public:
-  /// `absolute_tolerances` has one entry per state. `open` allows tables without a stage at the step's end.
-  /// Throws RunError that names the call if SUNDIALS refuses one.
+  /// `absolute_tolerances` has one entry per state. `open` permits tables without a stage at the step's end.
+  /// Throws RunError that names the SUNDIALS function if one fails.
   SundialsSolver(const SimulatorOptions& options, bool open, double time,
                  const std::vector<double>& absolute_tolerances, SundialsClient& client);
   ~SundialsSolver();
   SundialsSolver(const SundialsSolver&) = delete;
   SundialsSolver& operator=(const SundialsSolver&) = delete;
 
-  /// The states: set them before Restart, find them here after Step.
+  /// The states: set them before Restart, read them after Step.
   double* states() { return states_; }
 
-  /// Starts again at `time` with what is in states(), towards `end`, with a first step of `step`: with all
-  /// steps of that size if the options fix them, while CVODE takes one of its own.
+  /// Starts at `time` with the states in states(), towards `end`, with a first step of `step`. With a fixed
+  /// step all steps have this size; CVODE chooses its own.
   void Restart(double time, double end, double step);
-  /// Limits the steps of a multistep method; infinity removes the limit.
+  /// Limits the step size of a multistep method; infinity removes the limit.
   void SetMaxStep(double step);
-  /// The states at a time within the last step, from CVODE's history; multistep methods alone.
+  /// Computes the states at a time within the last step from CVODE's history; only for multistep methods.
   void Interpolate(double time, int num_states, double* states);
-  /// Takes one step towards `end`. Returns SUNDIALS's flag, which is negative if it failed.
+  /// Takes one step towards `end`. Returns SUNDIALS's flag, which is negative if the step failed.
   int Step(double end, double* time);
 
   bool multistep() const { return options_.method == Method::kBdf || options_.method == Method::kAdams; }
@@ -69,27 +70,27 @@ class SundialsSolver {
   int last_order() const;
   long steps() const;
   long failed_steps() const;
-  /// The name of `flag`, and the last message of SUNDIALS.
+  /// The name of `flag` and the last message of SUNDIALS.
   std::string Describe(int flag) const;
 
  private:
   struct Api;
   struct Handles;
-  /// Whether its steps, all chosen by the client, end where the interval does.
+  /// True if the client chooses all steps so that the last one ends with the interval.
   bool ends_by_steps() const { return IsExplicit(options_.method) && options_.fixed_step == 0; }
   void CreateRungeKutta(bool open, double time, SundialsClient& client);
   void CreateMultistep(double time);
   void CreateLinearSolver();
-  /// Throws RunError if `flag`, which the function named returned, is negative.
+  /// Throws RunError that names `function` if its return value `flag` is negative.
   void Check(int flag, const char* function) const;
 
   const Api& api_;
   SimulatorOptions options_;
   std::unique_ptr<Handles> handles_;
-  double* states_ = nullptr;                       ///< of the vector that SUNDIALS works with
+  double* states_ = nullptr;                       ///< data of SUNDIALS's vector
   void* memory_ = nullptr;                         ///< of ERKStep, ARKStep or CVODE
-  std::string message_;                            ///< the last one of SUNDIALS
-  long earlier_steps_ = 0, earlier_failures_ = 0;  ///< CVodeReInit resets its counters
+  std::string message_;                            ///< last message of SUNDIALS
+  long earlier_steps_ = 0, earlier_failures_ = 0;  ///< before the last CVodeReInit, which resets its counters
 };
 
 }  // namespace tenon::internal

@@ -10,7 +10,7 @@
 namespace tenon::internal {
 namespace {
 
-/// z = c[0] X[0] + c[1] X[1] + ..., added in this order; z is none of them.
+/// z = c[0] X[0] + c[1] X[1] + ..., added in this order; z must not be one of the X.
 template <std::size_t num_vectors>
 int Combine(const double* c, N_Vector* vectors, N_Vector z) {
   std::array<const double*, num_vectors> x;

@@ -4,11 +4,11 @@
 
 namespace tenon::internal {
 
-/// Gives a serial vector, and those that are cloned from it, faster forms of what explicit Runge-Kutta steps
-/// consist of: sums of vectors in one pass, copies, and the weighted root mean square norm.
+/// Gives a serial vector and its clones faster operations for explicit Runge-Kutta steps: linear combinations
+/// in one pass, copies, and the weighted root-mean-square norm.
 ///
-/// Sums are added in SUNDIALS's order; the norm adds its squares in eight interleaved sums, so that it does
-/// not wait for each addition, on every machine in the same order.
+/// Linear combinations add in SUNDIALS's order. The norm uses eight interleaved partial sums, so that
+/// additions do not wait for each other, in the same order on every machine.
 void UseFastOperations(N_Vector vector);
 
 }  // namespace tenon::internal

@@ -5,29 +5,29 @@
 
 namespace tenon::internal {
 
-// By how much two times may differ and still be the same, from the smallest difference to the largest. Each
-// absorbs the rounding of another kind of arithmetic.
+// Tolerances within which two times count as equal, from the smallest to the largest. Each covers the
+// rounding of a different computation.
 
-/// One time that is computed in two ways, with an addition or two, differs by a few units in the last place:
-/// an interval within this tolerance [s] has no inside that could be integrated.
+/// Tolerance [s] for a time computed in two ways with one or two additions, which differ by a few units in
+/// the last place. A shorter interval cannot be integrated.
 inline double Tiny(double time) {
   return 1e-14 * (1 + std::abs(time));
 }
 
-/// The rounding of many steps adds up: a step that ends this close [s] to the end of its interval ends there.
+/// Tolerance [s] for a sum of many steps: a step that ends this close to the end of its interval ends there.
 inline double StepRounding(double time) {
   return 1e-12 * (1 + std::abs(time));
 }
 
-/// Times that users compute as sums of periods round differently than the times of ticks, which are divided
-/// from integers: a tick within this tolerance [s] of the end of an advance belongs to the advance. It is
-/// capped, so that late in a long run it stays below any sensible period.
+/// Tolerance [s] between times that users compute as sums of periods and tick times, which are quotients of
+/// integers: a tick this close to the end of an advance belongs to it. The upper limit keeps it below any
+/// sensible period late in a long run.
 inline double TickRounding(double time) {
   return std::min(1e-10 * (1 + std::abs(time)), 1e-7);
 }
 
-/// Events that follow one another faster [s] belong to one instant: chatter advances by some 1e-8 s from one
-/// event to the next, and would otherwise be a motion without end.
+/// Events closer together than this [s] belong to one instant: chattering advances by some 1e-8 s from one
+/// event to the next and would otherwise never end.
 inline constexpr double kInstant = 1e-7;
 
 }  // namespace tenon::internal

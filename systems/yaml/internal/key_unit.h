@@ -6,10 +6,10 @@
 
 namespace tenon::internal {
 
-/// A key without its unit, and that: `inertia_kg_m2` is "inertia" in "kg_m2".
+/// Splits a key into its stem and its unit: `inertia_kg_m2` into "inertia" and "kg_m2".
 std::pair<std::string_view, std::string_view> SplitUnit(std::string_view key);
 
-/// The unit that a key carries, as one writes it: "kg m^2" of inertia_kg_m2; "m/s", "1/s"; empty if none.
+/// Returns the unit of a key in the usual notation, such as "kg m^2" for inertia_kg_m2; empty without unit.
 std::string UnitOfKey(std::string_view key);
 
 }  // namespace tenon::internal

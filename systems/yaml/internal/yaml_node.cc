@@ -20,7 +20,7 @@ namespace {
 
 using Kind = YamlTree::Kind;
 
-/// What the writer of an unknown key should have written.
+/// Suggests a valid key or a correction for an unknown key.
 std::string SuggestKey(std::string_view unknown, const FieldList& keys) {
   if (keys.empty()) return "no keys are valid here; remove it";
   const auto [stem, unit] = SplitUnit(unknown);
@@ -44,7 +44,7 @@ std::string JoinKeys(const FieldList& keys) {
   return text;
 }
 
-/// The whole of a plain scalar as a number. A leading '+' is YAML, though not C++.
+/// Parses a plain scalar as a number. YAML allows a leading '+'.
 template <class Number>
 std::errc ParseScalar(const YamlTree& tree, Number& value) {
   if (tree.kind != Kind::kScalar || tree.quoted) return std::errc::invalid_argument;
@@ -82,7 +82,7 @@ void YamlNode::Read(const TypeInfo& type, void* value) const {
       return ReadItems(type.item(), value, Items(type.count));
     case TypeInfo::Kind::kList: {
       const std::vector<YamlNode> items = Items();
-      type.resize(value, 0, 1);  // no item keeps what an earlier one said
+      type.resize(value, 0, 1);  // so that items start from their defaults
       type.resize(value, items.size(), 1);
       return ReadItems(type.item(), type.data(value), items);
     }
@@ -126,13 +126,14 @@ void YamlNode::ReadNumber(const TypeInfo& type, void* value) const {
 void YamlNode::ReadDouble(double* value) const {
   const std::errc error = ParseScalar(*tree_, *value);
   if (error == std::errc::result_out_of_range)
-    Fail(fmt::format("{} is outside the range of a double; write a power of ten from -307 to 308",
-                     Describe(*tree_)));
+    Fail(
+        fmt::format("{} is outside the range of a double; use exponents from -307 to 308", Describe(*tree_)));
   if (tree_->kind == Kind::kScalar && !tree_->quoted &&
       (IsNotFiniteInYaml(tree_->text) || (error == std::errc() && !std::isfinite(*value))))
-    Fail(fmt::format("expected a finite number, found {}; infinities and NaN are refused", Describe(*tree_)));
+    Fail(fmt::format("expected a finite number, found {}; infinities and NaN are not allowed",
+                     Describe(*tree_)));
   if (error != std::errc())
-    Fail(fmt::format("expected a number, found {}; write a number alone, such as 0.5 or 2e-3",
+    Fail(fmt::format("expected a number, found {}; write only a number, such as 0.5 or 2e-3",
                      Describe(*tree_)));
 }
 
@@ -143,10 +144,10 @@ void YamlNode::ReadInteger(Integer* value) const {
   if (digits.starts_with('-') || digits.starts_with('+')) digits.remove_prefix(1);
   const bool all_digits = digits.find_first_not_of("0123456789") == digits.npos;
   if (tree_->kind == Kind::kScalar && all_digits && digits.size() > 1 && digits.front() == '0')
-    Fail(fmt::format("{} begins with a 0, which some readers of YAML take for octal; leave the 0 away",
+    Fail(fmt::format("{} begins with a 0, which some YAML readers take for an octal number; remove the 0",
                      Describe(*tree_)));
   if (ParseScalar(*tree_, *value) == std::errc()) return;
-  Fail(fmt::format("expected an integer from {} to {}, found {}; write digits alone", Limits::min(),
+  Fail(fmt::format("expected an integer from {} to {}, found {}; write only digits", Limits::min(),
                    Limits::max(), Describe(*tree_)));
 }
 
@@ -173,7 +174,7 @@ void YamlNode::ReadText(std::string* value) const {
   *value = tree_->text;
 }
 
-/// A vector is a list; a matrix is a list of rows, or the list of its diagonal.
+/// Reads a vector from a list, and a matrix from a list of rows or the list of its diagonal.
 void YamlNode::ReadMatrix(const TypeInfo& type, void* value) const {
   if (type.rows < 1 || type.cols < 1 || type.scalar != ScalarKind::kDouble)
     Fail("its type has no YAML form: only vectors and matrices of doubles and of fixed size have one");
@@ -219,7 +220,7 @@ void YamlNode::ReadFile(YamlFile* value) const {
   YamlTree tree = WithAbsolutePaths(*tree_, true);
   if (tree.kind == Kind::kMap && YamlTree::FindKey(tree, "file") == tree.children.end()) {
     if (value->text.empty() || value->text.front() == '{')
-      Fail("a map of what is different has to say in which file: {file: standard, …}");
+      Fail("a map of changes needs the key `file`, as in {file: standard, …}");
     YamlTree file;
     file.kind = Kind::kScalar;
     file.key = "file";
@@ -279,7 +280,7 @@ void YamlNode::CheckKeys(const FieldList& keys) const {
     if (std::ranges::find(keys, child.key, [](const Field& key) { return std::string_view(key.name); }) !=
         keys.end())
       continue;
-    if (path_.empty() && child.key == "format") continue;  // of the document, see YamlDocument::CheckFormat
+    if (path_.empty() && child.key == "format") continue;  // checked by YamlDocument::CheckFormat
     FailAt(child.key_place, fmt::format("{}: unknown key; {}. Valid keys: {}", Below(child.key),
                                         SuggestKey(child.key, keys), JoinKeys(keys)));
   }
@@ -287,7 +288,7 @@ void YamlNode::CheckKeys(const FieldList& keys) const {
   for (const Field& key : keys)
     if (key.required && !Find(key.name)) missing.push_back(key);
   if (!missing.empty())
-    Fail(fmt::format("required but missing: {}; add {}, there is no default", JoinKeys(missing),
+    Fail(fmt::format("required but missing: {}; add {}, because there is no default", JoinKeys(missing),
                      missing.size() == 1 ? "it" : "them"));
 }
 

@@ -15,12 +15,12 @@ struct YamlFile;
 
 namespace tenon::internal {
 
-/// One value of a document and the dotted path to it; what it throws names the place and the path.
+/// One value of a document and the dotted path to it. Its errors name the place and the path.
 class YamlNode {
  public:
   YamlNode(const YamlTree& tree, std::string path) : tree_(&tree), path_(std::move(path)) {}
 
-  /// Reads over `value`, whose members are the defaults. Throws ParameterError.
+  /// Reads into `value`, whose members hold the defaults. Throws ParameterError.
   void Read(const TypeInfo& type, void* value) const;
 
  private:
@@ -39,11 +39,11 @@ class YamlNode {
 
   bool IsNull() const { return tree_->kind == YamlTree::Kind::kNull; }
   bool IsList() const { return tree_->kind == YamlTree::Kind::kList; }
-  std::vector<YamlNode> Items() const;                   ///< of a list
-  std::vector<YamlNode> Items(std::size_t count) const;  ///< of a list of that length
+  std::vector<YamlNode> Items() const;                   ///< items of a list
+  std::vector<YamlNode> Items(std::size_t count) const;  ///< items of a list of the given length
   std::optional<YamlNode> Find(std::string_view key) const;
-  void CheckKeys(const FieldList& fields) const;  ///< throws on unknown and on missing ones
-  std::string Below(std::string_view key) const;  ///< the path to it
+  void CheckKeys(const FieldList& fields) const;  ///< throws for unknown and for missing keys
+  std::string Below(std::string_view key) const;  ///< the path to a key of this map
   YamlNode Child(const YamlTree& child, std::string_view key) const;
   [[noreturn]] void Fail(std::string_view what) const;
   [[noreturn]] void FailValidation(std::string_view what) const;

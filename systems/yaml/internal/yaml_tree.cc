@@ -20,7 +20,7 @@ namespace {
 
 using Kind = YamlTree::Kind;
 
-/// Makes the tree from the parser's events. YAML::Node would hide keys that are given twice.
+/// Builds the tree from the parser's events, because YAML::Node hides duplicate keys.
 class TreeBuilder final : public YAML::EventHandler {
  public:
   TreeBuilder(const YamlPlaceOf& place_of, bool overridden, const std::filesystem::path& directory)
@@ -30,7 +30,8 @@ class TreeBuilder final : public YAML::EventHandler {
         root_(Make({}, Kind::kNull)) {}
 
   YamlTree Take() {
-    if (!bad_key_.empty()) FailAt(bad_key_, "a key must be a word; quote it if it is meant so");
+    if (!bad_key_.empty())
+      FailAt(bad_key_, "a key must be a word; quote it if it contains special characters");
     return std::move(root_);
   }
 
@@ -52,7 +53,7 @@ class TreeBuilder final : public YAML::EventHandler {
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto it = anchors_.find(anchor);
     if (it == anchors_.end())
-      FailAt(PlaceOf(mark), "the alias stands inside its own anchor; repeat the value");
+      FailAt(PlaceOf(mark), "the alias is inside its own anchor; repeat the value instead");
     Count(it->second, PlaceOf(mark));
     Add(it->second, 0);
   }
@@ -74,7 +75,7 @@ class TreeBuilder final : public YAML::EventHandler {
   struct Level {
     YamlTree tree;
     YAML::anchor_t anchor;
-    std::optional<YamlTree> key = {};  // the key whose value comes next
+    std::optional<YamlTree> key = {};  // key of the next value
   };
 
   YamlTree Make(const YAML::Mark& mark, Kind kind) {
@@ -86,16 +87,16 @@ class TreeBuilder final : public YAML::EventHandler {
     Count(tree, tree.place);
     return tree;
   }
-  /// Adds the values of a tree to those of the document.
+  /// Counts the values of a tree. Throws if the document has too many.
   void Count(const YamlTree& tree, const std::string& place) {
     if (++values_ > kMaxYamlValues)
       FailAt(place,
-             fmt::format("{}the document has more than {} keys and values, aliases and anchors counted as "
-                         "what they repeat; shorten it",
+             fmt::format("{}the document has more than {} keys and values, including those that aliases "
+                         "and anchors repeat; shorten it",
                          OpenKeys(), kMaxYamlValues));
     for (const YamlTree& child : tree.children) Count(child, place);
   }
-  /// "a.b: " of the keys whose values are being read.
+  /// Returns the keys whose values are being read as "a.b: ".
   std::string OpenKeys() const {
     std::vector<std::string> keys;
     for (const Level& level : open_) {
@@ -138,7 +139,7 @@ class TreeBuilder final : public YAML::EventHandler {
     }
     Level& level = open_.back();
     if (ExpectsKey()) {
-      // The parser takes an unfinished list for a key before it finds the syntax error, so this must wait.
+      // The parser reports an unfinished list as a key before it finds the syntax error, so the check waits.
       if (tree.kind != Kind::kScalar && bad_key_.empty()) bad_key_ = tree.place;
       level.key = std::move(tree);
       return;
@@ -154,9 +155,9 @@ class TreeBuilder final : public YAML::EventHandler {
   const YamlPlaceOf& place_of_;
   bool overridden_;
   std::shared_ptr<const std::filesystem::path> directory_;
-  std::size_t values_ = 0;  // so far
+  std::size_t values_ = 0;  // counted so far
   YamlTree root_;
-  std::string bad_key_;  // place of the first key that is no word
+  std::string bad_key_;  // place of the first key that is not a scalar
   int documents_ = 0;
   std::vector<Level> open_;
   std::map<YAML::anchor_t, YamlTree> anchors_;
@@ -165,7 +166,7 @@ class TreeBuilder final : public YAML::EventHandler {
 }  // namespace
 
 void CheckUtf8(std::string_view text, const YamlPlaceOf& place_of) {
-  // The encoding has the byte 0, but no text: it is in those of UTF-16.
+  // A byte 0 is valid UTF-8 but indicates UTF-16.
   const auto bad = std::min(utf8::find_invalid(text.begin(), text.end()), std::ranges::find(text, '\0'));
   if (bad == text.end()) return;
   const std::string_view before(text.begin(), bad);
@@ -180,7 +181,7 @@ YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, boo
                        const std::filesystem::path& directory) {
   if (text.size() > kMaxYamlBytes)
     FailAt(place_of(1, 1),
-           fmt::format("the text has more than {} bytes; is it the right file?", kMaxYamlBytes));
+           fmt::format("the text has more than {} bytes; check that it is the right file", kMaxYamlBytes));
   CheckUtf8(text, place_of);
   TreeBuilder builder(place_of, overridden, directory);
   try {
@@ -190,7 +191,7 @@ YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, boo
     }
   } catch (const YAML::Exception& error) {
     FailAt(place_of(error.mark.line + 1, error.mark.column + 1),
-           fmt::format("not valid YAML: {}; mend the text here or just before", Excerpt(error.msg)));
+           fmt::format("not valid YAML: {}; correct the text here or just before", Excerpt(error.msg)));
   }
   return builder.Take();
 }
@@ -203,7 +204,7 @@ std::optional<std::size_t> IndexIn(const YamlTree& list, std::string_view key) {
 
 namespace {
 
-/// The child of a map or a list that a word means; null for none.
+/// Returns the child of a map or list that a word denotes, or null.
 const YamlTree* ChildCalled(std::string_view word, const YamlTree& tree) {
   if (const auto index = IndexIn(tree, word)) return &tree.children[*index];
   if (tree.kind != YamlTree::Kind::kMap) return nullptr;
@@ -212,7 +213,7 @@ const YamlTree* ChildCalled(std::string_view word, const YamlTree& tree) {
   };
   const auto child = std::ranges::find_if(tree.children, is_called);
   if (child != tree.children.end()) return &*child;
-  // With a unit that only the file knows, as in stiffness_mg_per_l.
+  // The key may have a unit that SplitUnit does not know, as in stiffness_mg_per_l.
   const auto begins = [&](const YamlTree& child) { return child.key.starts_with(std::string(word) + "_"); };
   const auto only = std::ranges::find_if(tree.children, begins);
   return !word.empty() && std::ranges::count_if(tree.children, begins) == 1 ? &*only : nullptr;
@@ -231,7 +232,8 @@ const YamlTree& BlamedBy(const YamlTree& tree, std::string* path, std::string_vi
     const YamlTree* const child = ChildCalled({rest.begin(), end}, *blamed);
     if (child == nullptr) return *blamed;
     blamed = child;
-    const std::string key = child->key.empty() ? std::string(rest.begin(), end) : child->key;  // of a list
+    const std::string key =
+        child->key.empty() ? std::string(rest.begin(), end) : child->key;  // index of a list
     *path += (path->empty() ? "" : ".") + key;
     rest = {end, rest.end()};
     if (rest.starts_with(": ")) {
@@ -265,7 +267,7 @@ std::string WithOverrides(std::string_view message, const YamlTree& tree, const 
 
 namespace {
 
-/// Text that stands in flow style as it is, and is read again as the same.
+/// Returns whether a scalar needs no quotes in flow style.
 bool IsPlainInFlow(const YamlTree& scalar) {
   return !scalar.quoted && !scalar.text.empty() &&
          scalar.text.find_first_of(",[]{}#:'\"&*!|>%@`\\\n\t?") == std::string::npos;

@@ -12,7 +12,7 @@
 namespace tenon::internal {
 namespace {
 
-/// Words that no reader of YAML takes for anything but text.
+/// Returns whether every YAML reader takes an unquoted text for text.
 bool IsPlainText(const std::string& text) {
   const auto is_word = [](unsigned char c) { return std::isalnum(c) || c == '_'; };
   const auto is_plain = [&](unsigned char c) {
@@ -165,7 +165,7 @@ class Writer {
   }
 
   YAML::Emitter emitter_;
-  std::string key_ = "value";  ///< the last one written, for messages
+  std::string key_ = "value";  ///< the last key written, for messages
 };
 
 }  // namespace
@@ -178,7 +178,7 @@ std::string WriteYaml(const TypeInfo& type, const void* value) {
 
 std::string YamlScalar(const std::string& text) {
   std::string line = WriteYaml(TypeInfoOf<std::string>(), &text);
-  line.pop_back();  // its end
+  line.pop_back();  // newline
   return line;
 }
 

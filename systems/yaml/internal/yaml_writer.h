@@ -6,10 +6,10 @@
 
 namespace tenon::internal {
 
-/// Block-style YAML, lists in flow style, numbers with the fewest digits that give them back exactly. Throws
-/// ParameterError for what could not be read again.
+/// Writes block-style YAML with lists in flow style and the shortest numbers that read back exactly. Throws
+/// ParameterError for a value that could not be read back.
 std::string WriteYaml(const TypeInfo& type, const void* value);
-/// A text as a scalar of any style, quoted unless all readers take it for just that text.
+/// Writes a text as a scalar, quoted unless every YAML reader takes it for this text.
 std::string YamlScalar(const std::string& text);
 
 }  // namespace tenon::internal

@@ -156,7 +156,8 @@ TEST(CampaignPlanTest, RefusesBadCampaignsWithTheirPlace) {
            {"vary: {b: {choices: {x: {a: 2}}}}\nlimit: {key: a, to: 1}", "c.yaml:4:"},
            {"set: {a: 2}\nlimit: {key: all, sets: {a: 1}, to: 1}", "c.yaml:4:"},
            {"vary: {all: {grid: [1], sets: {b: 1}}}\nlimit: {key: all, sets: {a: 1}, to: 1}", "c.yaml:4:"}})
-    EXPECT_TRUE(Throws<ParameterError>([&] { CampaignPlan plan(File(text)); }, "c.yaml", place)) << text;
+    EXPECT_TRUE(Throws<ParameterError>([&text = text] { CampaignPlan plan(File(text)); }, "c.yaml", place))
+        << text;
 }
 
 /// Runs a campaign with `at_once` runs at a time, which survive if `survives(run)`. The runs end in another

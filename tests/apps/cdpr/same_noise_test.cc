@@ -28,9 +28,9 @@ Errors ErrorsUnder(CdprController controller) {
   for (int tick = 0; tick < 40; ++tick) {
     simulator.RunTo(tick / 200.0);
     const auto& context = simulator.context();
-    const PlatformState& state = context.Eval(loop.plant.platform);
-    errors.position.emplace_back(context.Eval(loop.pose_sensor.pose).p_WB - state.p_WB);
-    errors.angular_velocity.emplace_back(context.Eval(loop.imu.measurement).angular_velocity_B -
+    const PlatformState& state = context.Eval(loop.world.plant.platform);
+    errors.position.emplace_back(context.Eval(loop.world.pose_sensor.pose).p_WB - state.p_WB);
+    errors.angular_velocity.emplace_back(context.Eval(loop.world.imu.measurement).angular_velocity_B -
                                          state.R_WB().transpose() * state.w_W);
   }
   return errors;

@@ -1,4 +1,5 @@
 #include <tenon/apps/common/path_verdict.h>
+#include <tenon/apps/common/run_options.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -47,7 +48,7 @@ TEST(PathVerdictTest, AllowsAShareOfTheLength) {
   EXPECT_FALSE(left.finished());
   EXPECT_EQ(left.exit_code(), kLimitBroken);
   EXPECT_EQ(Figure(left, "end_reason"),
-            "the path was not followed: the robot went 0.30004 m off it, more than 0.3 m, at 2 s");
+            "the path was not followed: the robot left it by 0.30004 m, more than 0.3 m, at 2 s");
 }
 
 TEST(PathVerdictTest, AllowsAShareOfHalfATurn) {
@@ -57,7 +58,7 @@ TEST(PathVerdictTest, AllowsAShareOfHalfATurn) {
   verdict.Add(2, 0, -0.4);
   EXPECT_EQ(Figure(SummaryOf(verdict), "followed"), "false");
   EXPECT_THAT(Figure(SummaryOf(verdict), "end_reason"),
-              HasSubstr("the robot turned 0.4 rad away from it, more than 0.314 rad, at 2 s"));
+              HasSubstr("the heading deviated by 0.4 rad, more than 0.314 rad, at 2 s"));
 }
 
 // A turn on the spot has no length, so only the heading is judged.

@@ -102,8 +102,8 @@ TEST_F(ScenarioFileTest, MessagesNameFileLineAndKey) {
            {"list.yaml", "list.yaml:2:10: others.0: ", ""},
            {"newer.yaml", "newer.yaml:1:9: format: 2", ""},
            {"extends.yaml", "newer.yaml:1:9: format: 2", ""}})
-    EXPECT_TRUE(
-        Throws<ParameterError>([&] { LoadScenario(home / file, {}, "mine").Read<Scenario>(); }, place, what));
+    EXPECT_TRUE(Throws<ParameterError>(
+        [&, &file = file] { LoadScenario(home / file, {}, "mine").Read<Scenario>(); }, place, what));
   Write("robots/newer.yaml", "format: 2\n" + ReadText(home / "robots/mine.yaml"));
   EXPECT_TRUE(Throws<ParameterError>([&] { LoadQuadruped(YamlFile{At("robots/newer.yaml")}); }, "format: 2"));
 }

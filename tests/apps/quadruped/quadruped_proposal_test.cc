@@ -33,7 +33,7 @@ std::string Replaced(const std::string& text, const std::string& from, const std
   return std::regex_replace(text, what, to);
 }
 
-/// A directory with one URDF, and what is proposed for it.
+/// A directory with one URDF, and its proposal.
 class QuadrupedProposalTest : public ::testing::Test {
  protected:
   QuadrupedProposalTest() { fs::create_directories(directory_); }

@@ -28,9 +28,8 @@ TEST(QuadrupedScaleTest, ForcesGoWithTheWeightAndBlocksWithTheLegs) {
 }
 
 TEST(QuadrupedScaleTest, DogBotIsNotScaled) {
-  const QuadrupedScenario scenario = ScaledToRobot(Load("B2", {"scale_forces=true"}));
-  EXPECT_EQ(scenario.random_forces[1].upper_N, 40);
-  EXPECT_FALSE(scenario.scale_forces);
+  const QuadrupedScenario scenario = Load("B2", {"scale_forces=true"});
+  EXPECT_EQ(ScaledToRobot(scenario, RatioOf(scenario)).random_forces[1].upper_N, 40);
   EXPECT_EQ(RatioOf(Load("B2", {"robot=a1"})).weight, 1);  // scale_forces is false
 }
 

@@ -55,7 +55,7 @@ TEST_F(TenonRobotTest, EndsWithATrialThatCannotBeWritten) {
   const Result run =
       RunCommand("sh -c 'ulimit -f 100; " TENON_ROBOT " " TENON_ROBOTS_DIR "/a1.urdf" + Out() + "'");
   EXPECT_EQ(run.exit_code, 5) << run.text;
-  EXPECT_THAT(run.text, HasSubstr("not known: the trial could not be written"));
+  EXPECT_THAT(run.text, HasSubstr("unknown: the trial could not be written"));
   EXPECT_TRUE(fs::exists(out / "stand"));
   EXPECT_FALSE(fs::exists(out / "trot"));
 }

@@ -1,13 +1,10 @@
 #include <tenon/controllers/cdpr/cable_interference.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <random>
 
 namespace tenon::cable_interference_test {
@@ -50,16 +47,6 @@ TEST(CableInterferenceTest, CablesLeaveFromTheirPulleys) {
   EXPECT_NEAR(At(robot, {0, 0, 2}).cables, 0.3, 1e-12);
 }
 
-// A cable from a corner may go past any of the three faces there, but not below all of them.
-TEST(CableInterferenceTest, CablesLeaveThePlatformOnTheOutside) {
-  const CdprDescription robot = Cube();
-  EXPECT_GT(At(robot, {0, 0, 2}).platform, 0.3);
-  // Turned over about a diagonal, the corner of the first cable points away from its anchor.
-  const Matrix3d R = Eigen::AngleAxisd(M_PI, Vector3d(1, -1, 0).normalized()).toRotationMatrix();
-  const Vector3d direction = Vector3d(3.2, 3.2, 2.2).normalized();
-  EXPECT_NEAR(At(robot, {0, 0, 2}, R).platform, -direction.z(), 1e-12);
-}
-
 // The sine at a corner of the cube is the largest of the components of the direction along its three normals.
 TEST(CableInterferenceTest, SineIsThatOfTheCubesFaces) {
   const CdprDescription robot = Cube();
@@ -69,13 +56,13 @@ TEST(CableInterferenceTest, SineIsThatOfTheCubesFaces) {
   double least = 1;
   for (int i = 0; i < 8; ++i) {
     const Vector3d direction = R.transpose() * cables.direction.col(i);
-    const Vector3d corner = robot.cables[static_cast<std::size_t>(i)].attachment_B / 0.2;
+    const Vector3d corner = robot.cables[i].attachment_B / 0.2;
     least = std::min(least, direction.cwiseProduct(corner).maxCoeff());
   }
   EXPECT_NEAR(At(robot, p, R).platform, least, 1e-12);
 }
 
-// Of a pose that is moved and turned, by no more than the bound; which is sharper than twice the motion.
+// The bound holds for random displacements and turns, and is sharper than twice the motion.
 TEST(CableInterferenceTest, LeastDistanceIsALowerBound) {
   CdprDescription robot = Cube();
   const CableInterference interference(robot);
@@ -86,7 +73,7 @@ TEST(CableInterferenceTest, LeastDistanceIsALowerBound) {
   };
   constexpr double kDistance = 0.15, kAngle = 0.05;
   double sharpest = -1;
-  for (int k = 0; k < 50; ++k) {
+  for (int k = 0; k < 20; ++k) {
     const Vector3d p = Vector3d(0, 0, 2) + 0.8 * direction();
     const Matrix3d R = Eigen::AngleAxisd(0.3, direction()).toRotationMatrix();
     const CableKinematics cables = CalcCableKinematics(robot, p, R);

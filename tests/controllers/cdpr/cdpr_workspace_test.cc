@@ -1,13 +1,10 @@
 #include <tenon/controllers/cdpr/cdpr_workspace.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <random>
 #include <vector>
 
@@ -17,8 +14,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// A point mass on cables from the corners of a polygon 4 m high; its cables may not push, and carry what it
-/// takes.
+/// A point mass on cables from the corners of a polygon 4 m high, with tensions from 0 to 100 kN.
 CdprDescription PointMass(const std::vector<Eigen::Vector2d>& corners) {
   CdprDescription robot = test::FourCableRobot();
   robot.cable.tension_min = 0;
@@ -57,7 +53,7 @@ TEST(CdprWorkspaceTest, StaticWorkspaceOfAPointMassIsThePrismBelowItsAnchors) {
   }
 }
 
-// Finer cells close in on the volume from both sides.
+// The bounds of finer cells approach the volume from both sides.
 TEST(CdprWorkspaceTest, BoundsConverge) {
   const CdprDescription robot = PointMass({{-2, -1}, {2, -1}, {0, 2}});
   PoseFeasibility feasibility(robot, RequiredWrenches(robot, {}));
@@ -70,9 +66,9 @@ TEST(CdprWorkspaceTest, BoundsConverge) {
   }
 }
 
-// 10^4 random points of cells next to the boundary: all feasible where the cell is said to hold, none where
+// 2000 random points of cells next to the boundary: all feasible where the cell is said to hold, none where
 // it is said to fail, by the quadratic program of tension_distribution.h.
-TEST(CdprWorkspaceTest, NoPointOfAFeasibleCellIsNot) {
+TEST(CdprWorkspaceTest, EveryPointOfAFeasibleCellIsFeasible) {
   const CdprDescription robot = test::EightCableRobot();
   const WrenchBox required = RequiredWrenches(robot, {.load = 5});
   PoseFeasibility feasibility(robot, required);
@@ -91,13 +87,13 @@ TEST(CdprWorkspaceTest, NoPointOfAFeasibleCellIsNot) {
   std::uniform_real_distribution<double> uniform(-0.5, 0.5);
   TensionDistributor distributor(8);
   int holds = 0;
-  for (int i = 0; i < 10000; ++i) {
+  for (int i = 0; i < 2000; ++i) {
     const WorkspaceCell& cell = *near[random() % near.size()];
     Vector3d p = cell.centre(grid);
     for (int k = 0; k < 3; ++k) {
       // Every other point on a face.
       const double share = i % 6 == 2 * k ? 0.5 : uniform(random);
-      p[k] += share * cell.size[static_cast<std::size_t>(k)] * grid.cell()[k];
+      p[k] += share * cell.size[k] * grid.cell()[k];
     }
     const CableMatrix6 W = CalcCableKinematics(robot, p, Matrix3d::Identity()).structure;
     const bool feasible =
@@ -105,12 +101,12 @@ TEST(CdprWorkspaceTest, NoPointOfAFeasibleCellIsNot) {
     ASSERT_EQ(feasible, cell.wrench == PoseVerdict::kHolds) << p.transpose();
     holds += feasible ? 1 : 0;
   }
-  EXPECT_GT(holds, 3000);
-  EXPECT_LT(holds, 9500);
+  EXPECT_GT(holds, 600);
+  EXPECT_LT(holds, 1900);
 }
 
-// The platform of the eight cables, at one place and turned about any axis: the same test of the same kind.
-TEST(CdprWorkspaceTest, NoAttitudeOfAFeasibleCellIsNot) {
+// The platform of eight cables at one position, turned about random axes.
+TEST(CdprWorkspaceTest, EveryAttitudeOfAFeasibleCellIsFeasible) {
   const CdprDescription robot = test::EightCableRobot();
   const WrenchBox required = RequiredWrenches(robot, {});
   PoseFeasibility feasibility(robot, required);
@@ -123,12 +119,11 @@ TEST(CdprWorkspaceTest, NoAttitudeOfAFeasibleCellIsNot) {
   std::mt19937_64 random(19);
   std::uniform_real_distribution<double> uniform(-0.5, 0.5);
   TensionDistributor distributor(8);
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     const WorkspaceCell& cell = cells[random() % cells.size()];
     if (cell.wrench == PoseVerdict::kUndecided) continue;
     Vector3d rotation = cell.centre(grid);
-    for (int k = 0; k < 3; ++k)
-      rotation[k] += uniform(random) * cell.size[static_cast<std::size_t>(k)] * grid.cell()[k];
+    for (int k = 0; k < 3; ++k) rotation[k] += uniform(random) * cell.size[k] * grid.cell()[k];
     const Matrix3d R = Eigen::AngleAxisd(rotation.norm(), rotation.normalized()).toRotationMatrix();
     const CableMatrix6 W = CalcCableKinematics(robot, options.p_WB, R).structure;
     EXPECT_EQ(
@@ -138,7 +133,7 @@ TEST(CdprWorkspaceTest, NoAttitudeOfAFeasibleCellIsNot) {
   }
 }
 
-// What is clear is a part of what is feasible. The attachments are 0.3 m apart: cables thicker than that
+// The clear workspace is a part of the feasible one. The attachments are 0.3 m apart, so thicker cables
 // touch.
 TEST(CdprWorkspaceTest, ThickCablesLeaveNothing) {
   CdprDescription robot = test::EightCableRobot();
@@ -157,7 +152,7 @@ TEST(CdprWorkspaceTest, ThickCablesLeaveNothing) {
   EXPECT_EQ(thick.centres, 0);
 }
 
-TEST(CdprWorkspaceTest, TellsHowFarItIs) {
+TEST(CdprWorkspaceTest, ReportsItsProgress) {
   const CdprDescription robot = test::EightCableRobot();
   PoseFeasibility feasibility(robot, RequiredWrenches(robot, {}));
   std::vector<double> shares;
@@ -169,18 +164,13 @@ TEST(CdprWorkspaceTest, TellsHowFarItIs) {
   EXPECT_LE(shares.back(), 1 + 1e-9);
 }
 
-TEST(CdprWorkspaceTest, RefusesGridsThatAreNone) {
-  EXPECT_TRUE(Throws<ParameterError>(
-      [] {
-        WorkspaceGrid::OfSize({0, 0, 0}, {1, 0, 1}, 0.1);
-      },
-      "from 0 to 0 along y"));
-  EXPECT_TRUE(Throws<ParameterError>([] { WorkspaceGrid::OfSize({0, 0, 0}, {1, 1, 1}, 0); }, "cells of 0"));
-  EXPECT_TRUE(Throws<ParameterError>(
-      [] {
-        WorkspaceGrid::OfSize({0, 0, 0}, {10, 10, 10}, 0.01);
-      },
-      "make the cells larger"));
+TEST(CdprWorkspaceTest, RefusesImpossibleGrids) {
+  const auto refuses = [](const Vector3d& upper, double cell, const char* key) {
+    return Throws<ParameterError>([&] { WorkspaceGrid::OfSize({0, 0, 0}, upper, cell); }, key);
+  };
+  EXPECT_TRUE(refuses({1, 0, 1}, 0.1, "along y"));
+  EXPECT_TRUE(refuses({1, 1, 1}, 0, "cells of 0"));
+  EXPECT_TRUE(refuses({10, 10, 10}, 0.01, "cells"));
 }
 
 }  // namespace

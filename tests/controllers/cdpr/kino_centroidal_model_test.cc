@@ -1,17 +1,11 @@
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/derivative_check.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
 
-#include <Eigen/Core>
-#include <gtest/gtest.h>
-
-#include <limits>
 #include <vector>
 
 namespace tenon::kino_centroidal_model_test {
@@ -29,7 +23,7 @@ CentroidalState SomeState() {
   return x;
 }
 
-/// [fx  fu], of a step of Euler.
+/// The Jacobian (fx fu) of the model, from a step of Euler.
 template <int n>
 Eigen::MatrixXd JacobianOf(const KinoCentroidalModel<n>& model, const CentroidalState& x,
                            const typename KinoCentroidalModel<n>::Input& u) {
@@ -42,7 +36,7 @@ Eigen::MatrixXd JacobianOf(const KinoCentroidalModel<n>& model, const Centroidal
   return jacobian;
 }
 
-/// A robot of so many cables, and the n of the model.
+/// The number of cables, and the n of the model.
 template <int cables, int n = cables>
 struct Cables {
   static constexpr int kCables = cables, kModel = n;
@@ -59,11 +53,11 @@ class KinoCentroidalModelTest : public ::testing::Test {
 };
 
 using AllNumbers =
-    ::testing::Types<Cables<4>, Cables<5>, Cables<6>, Cables<7>, Cables<8>, Cables<4, Eigen::Dynamic>,
-                     Cables<8, Eigen::Dynamic>, Cables<12, Eigen::Dynamic>, Cables<16, Eigen::Dynamic>>;
+    ::testing::Types<Cables<4>, Cables<8>, Cables<4, Eigen::Dynamic>, Cables<5, Eigen::Dynamic>,
+                     Cables<6, Eigen::Dynamic>, Cables<7, Eigen::Dynamic>, Cables<12, Eigen::Dynamic>>;
 TYPED_TEST_SUITE(KinoCentroidalModelTest, AllNumbers);
 
-// Newton and Euler with the wrench of the cable kinematics, another piece of code.
+// Newton's and Euler's equations with the wrench of the cable kinematics.
 TYPED_TEST(KinoCentroidalModelTest, IsNewtonAndEuler) {
   const CentroidalState x = SomeState();
   const Eigen::Vector3d euler = x.tail<3>();
@@ -78,8 +72,8 @@ TYPED_TEST(KinoCentroidalModelTest, IsNewtonAndEuler) {
   EXPECT_THAT(dx, IsNear(expected, 1e-13));
 }
 
-// With pulleys, at the pose that it was given.
-TYPED_TEST(KinoCentroidalModelTest, KnowsPulleys) {
+// With pulleys the model is exact at the pose of SetPose.
+TYPED_TEST(KinoCentroidalModelTest, ModelsPulleys) {
   const CentroidalState x = SomeState();
   const Eigen::Matrix3d R_WB = RotationFromEuler(x.tail<3>());
   CdprDescription robot = this->robot;
@@ -95,7 +89,7 @@ TYPED_TEST(KinoCentroidalModelTest, KnowsPulleys) {
   EXPECT_GT((dx.head<6>() - wrench / robot.mass).norm(), 0.1);
 }
 
-// With a payload it is the model of the one body that both make, and its Jacobians are those of differences.
+// With a payload it is the model of platform and payload as one body.
 TYPED_TEST(KinoCentroidalModelTest, WithAPayloadItIsTheModelOfBoth) {
   using Model = typename TestFixture::Model;
   const LoadedPlatform body(this->robot, {4, {0.1, 0.3, -0.2}});
@@ -118,7 +112,7 @@ TYPED_TEST(KinoCentroidalModelTest, WithAPayloadItIsTheModelOfBoth) {
   EXPECT_TRUE(IsJacobian(JacobianOf<TypeParam::kModel>(model, SomeState(), this->u), rate, z, 1e-8));
 }
 
-/// The model by its rate alone, so that RungeKutta makes its steps.
+/// The model without steps of its own, so that RungeKutta makes them.
 template <class Model>
 struct RateOnly {
   static constexpr int kStates = 12, kInputs = Model::kInputs;
@@ -141,8 +135,8 @@ TYPED_TEST(KinoCentroidalModelTest, StepsAreThoseOfRungeKutta) {
   }
 }
 
-// The derivatives of a step are those of that step itself, whatever its length; of seven steps, since four
-// are done at once.
+// The Jacobians of steps of any length against finite differences; seven steps, because four are computed at
+// once.
 TYPED_TEST(KinoCentroidalModelTest, StepsHaveExactDerivatives) {
   using Model = typename TestFixture::Model;
   constexpr int kSteps = 7, n = TestFixture::n;
@@ -175,8 +169,8 @@ TYPED_TEST(KinoCentroidalModelTest, StepsHaveExactDerivatives) {
   }
 }
 
-// Where sine and cosine are no longer known.
-TEST(KinoCentroidalModel, IsNotFiniteWhereItSaysNothing) {
+// Beyond the range of the sine and cosine of lanes.h.
+TEST(KinoCentroidalModel, IsNotFiniteOutsideItsRange) {
   const KinoCentroidalModel<4> model(RobotWith(4));
   const Eigen::Vector4d u(50, 60, 70, 80);
   CentroidalState x = SomeState(), next;
@@ -203,7 +197,7 @@ TEST(KinoCentroidalModel, StateOfAPlatform) {
   EXPECT_THAT(EulerRateMatrix(euler) * dx.tail<3>(), IsNear(w, 1e-13));
 }
 
-// Against differences of both states by the motion that they are states of: place, attitude and their rates.
+// Against finite differences of both states with respect to pose and velocity.
 TEST(KinoCentroidalModel, ErrorsOfThePlatformAreThoseOfItsStateByThatWithThePayload) {
   const CdprDescription robot = RobotWith(4);
   const LoadedPlatform alone(robot, {}), body(robot, {4, {0.1, 0.3, -0.2}});
@@ -230,8 +224,8 @@ TEST(KinoCentroidalModel, ErrorsOfThePlatformAreThoseOfItsStateByThatWithThePayl
 }
 
 TEST(KinoCentroidalModel, RefusesARobotWithAnotherNumberOfCables) {
-  EXPECT_TRUE(Throws<ParameterError>([] { KinoCentroidalModel<5> model(test::SixCableRobot()); },
-                                     "made for 5 cables", "'six' has 6"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { KinoCentroidalModel<8> model(test::SixCableRobot()); }, "'six'", "8", "6"));
 }
 
 }  // namespace

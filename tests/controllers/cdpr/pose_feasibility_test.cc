@@ -1,14 +1,10 @@
 #include <tenon/controllers/cdpr/pose_feasibility.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <random>
 
 namespace tenon::pose_feasibility_test {
@@ -40,9 +36,9 @@ struct Case {
 
 class PoseFeasibilityTest : public ::testing::TestWithParam<Case> {};
 
-// Balls of poses all over the frame, down to a millimetre. In one that is proven to hold every pose is
-// feasible by the quadratic program of tension_distribution.h, in one that is proven to fail none is; and the
-// proofs succeed for all small balls but those at the boundary.
+// Balls of poses all over the frame, with radii down to 1 mm. If the verdict is kHolds, every pose of the
+// ball is feasible by the quadratic program of tension_distribution.h; if it is kFails, none is. Small balls
+// are undecided only at the boundary.
 TEST_P(PoseFeasibilityTest, ProofsHoldAtEveryPoseOfTheBall) {
   const auto [name, num_cables, demand, angle] = GetParam();
   const CdprDescription robot = test::RobotWithCables(num_cables);
@@ -62,7 +58,7 @@ TEST_P(PoseFeasibilityTest, ProofsHoldAtEveryPoseOfTheBall) {
   };
   Draws draw;
   int holds = 0, fails = 0, undecided_small = 0, small = 0;
-  for (int k = 0; k < 1500; ++k) {
+  for (int k = 0; k < 500; ++k) {
     PoseBall ball;
     ball.p_WB << draw.Uniform(-3.5, 3.5), draw.Uniform(-4.5, 4.5), draw.Uniform(0, 3.8);
     ball.R_WB = Eigen::AngleAxisd(draw.Uniform(0, 0.3), draw.Direction()).toRotationMatrix();
@@ -86,8 +82,8 @@ TEST_P(PoseFeasibilityTest, ProofsHoldAtEveryPoseOfTheBall) {
           << "ball " << k << " of radius " << ball.distance << " at " << ball.p_WB.transpose();
     }
   }
-  EXPECT_GT(holds, 60);
-  EXPECT_GT(fails, 100);
+  EXPECT_GT(holds, 20);
+  EXPECT_GT(fails, 30);
   EXPECT_LT(undecided_small, 0.1 * small);
 }
 
@@ -98,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"twelve", 12, {.load = 10}, 0.5}),
     [](const auto& info) { return info.param.name; });
 
-// The same of interference: against the clearance at poses of the ball.
+// Verdicts on interference against the clearance at poses of the ball.
 TEST(PoseFeasibilityClearTest, ProofsHoldAtEveryPoseOfTheBall) {
   const CdprDescription robot = test::EightCableRobot();
   PoseFeasibility feasibility(robot, RequiredWrenches(robot, {}));
@@ -106,7 +102,7 @@ TEST(PoseFeasibilityClearTest, ProofsHoldAtEveryPoseOfTheBall) {
   constexpr double kDiameter = 0.05;
   Draws draw;
   int holds = 0, fails = 0;
-  for (int k = 0; k < 2000; ++k) {
+  for (int k = 0; k < 800; ++k) {
     PoseBall ball;
     ball.p_WB << draw.Uniform(-3.5, 3.5), draw.Uniform(-4.5, 4.5), draw.Uniform(0, 3.8);
     ball.R_WB = Eigen::AngleAxisd(draw.Uniform(0, 1.2), draw.Direction()).toRotationMatrix();
@@ -122,8 +118,8 @@ TEST(PoseFeasibilityClearTest, ProofsHoldAtEveryPoseOfTheBall) {
       EXPECT_EQ(at.cables >= kDiameter && at.platform >= 0, verdict == PoseVerdict::kHolds) << k;
     }
   }
-  EXPECT_GT(holds, 100);
-  EXPECT_GT(fails, 100);
+  EXPECT_GT(holds, 40);
+  EXPECT_GT(fails, 40);
 }
 
 TEST(PoseFeasibilityTest, DemandIsWeightLoadAccelerationAndForces) {
@@ -132,10 +128,10 @@ TEST(PoseFeasibilityTest, DemandIsWeightLoadAccelerationAndForces) {
   EXPECT_LT((box.centre - 20 * 9.81 * Vector6d::Unit(2)).norm(), 1e-12);
   EXPECT_LT((box.half_width.head(3) - Vector3d::Constant(47)).norm(), 1e-12);
   EXPECT_LT((box.half_width.tail(3) - Vector3d::Constant(3)).norm(), 1e-12);
-  EXPECT_TRUE(Throws<ParameterError>([&] { RequiredWrenches(robot, {.load = -1}); }, "load [kg]", "-1"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { RequiredWrenches(robot, {.load = -1}); }, "load"));
 }
 
-TEST(PoseFeasibilityTest, PulleysCountAsPoints) {
+TEST(PoseFeasibilityTest, TreatsPulleysAsPoints) {
   CdprDescription robot = test::RobotWithCables(8);
   const WrenchBox required = RequiredWrenches(robot, {});
   const PoseBall ball{.p_WB = {0.3, -0.4, 1.7}, .distance = 0.05, .angle = 0.05};
@@ -146,7 +142,7 @@ TEST(PoseFeasibilityTest, PulleysCountAsPoints) {
   EXPECT_EQ(pulleys.margins().tension, points.margins().tension);
 }
 
-// Where a cable has no length there is no margin, and nothing is proven of a ball that holds such a place.
+// A cable without length has no margin, and a ball that contains such a place is undecided.
 TEST(PoseFeasibilityTest, AtAnAnchor) {
   const CdprDescription robot = test::EightCableRobot();
   PoseFeasibility feasibility(robot, RequiredWrenches(robot, {}));
@@ -169,12 +165,11 @@ TEST(PoseFeasibilityTest, AllocatesNothingInTheLoop) {
 
 TEST(PoseFeasibilityTest, RefusesRobotsThatHaveNoSuchWorkspace) {
   CdprDescription robot = test::FourCableRobot();
-  EXPECT_TRUE(Throws<ParameterError>([&] { PoseFeasibility(robot, RequiredWrenches(robot, {})); },
-                                     "'four' has 4 cables", "takes six"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { PoseFeasibility(robot, RequiredWrenches(robot, {})); }, "'four'"));
   for (CableDescription& cable : robot.cables) cable.attachment_B.setZero();
   EXPECT_NO_THROW(PoseFeasibility(robot, RequiredWrenches(robot, {})));
   EXPECT_TRUE(Throws<ParameterError>([&] { PoseFeasibility(robot, RequiredWrenches(robot, {.torque = 1})); },
-                                     "cannot produce torques"));
+                                     "torque"));
 }
 
 }  // namespace

@@ -1,16 +1,11 @@
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Dense>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlopt.hpp>
 
-#include <limits>
 #include <random>
 #include <vector>
 
@@ -23,7 +18,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using ::testing::HasSubstr;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInfinity = INFINITY;
 
 CableMatrix6 Structure(const CdprDescription& robot, const Vector3d& p,
                        const Vector3d& euler = Vector3d::Zero()) {
@@ -120,8 +115,8 @@ TEST(TensionDistribution, WithoutActiveBoundsIsThePseudoinverse) {
   EXPECT_LT((found.tension - expected).norm(), 1e-10);
 }
 
-// Random poses and bounds: those that are solved meet the optimality conditions and agree with NLopt, and
-// NLopt cannot balance those that are refused.
+// At random poses and bounds, solutions meet the optimality conditions and agree with NLopt; where there is
+// none, NLopt finds none either.
 class TensionDistributionOfRobots : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Cables, TensionDistributionOfRobots, ::testing::Values(8, 12, 16));
 
@@ -131,7 +126,7 @@ TEST_P(TensionDistributionOfRobots, AgreeWithNloptAtRandomPoses) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-1, 1);
   int feasible = 0, bounded = 0;
-  for (int trial = 0; trial < 100; ++trial) {
+  for (int trial = 0; trial < 50; ++trial) {
     Vector3d p(2.5 * uniform(random), 3.5 * uniform(random), 2 + uniform(random));
     if (GetParam() > 8) p = {p.x() / 3, p.y() / 3, p.z()};  // nothing pulls down: the room is smaller
     const Vector3d euler(0.15 * uniform(random), 0.15 * uniform(random), 0.15 * uniform(random));
@@ -155,18 +150,18 @@ TEST_P(TensionDistributionOfRobots, AgreeWithNloptAtRandomPoses) {
       EXPECT_GT(miss, 1e-3) << "trial " << trial << ": " << found.reason;
     }
   }
-  EXPECT_GT(feasible, 30);
-  EXPECT_LT(feasible, 100);
-  EXPECT_GT(bounded, 10);
+  EXPECT_GT(feasible, 15);
+  EXPECT_LT(feasible, 50);
+  EXPECT_GT(bounded, 5);
 }
 
-// Eight cables on a point, with five tensions to choose, most of them at bounds: whichever cable is the
-// first, each has the same tension.
-TEST(TensionDistribution, TheOrderOfTheCablesIsOfNoMatter) {
+// Eight cables on a point mass, most of them at bounds: the tensions do not depend on which cable is the
+// first.
+TEST(TensionDistribution, DoesNotDependOnTheOrderOfTheCables) {
   std::mt19937 random(8);
   std::uniform_real_distribution<double> uniform(-1, 1);
   int feasible = 0;
-  for (int trial = 0; trial < 100; ++trial) {
+  for (int trial = 0; trial < 50; ++trial) {
     CableMatrix6 W = CableMatrix6::Zero(6, 8);
     for (int i = 0; i < 8; ++i) {
       const double z = 0.5 + uniform(random), y = uniform(random), x = uniform(random);
@@ -187,39 +182,30 @@ TEST(TensionDistribution, TheOrderOfTheCablesIsOfNoMatter) {
       ASSERT_LT((again.tension - expected).norm(), 1e-9) << trial;
     }
   }
-  EXPECT_GT(feasible, 30);
-  EXPECT_LT(feasible, 100);
+  EXPECT_GT(feasible, 15);
+  EXPECT_LT(feasible, 50);
 }
 
-TEST(TensionDistribution, AttitudeOutOfBalanceIsRefusedWithTheResidual) {
-  const CdprDescription robot = test::FourCableRobot();
-  const CableMatrix6 W = Structure(robot, {0.5, 0, 2}, {0, 0.2, 0});
-  const TensionDistribution found = DistributeTension(W, -GravityWrench(robot), 0, 800);
-  EXPECT_FALSE(found.feasible);
-  EXPECT_THAT(found.reason, HasSubstr("not in static balance: whatever the tensions, "));
-  EXPECT_GT(found.residual_force + found.residual_torque, 0.1);
-}
-
-TEST(TensionDistribution, CableThatWouldPushIsNamed) {
-  const CdprDescription robot = test::SixCableRobot();
-  const TensionDistribution found =
-      DistributeTension(Structure(robot, {-3, 0, 2}), -GravityWrench(robot), 0, 800);
-  EXPECT_FALSE(found.feasible);
-  EXPECT_THAT(found.reason, HasSubstr("no tensions within [0, 800] N balance the wrench: cable "));
-  EXPECT_THAT(found.reason, HasSubstr(" of 6 would need -"));
-}
-
-TEST(TensionDistribution, BoundsThatMeetNowhereAreRefused) {
-  const CdprDescription robot = test::EightCableRobot();
-  const TensionDistribution found =
-      DistributeTension(Structure(robot, {0, 0, 2}), -GravityWrench(robot), 0, 20);
-  EXPECT_FALSE(found.feasible);
-  EXPECT_THAT(found.reason, HasSubstr("no tensions within [0, 20] N"));
-  EXPECT_THAT(found.reason, HasSubstr("in the solution of least norm"));
+TEST(TensionDistribution, GivesTheReasonIfThereIsNone) {
+  struct Case {
+    CdprDescription robot;
+    Vector3d p_WB, euler;
+    double upper;
+    const char* reason;
+  };
+  // Four cables out of balance, a cable that would push, and too small a bound.
+  for (const Case& c : {Case{test::FourCableRobot(), {0.5, 0, 2}, {0, 0.2, 0}, 800, "static balance"},
+                        Case{test::SixCableRobot(), {-3, 0, 2}, {0, 0, 0}, 800, " of 6 would need -"},
+                        Case{test::EightCableRobot(), {0, 0, 2}, {0, 0, 0}, 20, "[0, 20] N"}}) {
+    const TensionDistribution found =
+        DistributeTension(Structure(c.robot, c.p_WB, c.euler), -GravityWrench(c.robot), 0, c.upper);
+    EXPECT_FALSE(found.feasible);
+    EXPECT_THAT(found.reason, HasSubstr(c.reason));
+    EXPECT_EQ(found.residual_force + found.residual_torque > 0.1, c.robot.num_cables() == 4);
+  }
 }
 
 TEST(TensionDistribution, DoesNotAllocate) {
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   for (const int n : {4, 8, 12}) {
     const CdprDescription robot = test::RobotWithCables(n);
     const CableMatrix6 W = Structure(robot, {0, 0, 2});
@@ -235,11 +221,9 @@ TEST(TensionDistribution, DoesNotAllocate) {
 
 TEST(TensionDistribution, RefusesAnotherNumberOfCables) {
   const CdprDescription robot = test::SixCableRobot();
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] {
-        TensionDistributor(4).Solve(Structure(robot, {0, 0, 2}), -GravityWrench(robot), 0, 800);
-      },
-      "has 6 columns", "of 4 cables"));
+  const CableMatrix6 W = Structure(robot, {0, 0, 2});
+  EXPECT_TRUE(Throws<ParameterError>([&] { TensionDistributor(4).Solve(W, -GravityWrench(robot), 0, 800); },
+                                     "6", "4"));
 }
 
 }  // namespace

@@ -1,18 +1,13 @@
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/controllers/cdpr/wrench_feasibility.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <random>
 #include <set>
 #include <vector>
@@ -44,31 +39,16 @@ MatrixXd Directions(const std::vector<Vector2d>& anchors, const Vector2d& p) {
   return W;
 }
 
-// Two cables leave no choice: the tensions are known, and the margin is how far they are from the bounds.
-TEST(WrenchFeasibilityTest, TwoCablesInAPlane) {
-  WrenchFeasibility feasibility(2, 2);
-  int feasible = 0;
-  for (int k = 0; k < 1000; ++k) {
-    const MatrixXd W = Directions({{-3, 4}, {3, 4}}, {Uniform(-4, 4), Uniform(0, 3.9)});
-    const Vector2d weight(0, 100), u = test::Solve(W, weight);
-    feasibility.SetStructure(W);
-    const WrenchMargins margins = feasibility.Margins(Point(weight), 10, 200);
-    EXPECT_NEAR(margins.tension, std::min({u[0] - 10, u[1] - 10, 200 - u[0], 200 - u[1]}), 1e-9 * u.norm());
-    feasible += margins.feasible() ? 1 : 0;
-  }
-  EXPECT_GT(feasible, 200);
-  EXPECT_LT(feasible, 800);
-}
-
 double Cross(const Vector2d& a, const Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-// Of three cables in a plane, wrenches fill a hexagon: the convex hull of the eight corners of the tensions.
+// The wrenches of three cables in a plane are a hexagon, the convex hull of the eight corners of the
+// tensions.
 TEST(WrenchFeasibilityTest, CapacityIsTheDistanceFromTheHexagon) {
   constexpr double kLow = 5, kHigh = 60;
   WrenchFeasibility feasibility(2, 3);
-  for (int k = 0; k < 300; ++k) {
+  for (int k = 0; k < 50; ++k) {
     const MatrixXd W = Directions({{-3, 4}, {3, 4.5}, {0.5, 0}}, {Uniform(-3, 3), Uniform(0.5, 4)});
     std::vector<Vector2d> corners;
     for (int bits = 0; bits < 8; ++bits) {
@@ -78,7 +58,7 @@ TEST(WrenchFeasibilityTest, CapacityIsTheDistanceFromTheHexagon) {
     }
     const Vector2d wrench(Uniform(-60, 60), Uniform(-40, 100));
     // Lines through two corners with all others on one side are edges; the least distance inwards counts.
-    double least = std::numeric_limits<double>::infinity();
+    double least = INFINITY;
     for (const Vector2d& a : corners) {
       for (const Vector2d& b : corners) {
         if ((b - a).norm() < 1e-9) continue;
@@ -111,9 +91,8 @@ bool Produces(const CableMatrix6& W, const WrenchBox& box, double low, double hi
 
 class MarginTest : public ::testing::TestWithParam<int> {};
 
-// With bounds tighter by less than the margin a quadratic program finds tensions for every corner of the
-// required wrenches, with bounds tighter by more it does not; if the margin is negative, bounds are wider by
-// it.
+// With bounds tightened by less than the margin, a quadratic program finds tensions for every corner of the
+// required wrenches; tightened by more, it does not. A negative margin widens the bounds.
 TEST_P(MarginTest, IsWhereTheQuadraticProgramBecomesInfeasible) {
   const CdprDescription robot = test::RobotWithCables(GetParam());
   WrenchFeasibility feasibility(6, robot.num_cables());
@@ -141,8 +120,8 @@ TEST_P(MarginTest, IsWhereTheQuadraticProgramBecomesInfeasible) {
 
 INSTANTIATE_TEST_SUITE_P(Cables, MarginTest, ::testing::Values(6, 8, 12));
 
-// Wrenches nearer than the capacity margin are produced in any direction; the normal of the facet is one in
-// which nothing beyond is.
+// All wrenches within the capacity margin are feasible; along the normal of the nearest facet, none beyond
+// is.
 TEST(WrenchFeasibilityTest, CapacityIsTheRadiusOfTheLargestBall) {
   const CdprDescription robot = test::EightCableRobot();
   const CableMatrix6 W = CalcCableKinematics(robot, {0.3, -0.4, 1.7}, Eigen::Matrix3d::Identity()).structure;
@@ -162,8 +141,8 @@ TEST(WrenchFeasibilityTest, CapacityIsTheRadiusOfTheLargestBall) {
   EXPECT_GE(beyond, 1);
 }
 
-// Each facet has its own choice of cables and is normal to their columns, whether or not some depend on
-// others: by the first eliminations as by the last cross product.
+// Every facet has its own choice of cables and is normal to their columns, also if some columns are
+// dependent.
 TEST(WrenchFeasibilityTest, NormalsAreNormalToTheirCables) {
   for (const int n : {6, 8, 12}) {
     const CdprDescription robot = test::RobotWithCables(n);
@@ -187,14 +166,13 @@ TEST(WrenchFeasibilityTest, NormalsAreNormalToTheirCables) {
       const int facets = n == 6 ? 6 : n == 8 ? 56 : 792;
       EXPECT_EQ(feasibility.num_facets(), facets);
       EXPECT_EQ(static_cast<int>(choices.size()), facets);
-      // With both of a pair: three more of the others.
+      // Normals vanish for choices of both dependent columns and three others.
       EXPECT_EQ(none, same < 0 ? 0 : (n - 2) * (n - 3) * (n - 4) / 6);
     }
   }
 }
 
-// Pairs of parallel cables, as for a platform that only translates, have fewer facets, and the margin still
-// holds.
+// Parallel cables, as of a platform that only translates, have fewer facets.
 TEST(WrenchFeasibilityTest, ParallelCables) {
   MatrixXd W(2, 4);
   W << 1, 1, -1, 0, 0, 0, 0, 1;
@@ -216,25 +194,11 @@ TEST(WrenchFeasibilityTest, NothingIsProducedOutOfThePlaneOfAllCables) {
   EXPECT_FALSE(feasibility.Margins(Point(Vector3d(1, 1, 1)), 0, 10).feasible());
 }
 
-TEST(WrenchFeasibilityTest, AllocatesInTheConstructorAlone) {
-  const CdprDescription robot = test::EightCableRobot();
-  const CableKinematics cables = CalcCableKinematics(robot, {0, 0, 1.7}, Eigen::Matrix3d::Identity());
-  WrenchFeasibility feasibility(6, 8);
-  const WrenchBox weight = Point(-GravityWrench(robot));
-  const AllocationGuard guard;
-  feasibility.SetStructure(cables.structure);
-  const double margin = feasibility.Margins(weight, 10, 800).tension;
-  EXPECT_EQ(guard.count(), 0);
-  EXPECT_GT(margin, 0);
-}
-
 TEST(WrenchFeasibilityTest, RefusesTooFewCablesAndOtherSizes) {
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { WrenchFeasibility(6, 5); }, "5 cables with 6 rows", "at least as many"));
-  EXPECT_TRUE(Throws<ParameterError>([] { WrenchFeasibility(1, 5); }, "two rows or more"));
+  EXPECT_TRUE(Throws<ParameterError>([] { WrenchFeasibility(6, 5); }, "5 cables"));
+  EXPECT_TRUE(Throws<ParameterError>([] { WrenchFeasibility(1, 5); }, "two rows"));
   WrenchFeasibility feasibility(6, 8);
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { feasibility.SetStructure(MatrixXd::Zero(6, 7)); }, "6 x 7", "6 x 8"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { feasibility.SetStructure(MatrixXd::Zero(6, 7)); }, "6 x 7"));
 }
 
 }  // namespace

@@ -23,9 +23,9 @@ inline std::function<Vec<12>(double)> Swinging(const QuadrupedDescription& robot
   };
 }
 
-/// A quadruped as its model has it, stepped at 1 kHz under torques that are held: what an observer with the
-/// same model has to explain. The ground's forces act at the lowest points of the feet, and are functions of
-/// state and time, as are all other forces, in the model's coordinates.
+/// A quadruped simulated by its model at 1 kHz with held torques, for observers with the same model. The
+/// forces of the ground act at the lowest points of the feet. These and the generalised external forces are
+/// functions of state and time.
 struct QuadrupedBench {
   using Ground = std::function<FootForces(const LeggedState&, const QuadrupedDynamics&, double t)>;
   using External = std::function<Vec<18>(const LeggedState&, const QuadrupedDynamics&, double t)>;
@@ -47,7 +47,8 @@ struct QuadrupedBench {
 
   static constexpr double kPeriod = 1e-3;
 
-  /// Springs and dampers that hold the lowest points of the feet where they are now, and the torques for it.
+  /// Holds the lowest points of the feet in place by springs and dampers, and the stance by feedforward
+  /// torques.
   void StandHere() {
     QuadrupedDynamics dynamics;
     model.Calc(x, &dynamics);
@@ -75,7 +76,7 @@ struct QuadrupedBench {
     model.Calc(x, &dynamics);
     return ground(x, dynamics, t);
   }
-  /// Where the robot has it, without errors, under the torques of the interval that begins.
+  /// The IMU of the robot without errors, under the torques of the interval that begins.
   ImuMeasurement Imu() const {
     const Vec<18> acceleration = Acceleration(x, Torque(), t);
     const Eigen::Matrix3d R_BW = x.R_WB().transpose();
@@ -105,12 +106,11 @@ struct QuadrupedBench {
     nu << state.v_W, state.w_W, state.qd;
     return nu;
   }
-  /// Of the lowest point of a foot, which the shank carries.
+  /// The Jacobian of the lowest point of a foot, carried by the shank.
   static DynamicsMatrix<3, 18> ContactJacobian(const QuadrupedDynamics& dynamics, int leg, double radius) {
-    return PointJacobian(dynamics, leg,
-                         dynamics.feet[static_cast<std::size_t>(leg)].p_W - Vec<3>(0, 0, radius));
+    return PointJacobian(dynamics, leg, dynamics.feet[leg].p_W - Vec<3>(0, 0, radius));
   }
-  /// Of a point that the shank carries.
+  /// The Jacobian of a point that the shank carries.
   static DynamicsMatrix<3, 18> PointJacobian(const QuadrupedDynamics& dynamics, int leg, const Vec<3>& p_W) {
     DynamicsMatrix<3, 18> J = DynamicsMatrix<3, 18>::Zero();
     const Vec<3> r = p_W - dynamics.base_W;

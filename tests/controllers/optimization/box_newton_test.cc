@@ -1,12 +1,7 @@
 #include <tenon/controllers/optimization/box_newton.h>
-#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/matchers.h>
 
-#include <Eigen/Core>
-#include <gtest/gtest.h>
-
-#include <limits>
 #include <random>
 
 namespace tenon::box_newton_test {
@@ -50,15 +45,14 @@ TEST(BoxNewton, SolvesRandomProblemsToTheOptimalityConditions) {
   std::mt19937 generator(1);
   int held = 0;
   BoxNewton<5> box;
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < 100; ++i) {
     const auto problem = RandomProblem<5>(generator, 5);
-    Eigen::Matrix<double, 5, 1> x;
-    x.setZero();
+    Eigen::Matrix<double, 5, 1> x = 3 * problem.g;  // may be out of bounds
     ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x));
     ExpectOptimal(problem, x);
     held += 5 - static_cast<int>(box.free().sum());
   }
-  EXPECT_GT(held, 500);
+  EXPECT_GT(held, 100);
 }
 
 TEST(BoxNewton, SizeMayBeKnownAtRunTimeOnly) {
@@ -66,9 +60,9 @@ TEST(BoxNewton, SizeMayBeKnownAtRunTimeOnly) {
   BoxNewton<Eigen::Dynamic> box(7);
   auto problem = RandomProblem<Eigen::Dynamic>(generator, 7);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(7);
-  const AllocationGuard guard;
-  ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x));
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(
+      AllocationsOf([&] { ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, x)); }),
+      0);
   ExpectOptimal(problem, x);
 }
 
@@ -86,16 +80,6 @@ TEST(BoxNewton, SensitivityIsThatOfTheSolution) {
   const Eigen::Vector3d y(1e-4, -2e-4, 3e-4);
   ASSERT_TRUE(box.Solve(problem.H, problem.g + G * y, problem.lower, problem.upper, moved));
   EXPECT_THAT(moved, IsNear(x + K.transpose() * y, 1e-12));
-}
-
-TEST(BoxNewton, StartsFromAnywhere) {
-  std::mt19937 generator(4);
-  const auto problem = RandomProblem<4>(generator, 4);
-  BoxNewton<4> box;
-  Eigen::Vector4d a = problem.upper, b = Eigen::Vector4d(100, -100, 100, -100);
-  ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, a));
-  ASSERT_TRUE(box.Solve(problem.H, problem.g, problem.lower, problem.upper, b));
-  EXPECT_THAT(a, IsNear(b, 1e-12));
 }
 
 TEST(BoxNewton, WithinTheBoundsItIsTheSolutionWithoutThem) {
@@ -120,7 +104,7 @@ TEST(BoxNewton, WithinTheBoundsItIsTheSolutionWithoutThem) {
   ExpectOptimal(problem, x);
 }
 
-// What is not convex may be so where it counts: with the entries at their bounds held.
+// H need not be convex along entries that are at their bounds.
 TEST(BoxNewton, NeedsToBeConvexOnTheFreeEntriesOnly) {
   BoxNewton<2> box;
   Eigen::Vector2d x(0.2, 1), lower(-1, -1), upper(1, 1), g(0.1, -3);
@@ -129,16 +113,16 @@ TEST(BoxNewton, NeedsToBeConvexOnTheFreeEntriesOnly) {
   EXPECT_THAT(x, IsNear(Eigen::Vector2d(-0.1, 1), 1e-12));
 }
 
-TEST(BoxNewton, RefusesWhatIsNotConvexOrNotFinite) {
+TEST(BoxNewton, RefusesProblemsThatAreNotConvexOrNotFinite) {
   BoxNewton<2> box;
   Eigen::Vector2d x(0, 0), lower(-1, -1), upper(1, 1), g(0.1, 0.1);
   Eigen::Matrix2d H = Eigen::Vector2d(1, -1).asDiagonal();
   EXPECT_FALSE(box.Solve(H, g, lower, upper, x));
   EXPECT_FALSE(box.SolveFree(H, g, x));
   H.setIdentity();
-  g[0] = std::numeric_limits<double>::quiet_NaN();
+  g[0] = NAN;
   EXPECT_FALSE(box.Solve(H, g, lower, upper, x));
-  const double infinity = std::numeric_limits<double>::infinity();
+  const double infinity = INFINITY;
   g[0] = -infinity;
   lower.setConstant(-infinity);
   upper.setConstant(infinity);

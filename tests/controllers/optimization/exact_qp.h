@@ -2,7 +2,8 @@
 
 // CGAL's solver of quadratic programmes, which computes in exact rational numbers. Link gmp and mpfr.
 
-// CGAL's checks of itself, which take hours of the walk's programmes where nothing is optimised, are off.
+// CGAL's internal checks are off, because in unoptimised builds they take hours for the programmes of the
+// walk.
 #ifndef CGAL_NDEBUG
 #define CGAL_NDEBUG
 #endif
@@ -16,7 +17,7 @@
 
 namespace tenon::test {
 
-/// The minimiser, rounded at the end; nothing if there is none.
+/// The minimiser, rounded at the end; std::nullopt if the problem is infeasible.
 inline std::optional<Eigen::VectorXd> SolveExactly(const QuadraticProgram& qp) {
   CGAL::Quadratic_program<double> exact(CGAL::LARGER, false, 0, false, 0);
   const int variables = static_cast<int>(qp.g.size()), equalities = static_cast<int>(qp.b_eq.size());

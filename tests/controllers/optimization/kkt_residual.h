@@ -9,9 +9,9 @@
 
 namespace tenon::test {
 
-/// How far x and the multipliers are from the conditions of Karush, Kuhn and Tucker, which prove that x is
-/// the minimum of a convex problem: the largest residual, each relative to the terms that it is the
-/// difference of, and which one that is. Infinite if a number is not finite.
+/// The largest residual of the Karush-Kuhn-Tucker conditions, which prove that x is the minimum of a convex
+/// problem, and its name. Each residual is relative to the terms of its difference; it is infinite if a
+/// number is not finite.
 struct KktResidual {
   double largest = 0;
   std::string which;

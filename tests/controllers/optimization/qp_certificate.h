@@ -8,7 +8,7 @@
 
 namespace tenon::test {
 
-/// Whether x is proved to be the minimum, see KktResidual.
+/// Succeeds if the conditions of KktResidual prove that x is the minimum.
 inline ::testing::AssertionResult IsOptimal(const QuadraticProgram& qp, const Eigen::VectorXd& x,
                                             const Eigen::VectorXd& multipliers, double tolerance = 1e-9) {
   const KktResidual residual(qp, x, multipliers);

@@ -1,11 +1,6 @@
 #include <tenon/controllers/optimization/riccati.h>
-#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <Eigen/Core>
-#include <gtest/gtest.h>
 
 namespace tenon::riccati_test {
 namespace {
@@ -34,14 +29,14 @@ TEST(DiscreteRiccati, SolvesTheEquationAndStabilises) {
   EXPECT_LT(test::Eigenvalues(A - B * K).cwiseAbs().maxCoeff(), 1);
 }
 
-TEST(DiscreteRiccati, RefusesWhatCannotBeStabilised) {
+TEST(DiscreteRiccati, RefusesUnstabilisableSystems) {
   const Eigen::Matrix2d A = Eigen::Vector2d(1.2, 0.5).asDiagonal();
   EXPECT_TRUE(Throws<ParameterError>(
       [&] {
         SolveDiscreteRiccati(A, Eigen::Vector2d(0, 1), Eigen::Matrix2d::Identity(),
                              Eigen::MatrixXd::Identity(1, 1));
       },
-      "no stabilising solution", "inputs reach every unstable mode"));
+      "stabilising"));
 }
 
 }  // namespace

@@ -24,8 +24,8 @@ struct Cell {
 TEST(CdprLoopTest, FollowsTheCircleWithTautCables) {
   const Cell cell(test::CircleWithPd());
   Simulator simulator(*cell.diagram, kOptions);
-  const auto log = simulator.AddLog(Hz(100), {&cell.loop.plant.platform, &cell.loop.reference.reference,
-                                              &cell.loop.command, &cell.loop.plant.cables});
+  const auto log = simulator.AddLog(Hz(100), {&cell.loop.world.plant.platform, &cell.loop.reference.reference,
+                                              &cell.loop.command, &cell.loop.world.plant.cables});
   EXPECT_FALSE(simulator.AdvanceTo(12).ended);
   for (const char* axis : {"x", "y", "z"}) {
     const std::vector<double> is = log->column(std::string("loop.plant.platform.p_WB.") + axis);

@@ -24,10 +24,11 @@ struct Flight {
       : loop(builder.Add<CdprLoop>("loop", params)),
         diagram(builder.Build()),
         simulator(*diagram, kOptions),
-        log(simulator.AddLog(Hz(200), {&loop.plant.platform, &loop.reference.reference, &loop.command})),
+        log(simulator.AddLog(Hz(200),
+                             {&loop.world.plant.platform, &loop.reference.reference, &loop.command})),
         status(simulator.AdvanceTo(end)) {}
   double Error() {
-    return (simulator.context().Eval(loop.plant.platform).p_WB -
+    return (simulator.context().Eval(loop.world.plant.platform).p_WB -
             simulator.context().Eval(loop.reference.reference).position)
         .norm();
   }
@@ -50,7 +51,7 @@ TEST(CdprMpcLoop, FollowsAGoalThatIsSetInFlight) {
     auto& loop = builder.Add<CdprLoop>("loop", params);
     auto& goal = builder.Add<GoalPath>("goal", GoalPathParams{path});
     builder.Connect(goal.path, loop.reference.path);
-    if (loop.mpc != nullptr) builder.Connect(goal.path, loop.mpc->path);
+    if (loop.control.mpc != nullptr) builder.Connect(goal.path, loop.control.mpc->path);
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, kOptions);
     simulator.RunTo(3);
@@ -60,12 +61,13 @@ TEST(CdprMpcLoop, FollowsAGoalThatIsSetInFlight) {
     double worst = 0;
     while (context.time() < 8) {
       ASSERT_FALSE(simulator.AdvanceTo(context.time() + 0.05).ended);
-      worst = std::max(
-          worst,
-          (context.Eval(loop.plant.platform).p_WB - context.Eval(loop.reference.reference).position).norm());
+      worst = std::max(worst, (context.Eval(loop.world.plant.platform).p_WB -
+                               context.Eval(loop.reference.reference).position)
+                                  .norm());
     }
-    EXPECT_LT(worst, loop.mpc != nullptr ? 0.01 : 0.05);
-    EXPECT_THAT(context.Eval(loop.plant.platform).p_WB, IsNear(place, loop.mpc != nullptr ? 0.01 : 0.04));
+    EXPECT_LT(worst, loop.control.mpc != nullptr ? 0.01 : 0.05);
+    EXPECT_THAT(context.Eval(loop.world.plant.platform).p_WB,
+                IsNear(place, loop.control.mpc != nullptr ? 0.01 : 0.04));
   }
 }
 
@@ -89,7 +91,7 @@ TEST(CdprMpcLoop, ReachesTheReferenceFromRandomStarts) {
     ASSERT_FALSE(run.status.ended) << i << ": " << run.status.reason;
     ASSERT_LT(run.Error(), 0.02) << i << " from " << params.start_offset.transpose() << " to "
                                  << goal.transpose();
-    ASSERT_EQ(run.simulator.context().Eval(run.loop.mpc->diagnostics).fallbacks, 0) << i;
+    ASSERT_EQ(run.simulator.context().Eval(run.loop.control.mpc->diagnostics).fallbacks, 0) << i;
     for (const char* cable : {"0", "1", "2", "3"}) {
       ASSERT_THAT(run.log->column(std::string("loop.command.") + cable),
                   ::testing::Each(::testing::AllOf(::testing::Ge(0), ::testing::Le(800))));

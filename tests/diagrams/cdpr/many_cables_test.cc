@@ -96,7 +96,7 @@ TEST_P(ManyCables, FollowTheCircleUnderPdAndMpc) {
     EXPECT_THAT(simulator.context().Eval(loop.platform).p_WB, IsNear(should, 0.01));
     EXPECT_GT((should - Vec<3>(0.1, 0, 2)).norm(), 0.1);  // the platform has moved
     if (mpc) {
-      EXPECT_EQ(simulator.context().Eval(loop.mpc->diagnostics).fallbacks, 0);
+      EXPECT_EQ(simulator.context().Eval(loop.control.mpc->diagnostics).fallbacks, 0);
     }
     const std::string last = std::to_string(GetParam() - 1);
     EXPECT_THAT(log->column("loop.command." + last),

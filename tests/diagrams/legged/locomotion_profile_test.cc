@@ -17,7 +17,7 @@ TEST(LocomotionProfileTest, IsRoundInSiUnitsForDogBot) {
   const RobotScale scale = ScaleOf(test::DogBot());
   EXPECT_NEAR(scale.Weight(), 9.81 * (9.3 + 4 * (0.836 + 1.851 + 0.302)), 1e-9);
   EXPECT_NEAR(scale.length, 0.315 + std::hypot(0.035, 0.3), 1e-12);
-  const LocomotionProfile profile = LoadLocomotionProfile("standard", scale);
+  const LocomotionProfile profile = LoadLocomotionProfile({"standard"}, scale);
   const WholeBodyGains& gains = profile.whole_body;
   constexpr double kDigits = 1e-7;
   EXPECT_NEAR(gains.com_stiffness / 2500, 1, kDigits);
@@ -40,8 +40,8 @@ TEST(LocomotionProfileTest, IsRoundInSiUnitsForDogBot) {
 // CoM times the time unit, its damping ratio, and the ratios of the costs.
 TEST(LocomotionProfileTest, RobotsOfAllSizesAreAlike) {
   const RobotScale small = ScaleOf(test::DogBot()), large{8 * small.mass, 2 * small.length};
-  const LocomotionProfile a = LoadLocomotionProfile("standard", small),
-                          b = LoadLocomotionProfile("standard", large);
+  const LocomotionProfile a = LoadLocomotionProfile({"standard"}, small),
+                          b = LoadLocomotionProfile({"standard"}, large);
   const auto frequency = [](const LocomotionProfile& p, const RobotScale& s) {
     return std::sqrt(p.whole_body.com_stiffness / s.mass) * s.Time();
   };

@@ -1,6 +1,8 @@
-// The quadratic programmes of the whole-body controller in a walk, against a solver in exact arithmetic.
+// The whole-body controller's quadratic programs of a walk with the plant, with and without elimination,
+// against a solver in exact arithmetic.
 
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
+#include <tenon/tests/controllers/legged/whole_body/full_whole_body_qp.h>
 #include <tenon/tests/controllers/optimization/exact_qp.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
@@ -14,28 +16,29 @@ namespace {
 TEST(WalkingQp, AgreesWithExactArithmetic) {
   const test::TrotLoop trot;
   const WholeBodyController& controller = trot.loop->locomotion.whole_body;
-  WholeBodyQpParams reduced = controller.params.gains.qp, full = reduced;
-  // With little friction the pyramid constraints are active.
-  reduced.friction = full.friction = 0.08;
-  full.eliminate = false;
+  WholeBodyQpParams params = controller.params.gains.qp;
+  params.friction = 0.08;  // brings feet to the edges of their pyramids
   const Vec<12> limit = WholeBodyController::TorqueLimit(controller.params.robot);
-  WholeBodyQp in_twelve(limit), in_thirty(limit);
+  WholeBodyQp qp(limit);
+  DualActiveSet full_solver = test::FullWholeBodySolver();
   WholeBodySolution solution;
   int solved = 0, swinging = 0, with_active = 0;
   const std::vector<test::TrotTick> ticks = test::RecordTrot(trot, 3);
   for (std::size_t n = 1000; n < ticks.size(); n += 39) {
     const auto [dynamics, task] = test::MakeTask(controller, ticks[n]);
-    for (WholeBodyQp* qp : {&in_twelve, &in_thirty}) {
-      const WholeBodyQpParams& params = qp == &in_twelve ? reduced : full;
-      const QpReport report = qp->Solve(dynamics, task, params, &solution);
-      const auto exact = test::SolveExactly(qp->problem());
+    const auto expect_exact = [&](const QuadraticProgram& problem, const DualActiveSet& solver,
+                                  const QpReport& report) {
+      const auto exact = test::SolveExactly(problem);
       ASSERT_EQ(report.ok(), exact.has_value()) << "tick " << n << ": " << report.Message();
-      if (!exact) continue;
-      EXPECT_TRUE(test::IsOptimal(qp->problem(), qp->solver())) << n;
-      EXPECT_THAT(qp->solver().x(), IsNear(*exact, 1e-8 * (1 + exact->norm()))) << "tick " << n;
-      with_active += solution.num_active > 0;
-    }
-    EXPECT_TRUE(in_twelve.eliminated());
+      if (!exact) return;
+      EXPECT_TRUE(test::IsOptimal(problem, solver)) << n;
+      EXPECT_THAT(solver.x(), IsNear(*exact, 1e-8 * (1 + exact->norm()))) << "tick " << n;
+      with_active += !solver.active().empty();
+    };
+    const QpReport report = qp.Solve(dynamics, task, params, &solution);
+    expect_exact(qp.problem(), qp.solver(), report);
+    const test::OwnedQp full = test::FullWholeBodyQp(dynamics, task, params, limit);
+    expect_exact(full.view(), full_solver, full_solver.Solve(full.view(), qp.solver().active()));
     ++solved;
     swinging += !task.stance[kFrontLeft] || !task.stance[kFrontRight];
   }

@@ -1,27 +1,14 @@
 #include <tenon/plants/cdpr/cable_statics.h>
 #include <tenon/plants/model/swivel_pulley.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::cable_statics_test {
 namespace {
 
-constexpr double kGravity = 9.81;
+using test::FourCableRobot;
 
-CdprDescription Robot(double mass_per_length, double pulley_radius) {
-  CdprDescription robot = test::FourCableRobot();
-  robot.cable.mass_per_length = mass_per_length;
-  robot.winch.pulley_radius = pulley_radius;
-  return robot;
-}
+constexpr double kGravity = 9.81;
 
 CableStatics At(const CdprDescription& robot, const Vec<3>& span_W, double rest_length) {
   return CalcCableStatics(robot, 0, span_W, rest_length, kGravity);
@@ -49,11 +36,11 @@ INSTANTIATE_TEST_SUITE_P(Cables, CableStaticsOfKinds,
                                            Kind{0.05, 0.04}));
 
 TEST_P(CableStaticsOfKinds, VirtualWorkGivesThePullAtBothEnds) {
-  const CdprDescription robot = Robot(GetParam().mass_per_length, GetParam().pulley_radius);
+  const CdprDescription robot = FourCableRobot(GetParam().mass_per_length, GetParam().pulley_radius);
   const double EA = robot.cable.axial_stiffness, w = robot.cable.mass_per_length * kGravity;
   RandomStream random(1);
   const double h = 1e-5;
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 20; ++i) {
     const Vec<3> span = RandomSpan(random);
     const double rest = span.norm() * random.Uniform(0.985, w > 0 ? 1.1 : 0.999);
     const CableStatics cable = At(robot, span, rest);
@@ -75,10 +62,10 @@ TEST_P(CableStaticsOfKinds, VirtualWorkGivesThePullAtBothEnds) {
 }
 
 TEST_P(CableStaticsOfKinds, TheElasticLengthIsThatOfItsStiffness) {
-  const CdprDescription robot = Robot(GetParam().mass_per_length, GetParam().pulley_radius);
+  const CdprDescription robot = FourCableRobot(GetParam().mass_per_length, GetParam().pulley_radius);
   RandomStream random(2);
   const double h = 1e-5;
-  for (int i = 0; i < 50; ++i) {
+  for (int i = 0; i < 20; ++i) {
     const Vec<3> span = RandomSpan(random);
     const CableStatics cable = At(robot, span, 0.99 * span.norm());
     const Vec<3> step = h * cable.direction_W;
@@ -90,9 +77,9 @@ TEST_P(CableStaticsOfKinds, TheElasticLengthIsThatOfItsStiffness) {
 }
 
 TEST_P(CableStaticsOfKinds, TheRestLengthGivesTheTension) {
-  const CdprDescription robot = Robot(GetParam().mass_per_length, GetParam().pulley_radius);
+  const CdprDescription robot = FourCableRobot(GetParam().mass_per_length, GetParam().pulley_radius);
   RandomStream random(3);
-  for (int i = 0; i < 50; ++i) {
+  for (int i = 0; i < 20; ++i) {
     const Vec<3> span = RandomSpan(random);
     const double tension = random.Uniform(40, 400);
     const double rest = CalcRestLength(robot, 0, span, tension, kGravity);
@@ -101,32 +88,25 @@ TEST_P(CableStaticsOfKinds, TheRestLengthGivesTheTension) {
   }
 }
 
-TEST_P(CableStaticsOfKinds, DoesNotAllocate) {
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
-  const CdprDescription robot = Robot(GetParam().mass_per_length, GetParam().pulley_radius);
-  AllocationGuard guard;
-  EXPECT_GT(At(robot, {3, 4, 2}, 5).tension, 0);
-  EXPECT_EQ(guard.count(), 0);
-}
-
 TEST(CableStaticsTest, WithoutWeightAndPulleyItIsAStraightSpring) {
-  const CableStatics cable = At(Robot(0, 0), {3, 0, 4}, 4.9);
+  const CableStatics cable = At(FourCableRobot(0, 0), {3, 0, 4}, 4.9);
   EXPECT_THAT(cable.direction_W, IsNear(Vec<3>(0.6, 0, 0.8), 1e-15));
   EXPECT_EQ(cable.length, 5);
   EXPECT_NEAR(cable.tension, 27e3 * 0.1 / 4.9, 1e-9);
   EXPECT_EQ(cable.tension_loss, 0);
   EXPECT_EQ(cable.elastic_length, 4.9);
-  EXPECT_EQ(At(Robot(0, 0), {3, 0, 4}, 5.1).tension, 0);
-  EXPECT_EQ(At(Robot(0.05, 0), {3, 0, 4}, 4.9).exit_W, Robot(0, 0).cables[0].anchor_W);
+  EXPECT_EQ(At(FourCableRobot(0, 0), {3, 0, 4}, 5.1).tension, 0);
+  EXPECT_EQ(At(FourCableRobot(0.05, 0), {3, 0, 4}, 4.9).exit_W, FourCableRobot(0, 0).cables[0].anchor_W);
 }
 
-TEST(CableStaticsTest, SmallPulleysAndLightCablesComeToThat) {
+TEST(CableStaticsTest, SmallPulleysAndLightCablesConvergeToIt) {
   RandomStream random(4);
   for (int i = 0; i < 20; ++i) {
     const Vec<3> span = RandomSpan(random);
     const double rest = 0.99 * span.norm();
-    const CableStatics ideal = At(Robot(0, 0), span, rest);
-    for (const CdprDescription& robot : {Robot(0, 1e-9), Robot(1e-8, 0), Robot(1e-8, 1e-9)}) {
+    const CableStatics ideal = At(FourCableRobot(0, 0), span, rest);
+    for (const CdprDescription& robot :
+         {FourCableRobot(0, 1e-9), FourCableRobot(1e-8, 0), FourCableRobot(1e-8, 1e-9)}) {
       const CableStatics cable = At(robot, span, rest);
       EXPECT_THAT(Pull(cable), IsNear(Pull(ideal), 1e-4));
       EXPECT_NEAR(cable.length, ideal.length, 1e-8);
@@ -137,10 +117,10 @@ TEST(CableStaticsTest, SmallPulleysAndLightCablesComeToThat) {
 
 TEST(CableStaticsTest, ASaggingCableLeavesItsPulleyTangentially) {
   const double r = 0.04;
-  const CdprDescription robot = Robot(0.2, r);
+  const CdprDescription robot = FourCableRobot(0.2, r);
   const Vec<3> anchor = robot.cables[0].anchor_W;
   RandomStream random(5);
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 20; ++i) {
     const Vec<3> span = RandomSpan(random);
     const CableStatics cable = At(robot, span, span.norm() * random.Uniform(0.99, 3));
     EXPECT_NEAR(cable.plane_W.dot(span.normalized()), -std::hypot(span[0], span[1]) / span.norm(), 1e-14);
@@ -156,25 +136,20 @@ TEST(CableStaticsTest, ASaggingCableLeavesItsPulleyTangentially) {
   }
 }
 
-TEST(CableStaticsTest, SaysWhatItCannotHang) {
-  EXPECT_TRUE(Throws<RunError>([] { At(Robot(0, 0), {0, 0, 0}, 1); }, "cable 0 has no length"));
-  EXPECT_TRUE(Throws<RunError>([] { At(Robot(0, 0), {1, 0, 0}, 0); }, "cable 0 is reeled in completely"));
+TEST(CableStaticsTest, RefusesImpossibleSpansAndLengths) {
+  struct Case {
+    double mass_per_length, pulley_radius;
+    Vec<3> span_W;
+    double rest_length;
+  };
+  for (const Case& c : {Case{0, 0, {0, 0, 0}, 1}, Case{0, 0, {1, 0, 0}, 0}, Case{0, 0.5, {0.3, 0, 0.1}, 1},
+                        Case{0, 0.04, {0, 0, 3}, 1}, Case{0.05, 0.5, {3, 0, 2}, 0.1}}) {
+    const CdprDescription robot = FourCableRobot(c.mass_per_length, c.pulley_radius);
+    EXPECT_TRUE(Throws<RunError>([&] { At(robot, c.span_W, c.rest_length); }, "cable 0"))
+        << c.span_W.transpose();
+  }
   EXPECT_TRUE(Throws<RunError>(
-      [] {
-        At(Robot(0, 0.5), {0.3, 0, 0.1}, 1);
-      },
-      "cable 0 ends 0.3 m", "0.2236 m away", "whose radius is 0.5 m", "smaller pulley_radius_m"));
-  EXPECT_TRUE(Throws<RunError>([] { At(Robot(0, 0.04), {0, 0, 3}, 1); }, "0 m beside the swivel axis"));
-  EXPECT_TRUE(Throws<RunError>(
-      [] {
-        At(Robot(0.05, 0.5), {3, 0, 2}, 0.1);
-      },
-      "cable 0 is reeled in up to its pulley"));
-  EXPECT_TRUE(Throws<RunError>(
-      [] {
-        CalcRestLength(Robot(1, 0), 0, {5, 0, 0}, 10, kGravity);
-      },
-      "cable 0 is to pull with 10 N", "by its own weight", "more tension"));
+      [] { CalcRestLength(FourCableRobot(1, 0), 0, 5 * Vec<3>::UnitX(), 10, kGravity); }, "cable 0", "10 N"));
 }
 
 }  // namespace

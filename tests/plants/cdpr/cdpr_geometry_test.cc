@@ -1,10 +1,6 @@
 #include <tenon/plants/cdpr/cdpr_geometry.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
 
@@ -24,20 +20,19 @@ const Shape& Named(const Geometry& geometry, const std::string& name) {
 
 TEST(CdprGeometryTest, CablesRunFromAttachmentsToAnchorsAndShowTheirTension) {
   TestRig<CdprPlant> rig(Hanging());
-  auto& plant = rig.system();
   RandomStream random(1);
   for (int k = 0; k < 20; ++k) {
     const PlatformState x = RandomPlatform(random);
-    rig.Set(plant.platform_state, x);
-    const Geometry& geometry = rig[plant.geometry];
+    rig.Set(rig->platform_state, x);
+    const Geometry& geometry = rig[rig->geometry];
     EXPECT_THAT(Named(geometry, "platform").p_W, IsNear(x.p_WB, 1e-14));
     EXPECT_THAT(RotationFromQuaternion(Named(geometry, "platform").q_W), IsNear(x.R_WB(), 1e-14));
     for (int i = 0; i < 4; ++i) {
-      const CableDescription& cable = plant.params.robot.cables[static_cast<std::size_t>(i)];
+      const CableDescription& cable = rig->params.robot.cables[i];
       const Shape& shape = Named(geometry, "cable " + std::to_string(i));
       EXPECT_THAT(shape.p_W, IsNear(x.p_WB + x.R_WB() * cable.attachment_B, 1e-14));
       EXPECT_THAT(Vec<3>(shape.p_W + shape.vector_W), IsNear(cable.anchor_W, 1e-14));
-      EXPECT_EQ(shape.value, rig[plant.cables].tension[i]);
+      EXPECT_EQ(shape.value, rig[rig->cables].tension[i]);
       EXPECT_EQ(shape.unit, "N");
       EXPECT_EQ(Named(geometry, "anchor " + std::to_string(i)).p_W, cable.anchor_W);
     }
@@ -45,16 +40,13 @@ TEST(CdprGeometryTest, CablesRunFromAttachmentsToAnchorsAndShowTheirTension) {
 }
 
 TEST(CdprGeometryTest, SaggingCablesRunInPiecesToTheirPulleys) {
-  CdprDescription robot = FourCableRobot();
-  robot.cable.mass_per_length = 1;
-  robot.winch.pulley_radius = 0.1;
+  const CdprDescription robot = FourCableRobot(1, 0.1);
   CdprPlantParams params = Hanging(robot);
   params.initial_tension.setConstant(60);
   TestRig<CdprPlant> rig(params);
-  auto& plant = rig.system();
-  const Geometry& geometry = rig[plant.geometry];
+  const Geometry& geometry = rig[rig->geometry];
   for (int i = 0; i < 4; ++i) {
-    const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
+    const CableDescription& cable = robot.cables[i];
     const Shape& pulley = Named(geometry, "pulley " + std::to_string(i));
     EXPECT_NEAR((pulley.p_W - cable.anchor_W).norm(), 0.1, 1e-15);
     Vec<3> end = params.p_WB + cable.attachment_B;
@@ -70,7 +62,7 @@ TEST(CdprGeometryTest, SaggingCablesRunInPiecesToTheirPulleys) {
     }
     const double wrapped = (end - cable.anchor_W).norm();
     EXPECT_NEAR((end - pulley.p_W).norm(), 0.1, 1e-10);
-    EXPECT_LT(length + wrapped, rig[plant.rest_length][i] * (1 + 60 / 27e3));
+    EXPECT_LT(length + wrapped, rig[rig->rest_length][i] * (1 + 60 / 27e3));
     EXPECT_GT(sag, 0.3);  // w l^2 / (8 T) = 9.81 * 6.1^2 / (8 * 60) and more
     const Vec<3> axle = RotationFromQuaternion(pulley.q_W).col(2);
     EXPECT_NEAR(axle.dot(chord), 0, 1e-12);
@@ -88,33 +80,27 @@ TEST(CdprGeometryTest, PlatformReachesItsAttachmentsAndIsNeverFlat) {
 
 TEST(CdprGeometryTest, PayloadAndForceShowWhenTheyAreThere) {
   TestRig<CdprPlant> rig(Hanging());
-  auto& plant = rig.system();
-  EXPECT_FALSE(Named(rig[plant.geometry], "payload").visible);
-  rig.Fix(plant.payload, {2, {0.1, 0, 0}}).Fix(plant.wrench, {{0, 30, 0}, {0, 0, 0}});
-  const Geometry& geometry = rig[plant.geometry];
+  EXPECT_FALSE(Named(rig[rig->geometry], "payload").visible);
+  rig.Fix(rig->payload, {2, {0.1, 0, 0}}).Fix(rig->wrench, {{0, 30, 0}, {0, 0, 0}});
+  const Geometry& geometry = rig[rig->geometry];
   EXPECT_TRUE(Named(geometry, "payload").visible);
   EXPECT_THAT(Named(geometry, "payload").p_W, IsNear(Vec<3>(0.1, 0, 1.5), 1e-14));
   EXPECT_THAT(Named(geometry, "external force").vector_W, IsNear(Vec<3>(0, 30, 0), 0));
 }
 
 TEST(CdprGeometryTest, MovingItDoesNotAllocate) {
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
-  CdprDescription robot = FourCableRobot();
-  robot.cable.mass_per_length = 0.05;
-  robot.winch.pulley_radius = 0.04;
+  const CdprDescription robot = FourCableRobot(0.05, 0.04);
   Geometry geometry = MakeCdprGeometry(robot);
   RandomStream random(1);
   const PlatformState x = RandomPlatform(random);
   const CableVector tension = CableVector::Constant(4, 100);
   std::vector<CableStatics> cables;
   for (int i = 0; i < 4; ++i) {
-    const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
+    const CableDescription& cable = robot.cables[i];
     const Vec<3> span = cable.anchor_W - x.p_WB - x.R_WB() * cable.attachment_B;
     cables.push_back(CalcCableStatics(robot, i, span, span.norm(), 9.81));
   }
-  AllocationGuard guard;
-  MoveCdprGeometry(robot, x, tension, cables, {}, {}, &geometry);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(AllocationsOf([&] { MoveCdprGeometry(robot, x, tension, cables, {}, {}, &geometry); }), 0);
 }
 
 }  // namespace

@@ -1,13 +1,12 @@
 #include <tenon/plants/cdpr/cdpr_monitor.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::cdpr_monitor_test {
 namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 /// Holds four cables, 800 N at most, with 100 N each, 2 m above the floor.
 struct Rig : TestRig<CdprMonitor> {
@@ -35,7 +34,7 @@ TEST(CdprMonitorTest, EndsTheRunWhenACableIsSlack) {
   rig.SetTension(0.1);
   EXPECT_FALSE(rig.RunOn().ended);
   rig.SetTension(0);
-  EXPECT_EQ(rig.RunOn().reason, "block.tension: cable 2 is slack");
+  EXPECT_THAT(rig.RunOn().reason, HasSubstr("cable 2"));
 }
 
 TEST(CdprMonitorTest, ACableThatPullsNoHarderThanItsWeightIsSlack) {
@@ -49,7 +48,7 @@ TEST(CdprMonitorTest, ACableThatPullsNoHarderThanItsWeightIsSlack) {
   EXPECT_FALSE(rig.RunOn().ended);
   cables.tension[1] = 4.9;
   rig.Fix(rig->cables, cables);
-  EXPECT_EQ(rig.RunOn().reason, "block.tension: cable 1 is slack");
+  EXPECT_THAT(rig.RunOn().reason, HasSubstr("cable 1"));
 }
 
 TEST(CdprMonitorTest, SlackMayBeAllowed) {
@@ -66,8 +65,7 @@ TEST(CdprMonitorTest, EndsTheRunWhenAWinchIsOverpowered) {
   rig.SetTension(879);
   EXPECT_FALSE(rig.RunOn().ended);
   rig.SetTension(881);
-  EXPECT_EQ(rig.RunOn().reason,
-            "block.tension: cable 2 pulls with 881 N, more than the 880 N that its winch holds");
+  EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("cable 2"), HasSubstr("881 N")));
 }
 
 // The attachments are 0.093 m above the CoM: upside down, that is below.
@@ -76,7 +74,7 @@ TEST(CdprMonitorTest, EndsTheRunBelowTheFloor) {
   rig.SetPlatform(0.01);
   EXPECT_FALSE(rig.RunOn().ended);
   rig.SetPlatform(-0.01);
-  EXPECT_EQ(rig.RunOn().reason, "block.place: the platform reaches 0.010 m below the floor");
+  EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("block.place"), HasSubstr("0.010 m")));
   Rig turned;
   turned.SetPlatform(0.094, M_PI);
   EXPECT_FALSE(turned.RunOn().ended);
@@ -90,15 +88,13 @@ TEST(CdprMonitorTest, EndsTheRunFarFromTheAnchors) {
   rig.SetPlatform(15.4);
   EXPECT_FALSE(rig.RunOn().ended);
   rig.SetPlatform(1e30);
-  EXPECT_EQ(rig.RunOn().reason,
-            "block.place: the platform is 1e+30 m away from the middle of the anchors, more than 11.4 m");
+  EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("block.place"), HasSubstr("11.4 m")));
 }
 
 TEST(CdprMonitorTest, RefusesLimitsThatMakeNoSense) {
-  EXPECT_TRUE(Throws<ParameterError>([] { Rig({.robot = test::FourCableRobot(), .max_tension_ratio = 0.9}); },
-                                     "max_tension_ratio = 0.9", "at least 1"));
   EXPECT_TRUE(
-      Throws<ParameterError>([] { Rig({.robot = test::FourCableRobot(), .floor = NAN}); }, "floor = nan"));
+      Refuses<CdprMonitor>({.robot = test::FourCableRobot(), .max_tension_ratio = 0.9}, "max_tension_ratio"));
+  EXPECT_TRUE(Refuses<CdprMonitor>({.robot = test::FourCableRobot(), .floor = NAN}, "floor"));
 }
 
 }  // namespace

@@ -1,16 +1,6 @@
 #include <tenon/plants/cdpr/elastic_catenary.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <Eigen/Core>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
 
 namespace tenon::elastic_catenary_test {
 namespace {
@@ -181,7 +171,7 @@ TEST(ElasticCatenaryTest, ACableUnderALoadIsDisplacedAsPublished) {
 TEST(ElasticCatenaryTest, IsFoundFromTautToSlack) {
   RandomStream random(4);
   int most = 0;
-  for (int i = 0; i < 5000; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     const double distance = std::pow(10, random.Uniform(-2, 3)), angle = random.Uniform(-1.5707, 1.5707);
     const double x = distance * std::cos(angle), z = distance * std::sin(angle);
     const double L = distance * (1 + std::pow(10, random.Uniform(-9, 1.5)) * (i % 3 == 0 ? -0.02 : 1));
@@ -203,16 +193,15 @@ TEST(ElasticCatenaryTest, ANeighbourIsFoundInFewerStepsAndTheSame) {
   EXPECT_LE(warm.iterations, cold.iterations);
 }
 
-TEST(ElasticCatenaryTest, RefusesWhatIsNoCable) {
+TEST(ElasticCatenaryTest, RefusesImpossibleCables) {
   const auto refuses = [](double L, double w, double EA, double x, double z) {
-    return Throws<RunError>([&] { HangCatenary(L, w, EA, x, z); }, "cannot be hung",
-                            "the first three positive", "finite");
+    return Throws<RunError>([&] { HangCatenary(L, w, EA, x, z); });
   };
   EXPECT_TRUE(refuses(0, 1, 1e3, 1, 1));
   EXPECT_TRUE(refuses(1, 0, 1e3, 1, 1));
   EXPECT_TRUE(refuses(1, 1, -1e3, 1, 1));
   EXPECT_TRUE(refuses(1, 1, 1e3, -1, 1));
-  EXPECT_TRUE(refuses(1, 1, 1e3, 1, std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_TRUE(refuses(1, 1, 1e3, 1, NAN));
 }
 
 }  // namespace

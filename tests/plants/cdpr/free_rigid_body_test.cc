@@ -1,15 +1,15 @@
 #include <tenon/plants/cdpr/free_rigid_body.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
+#include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
 namespace tenon::free_rigid_body_test {
 namespace {
+
+using test::RandomPlatform;
+using test::RandomVector;
 
 constexpr double kMass = 15;
 
@@ -17,15 +17,6 @@ Eigen::Matrix3d Inertia() {
   Eigen::Matrix3d inertia;
   inertia << 0.213, 0.01, -0.02, 0.01, 0.133, 0.005, -0.02, 0.005, 0.215;
   return inertia;
-}
-
-Vec<3> RandomVector(RandomStream& random, double size) {
-  return {random.Uniform(-size, size), random.Uniform(-size, size), random.Uniform(-size, size)};
-}
-
-PlatformState RandomState(RandomStream& random) {
-  return {RandomVector(random, 3), QuaternionFromRotationVector(RandomVector(random, 2)),
-          RandomVector(random, 2), RandomVector(random, 5)};
 }
 
 /// Newton for the common CoM and Euler about it, then from there to the body's own CoM.
@@ -50,8 +41,8 @@ PlatformAcceleration NewtonEuler(const PlatformState& x, const PlatformWrench& w
 TEST(FreeRigidBodyTest, ObeysNewtonAndEuler) {
   RandomStream random(1);
   FreeRigidBody body(kMass, Inertia());
-  for (int i = 0; i < 100; ++i) {
-    PlatformState x = RandomState(random);
+  for (int i = 0; i < 30; ++i) {
+    PlatformState x = RandomPlatform(random);
     const PlatformWrench wrench{RandomVector(random, 100), RandomVector(random, 10)};
     const Payload payload{i % 3 == 0 ? 0 : random.Uniform(0, 30), RandomVector(random, 0.5)};
     const PlatformAcceleration expected = NewtonEuler(x, wrench, payload, 9.81);
@@ -66,7 +57,7 @@ TEST(FreeRigidBodyTest, MultipliesQuaternionsForTheirRate) {
   RandomStream random(2);
   FreeRigidBody body(kMass, Inertia());
   for (int i = 0; i < 20; ++i) {
-    PlatformState x = RandomState(random);
+    PlatformState x = RandomPlatform(random);
     x.q_WB *= random.Uniform(0.5, 2);
     body.Calc(x, {}, {}, 0);
     const Vec<4> half(0, x.w_W[0] / 2, x.w_W[1] / 2, x.w_W[2] / 2);
@@ -77,7 +68,7 @@ TEST(FreeRigidBodyTest, MultipliesQuaternionsForTheirRate) {
 TEST(FreeRigidBodyTest, SumsKineticEnergy) {
   RandomStream random(3);
   FreeRigidBody body(kMass, Inertia());
-  const PlatformState x = RandomState(random);
+  const PlatformState x = RandomPlatform(random);
   const Vec<3> w_B = x.R_WB().transpose() * x.w_W;
   const double bare = kMass / 2 * x.v_W.squaredNorm() + w_B.dot(Inertia() * w_B) / 2;
   body.Calc(x, {}, {}, 9.81);
@@ -92,10 +83,11 @@ TEST(FreeRigidBodyTest, DependsOnItsArgumentsAlone) {
   RandomStream random(4);
   FreeRigidBody fresh(kMass, Inertia());
   FreeRigidBody used = fresh;
-  for (int i = 0; i < 10; ++i) used.Calc(RandomState(random), {RandomVector(random, 9)}, {3, {1, 0, 0}}, 5);
+  for (int i = 0; i < 10; ++i)
+    used.Calc(RandomPlatform(random), {RandomVector(random, 9)}, {3, {1, 0, 0}}, 5);
   FreeRigidBody copy;
   copy = used;
-  const PlatformState x = RandomState(random);
+  const PlatformState x = RandomPlatform(random);
   const PlatformWrench wrench{RandomVector(random, 9), RandomVector(random, 9)};
   fresh.Calc(x, wrench, {2, {0, 0, 1}}, 9.81);
   used.Calc(x, wrench, {2, {0, 0, 1}}, 9.81);
@@ -108,7 +100,7 @@ TEST(FreeRigidBodyTest, DependsOnItsArgumentsAlone) {
   }
 }
 
-// As in a container: a copy of none can be assigned a body, which it is then, and the body can be none again.
+// A default-constructed body can be copied and assigned to, as containers do.
 TEST(FreeRigidBodyTest, CopiesBeforeItIsABody) {
   const FreeRigidBody none;
   FreeRigidBody copy(none);
@@ -125,10 +117,9 @@ TEST(FreeRigidBodyTest, CopiesBeforeItIsABody) {
   EXPECT_NEAR(copy.kinetic_energy(), 30, 1e-12);
 }
 
-TEST(FreeRigidBodyTest, RefusesAnInertiaOfNoBody) {
+TEST(FreeRigidBodyTest, RefusesImpossibleInertias) {
   const Eigen::Matrix3d long_only = Eigen::Vector3d(1, 1, 3).asDiagonal();
-  EXPECT_TRUE(Throws<ParameterError>([&] { FreeRigidBody body(1, long_only); }, "1, 1, 3", "no rigid body",
-                                     "check values and units"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { FreeRigidBody body(1, long_only); }, "1, 1, 3"));
 }
 
 }  // namespace

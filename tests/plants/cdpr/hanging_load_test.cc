@@ -1,16 +1,8 @@
 #include <tenon/plants/cdpr/cdpr_plant.h>
 #include <tenon/plants/cdpr/hanging_load.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
-#include <gmock/gmock.h>
-
-#include <cmath>
 #include <numbers>
 
 namespace tenon::hanging_load_test {
@@ -90,15 +82,12 @@ TEST(HangingLoadTest, KeepsEnergyWithThePlatform) {
 }
 
 TEST(HangingLoadTest, RefusesNonsense) {
-  const auto refuses = [](const HangingLoadParams& params, const char* what) {
-    return Throws<ParameterError>([&] { HangingLoad load(params); }, what);
-  };
-  EXPECT_TRUE(refuses({.mass = 0}, "mass = 0 kg must be finite and positive"));
-  EXPECT_TRUE(refuses({.gravity = NAN}, "gravity = nan m/s^2 must be finite and positive"));
-  EXPECT_TRUE(refuses({.length = -1}, "length = -1 m must be finite and positive"));
-  EXPECT_TRUE(refuses({.axial_stiffness = 0}, "axial_stiffness = 0 N must be finite and positive"));
-  EXPECT_TRUE(refuses({.axial_damping = -1}, "axial_damping = -1 N s must be finite and not negative"));
-  EXPECT_TRUE(refuses({.p_W = {NAN, 0, 0}}, "is not finite"));
+  EXPECT_TRUE(Refuses<HangingLoad>({.mass = 0}, "mass"));
+  EXPECT_TRUE(Refuses<HangingLoad>({.gravity = NAN}, "gravity"));
+  EXPECT_TRUE(Refuses<HangingLoad>({.length = -1}, "length"));
+  EXPECT_TRUE(Refuses<HangingLoad>({.axial_stiffness = 0}, "axial_stiffness"));
+  EXPECT_TRUE(Refuses<HangingLoad>({.axial_damping = -1}, "axial_damping"));
+  EXPECT_TRUE(Refuses<HangingLoad>({.p_W = {NAN, 0, 0}}, "p_W"));
 }
 
 }  // namespace

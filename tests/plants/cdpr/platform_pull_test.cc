@@ -1,10 +1,5 @@
 #include <tenon/plants/cdpr/platform_pull.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <numbers>
 
@@ -30,9 +25,8 @@ TEST(PlatformPullTest, PullsAtItsPointBesideOthers) {
   EXPECT_THAT(rig[rig->wrench].force_W, IsNear(Vec<3>(1, 0, 50), 1e-12));
 }
 
-TEST(PlatformPullTest, RefusesWhatMakesNoSense) {
-  EXPECT_THAT([] { TestRig<PlatformPull> rig(PlatformPullParams{.stiffness = -1}); },
-              testing::ThrowsMessage<ParameterError>(testing::HasSubstr("none may be negative")));
+TEST(PlatformPullTest, RefusesNonsense) {
+  EXPECT_TRUE(Refuses<PlatformPull>({.stiffness = -1}, "-1 N/m"));
 }
 
 }  // namespace

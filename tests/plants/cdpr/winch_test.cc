@@ -1,12 +1,7 @@
 #include <tenon/plants/cdpr/winch.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tenon::winch_test {
 namespace {
@@ -23,7 +18,7 @@ WinchProperties Properties(WinchMode mode) {
 TEST(WinchTest, TensionAndRateSolveBothLaws) {
   RandomStream random(1);
   int pulls = 0, idle = 0;
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 100; ++i) {
     for (const WinchMode mode : {WinchMode::kTension, WinchMode::kTorque}) {
       const WinchProperties winch = Properties(mode);
       const WinchMotion motion{random.Uniform(0, 200), random.Uniform(-1, 1), random.Uniform(0.7, 1.3),
@@ -42,14 +37,14 @@ TEST(WinchTest, TensionAndRateSolveBothLaws) {
       }
     }
   }
-  EXPECT_GT(pulls, 200);
-  EXPECT_GT(idle, 50);
+  EXPECT_GT(pulls, 60);
+  EXPECT_GT(idle, 15);
 }
 
-TEST(WinchTest, ADifferentialLosesOfTheSumAndOfTheDifferenceWhatItsMotorsCannotGive) {
+TEST(WinchTest, ADifferentialSaturatesSumAndDifferenceOfItsCables) {
   const DifferentialProperties differential{{{0, 1}}, 100};
   RandomStream random(2);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 100; ++i) {
     const double asked = random.Uniform(0, 300), other = random.Uniform(0, 300);
     const double gives = GivenByDifferential(differential, asked, other);
     const double gives_other = GivenByDifferential(differential, other, asked);
@@ -60,13 +55,12 @@ TEST(WinchTest, ADifferentialLosesOfTheSumAndOfTheDifferenceWhatItsMotorsCannotG
   }
 }
 
-TEST(WinchTest, ADrumSaysThatItIsEmpty) {
+TEST(WinchTest, AnEmptyDrumEndsTheRun) {
   const DrumProperties drum{
       .radius = 0.04, .cable_diameter = 0.005, .turns_per_layer = 10, .cable_length = 3};
   EXPECT_EQ(DrumTurnAt(drum, 2, 3).angle, 0);
   EXPECT_NEAR(DrumTurnAt(drum, 2, 2).angle, 25, 1e-12);
-  EXPECT_TRUE(Throws<RunError>([&] { DrumTurnAt(drum, 2, 3.1); }, "cable 2 is paid out by 3.1 m",
-                               "more than the 3 m", "cable_length_m"));
+  EXPECT_TRUE(Throws<RunError>([&] { DrumTurnAt(drum, 2, 3.1); }, "cable 2", "cable_length_m"));
 }
 
 }  // namespace

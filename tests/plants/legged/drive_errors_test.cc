@@ -1,16 +1,10 @@
 #include <tenon/plants/legged/drive_errors.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::drive_errors_test {
 namespace {
 
-TEST(DriveErrorsTest, WithoutErrorsItPassesWhatComes) {
+TEST(DriveErrorsTest, WithoutErrorsItPassesItsInput) {
   TestRig<DriveErrors> rig;
   const Vec<12> command = Vec<12>::LinSpaced(-6, 5);
   rig.Fix(rig->command, command).Tick();
@@ -36,10 +30,9 @@ TEST(DriveErrorsTest, RippleGrowsWithTheTorque) {
   for (int j = 0; j < 12; ++j) EXPECT_NEAR(std::sqrt(squares[j]), 0.05 * command[j], 0.003 * command[j]) << j;
 }
 
-TEST(DriveErrorsTest, RefusesWhatIsNoRatio) {
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { DriveErrors errors({.gain_deviation = 1.5}); }, "gain_deviation = 1.5"));
-  EXPECT_TRUE(Throws<ParameterError>([] { DriveErrors errors({.ripple = -1}); }, "ripple = -1"));
+TEST(DriveErrorsTest, RefusesImpossibleRatios) {
+  EXPECT_TRUE(Refuses<DriveErrors>({.gain_deviation = 1.5}, "gain_deviation"));
+  EXPECT_TRUE(Refuses<DriveErrors>({.ripple = -1}, "ripple"));
 }
 
 }  // namespace

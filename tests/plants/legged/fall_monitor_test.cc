@@ -1,12 +1,11 @@
 #include <tenon/plants/legged/fall_monitor.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::fall_monitor_test {
 namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 LeggedState At(const Vec<3>& p_WB, double roll = 0) {
   LeggedState x;
@@ -17,34 +16,32 @@ LeggedState At(const Vec<3>& p_WB, double roll = 0) {
 
 TEST(FallMonitorTest, EndsTheRunWhenTheTrunkIsLow) {
   TestRig<FallMonitor> rig(FallMonitorParams{.min_height = 0.2});
-  rig.Fix(rig.system().state, At({0, 0, 0.201}));
+  rig.Fix(rig->state, At({0, 0, 0.201}));
   EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
-  rig.Fix(rig.system().state, At({0, 0, 0.199}));
+  rig.Fix(rig->state, At({0, 0, 0.199}));
   const RunStatus status = rig.simulator().AdvanceTo(1);
   EXPECT_TRUE(status.ended);
-  EXPECT_EQ(status.reason,
-            "block.fall: the robot fell: its trunk is 0.199 m above the ground, less than 0.200 m");
+  EXPECT_THAT(status.reason, AllOf(HasSubstr("block.fall"), HasSubstr("0.199 m"), HasSubstr("0.200 m")));
 }
 
 TEST(FallMonitorTest, HeightCountsFromTheGroundBelow) {
   FallMonitorParams params{.min_height = 0.2};
   params.terrain.grade = {0.5, 0};
   TestRig<FallMonitor> rig(params);
-  rig.Fix(rig.system().state, At({-2, 0, -0.79}));
+  rig.Fix(rig->state, At({-2, 0, -0.79}));
   EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
-  rig.Fix(rig.system().state, At({2, 0, 1.19}));
+  rig.Fix(rig->state, At({2, 0, 1.19}));
   EXPECT_TRUE(rig.simulator().AdvanceTo(1).ended);
 }
 
 TEST(FallMonitorTest, EndsTheRunWhenTheTrunkTilts) {
   TestRig<FallMonitor> rig(FallMonitorParams{.max_tilt = 0.8});
-  rig.Fix(rig.system().state, At({0, 0, 1}, -0.79));
+  rig.Fix(rig->state, At({0, 0, 1}, -0.79));
   EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
-  rig.Fix(rig.system().state, At({0, 0, 1}, -0.81));
+  rig.Fix(rig->state, At({0, 0, 1}, -0.81));
   const RunStatus status = rig.simulator().AdvanceTo(1);
   EXPECT_TRUE(status.ended);
-  EXPECT_EQ(status.reason,
-            "block.fall: the robot fell: its trunk is tilted by 0.810 rad, more than 0.800 rad");
+  EXPECT_THAT(status.reason, AllOf(HasSubstr("block.fall"), HasSubstr("0.810 rad"), HasSubstr("0.800 rad")));
 }
 
 TEST(FallMonitorTest, EndsTheRunWhenTheRobotFlies) {
@@ -52,17 +49,14 @@ TEST(FallMonitorTest, EndsTheRunWhenTheRobotFlies) {
   rig.Fix(rig->state, At({0, 0, 9.9}));
   EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
   rig.Fix(rig->state, At({0, 0, 21e3}));
-  EXPECT_EQ(rig.simulator().AdvanceTo(1).reason,
-            "block.flight: the robot left the ground: its trunk is 21000.000 m above it, more than 10.000 m");
+  EXPECT_THAT(rig.simulator().AdvanceTo(1).reason, AllOf(HasSubstr("block.flight"), HasSubstr("10.000 m")));
 }
 
 TEST(FallMonitorTest, RefusesLimitsThatMakeNoSense) {
-  EXPECT_TRUE(Throws<ParameterError>([] { FallMonitor({.min_height = 1, .max_height = 1}); },
-                                     "max_height = 1", "above min_height"));
-  EXPECT_TRUE(Throws<ParameterError>([] { FallMonitor({.max_tilt = 0}); }, "max_tilt = 0", "radians"));
-  EXPECT_TRUE(Throws<ParameterError>([] { FallMonitor({.max_tilt = 45}); }, "max_tilt = 45", "radians"));
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { FallMonitor({.min_height = INFINITY}); }, "min_height = inf", "metres"));
+  EXPECT_TRUE(Refuses<FallMonitor>({.min_height = 1, .max_height = 1}, "max_height"));
+  EXPECT_TRUE(Refuses<FallMonitor>({.max_tilt = 0}, "max_tilt"));
+  EXPECT_TRUE(Refuses<FallMonitor>({.max_tilt = 45}, "max_tilt"));
+  EXPECT_TRUE(Refuses<FallMonitor>({.min_height = INFINITY}, "min_height"));
 }
 
 TEST(FallMonitorTest, LimitsAreSetInARun) {
@@ -70,8 +64,8 @@ TEST(FallMonitorTest, LimitsAreSetInARun) {
   rig.Fix(rig->state, At({0, 0, 0.15}, 0.9)).Set(rig->min_height, 0.1).Set(rig->max_tilt, 1);
   EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
   rig.Set(rig->max_tilt, 0.85);
-  EXPECT_THAT(rig.simulator().AdvanceTo(1).reason, ::testing::EndsWith("0.900 rad, more than 0.850 rad"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->max_tilt, 4); }, "max_tilt = 4", "radians"));
+  EXPECT_THAT(rig.simulator().AdvanceTo(1).reason, AllOf(HasSubstr("0.900 rad"), HasSubstr("0.850 rad")));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->max_tilt, 4); }, "max_tilt"));
 }
 
 }  // namespace

@@ -1,12 +1,8 @@
 #include <tenon/plants/legged/foot_contact.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
-
-#include <cmath>
 
 namespace tenon::foot_contact_test {
 namespace {
@@ -89,10 +85,10 @@ TEST(FootContactTest, WithoutFrictionItSlides) {
   EXPECT_THAT(foot.slip_W, IsNear(Vec<3>(1, 0, 0), 1e-15));
 }
 
-// Whatever it does, below mu_0 a foot feels friction in proportion to mu, and its bristle does not feel mu.
+// Below mu_0 friction is proportional to mu, and the motion of the bristle does not depend on mu.
 TEST(FootContactTest, FrictionGoesToZeroWithItsCoefficient) {
   RandomStream random(7);
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 20; ++i) {
     const Vec<3> v = test::RandomVector<3>(random, 0.2), w = test::RandomVector<3>(random, 2);
     const Vec<2> z = test::RandomVector<2>(random, 2e-4);
     const FootContact full = At(1e-3, v, z, w, 0.2);
@@ -109,7 +105,7 @@ TEST(FootContactTest, FrictionGoesToZeroWithItsCoefficient) {
   }
 }
 
-// |z'| <= |v|, and the Jacobian of z' by z is at most 5 |v| / z_max with z_max from 0.2 mm.
+// |z'| <= |v|, and the Jacobian of z' by z is at most 5 |v| / z_max with z_max >= 0.2 mm.
 TEST(FootContactTest, TheBristleIsNoStifferThanThatOfTheLeastCoefficient) {
   const Vec<3> v(0.6, 0.8, 0);  // 1 m/s
   for (const double mu : {5e-324, 1e-300, 1e-12, 1e-6, 1e-3, 0.1, 0.6, 10.0}) {
@@ -134,7 +130,7 @@ TEST(FootContactTest, TheBristleIsNoStifferThanThatOfTheLeastCoefficient) {
   }
 }
 
-// Sliding, the friction of several contacts is the sum of theirs.
+// The friction of a foot that slides in several contacts is the sum over the contacts.
 TEST(FootContactTest, SlidesAlongFloorAndWallOfDifferentFriction) {
   for (const auto& [floor, wall] : {std::pair{10.0, 0.0}, {0.0, 10.0}, {1e-3, 0.6}, {5e-324, 5e-324}}) {
     TerrainParams params;
@@ -148,18 +144,7 @@ TEST(FootContactTest, SlidesAlongFloorAndWallOfDifferentFriction) {
   }
 }
 
-TEST(FootContactTest, TouchesFloorAndWallAtOnce) {
-  TerrainParams params;
-  params.boxes = {{{1, 0}, {0.4, 0.4}, 0.2, 0}};
-  params.friction = 0;
-  const FootContact foot = CalcFootContact(
-      Terrain(params), Properties(), kRadius,
-      {Vec<3>(0.8 - kRadius + 5e-4, 0, kRadius - 1e-3), Vec<3>::Zero(), Vec<3>::Zero()}, Vec<2>::Zero());
-  EXPECT_THAT(foot.force_W, IsNear(Vec<3>(-5e4 * 4e-4, 0, 45), 1e-9));
-}
-
 TEST(FootContactTest, DoesNotAllocate) {
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   const Terrain terrain = Ground(0.5);
   const AllocationGuard guard;
   const FootContact foot = CalcFootContact(terrain, Properties(), kRadius,
@@ -175,7 +160,7 @@ struct Block {
 };
 constexpr double kMass = 5;
 
-/// After so many steps of Heun's method.
+/// The block after `steps` steps of Heun's method.
 Block Slide(const Terrain& terrain, Block x, long steps, double h) {
   const auto rate = [&](const Block& at) -> Block {
     const FootContact foot =
@@ -192,7 +177,7 @@ Block Slide(const Terrain& terrain, Block x, long steps, double h) {
   return x;
 }
 
-/// On a slope; where it is 1 s before the end, and at the end.
+/// The block on a slope, 1 s before the end and at the end.
 std::pair<Block, Block> SlideFor(double duration, double h, double angle, double friction) {
   const Terrain terrain = Ground(friction, std::tan(angle));
   const Vec<3> normal(-std::sin(angle), 0, std::cos(angle));
@@ -202,7 +187,7 @@ std::pair<Block, Block> SlideFor(double duration, double h, double angle, double
   return {early, Slide(terrain, early, last_second, h)};
 }
 
-/// On level ground, its weight carried: k (d - b / 2) = m g.
+/// A block on level ground whose contact carries its weight: k (d - b / 2) = m g.
 Block Sliding(double x, double height, double speed) {
   const double depth = kMass * kGravity / 5e4 + 1e-4;
   return {Vec<3>(x, 0, height + kRadius - depth), Vec<3>(speed, 0, 0), Vec<2>::Zero()};
@@ -224,7 +209,7 @@ TEST(FootContactTest, ABlockStaysBelowTheFrictionAngle) {
   EXPECT_LT(late.v.norm(), 1e-8);
 }
 
-// A sliding block is braked by mu g, be the ground as slippery or as rough as can be.
+// A sliding block decelerates by mu g for every mu.
 TEST(FootContactTest, ABlockIsBrakedByMuG) {
   for (const double mu : {0.0, 1e-12, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.2, 0.6, 1.0, 3.0, 10.0}) {
     const double duration = 0.05, h = 1e-5, speed = 1 + 2 * mu * kGravity * duration;
@@ -234,9 +219,9 @@ TEST(FootContactTest, ABlockIsBrakedByMuG) {
   }
 }
 
-// From a box with mu = 10 onto one with another mu: the bristle, 10 mm long, has to give way. 4 cm beyond the
-// seam nothing of the old friction is left: the block, which bounces a little, loses mu times the impulse of
-// N.
+// From a box with mu = 10 the block slides onto one with another mu. 4 cm beyond the seam the bristle, at
+// first 10 mm long, has adapted: the block, which bounces a little, loses mu times the impulse of the normal
+// force.
 TEST(FootContactTest, ABlockSlidesAcrossASeamOfFriction) {
   for (const double mu : {0.0, 1e-9, 1e-3, 0.1, 1.0}) {
     TerrainParams params;

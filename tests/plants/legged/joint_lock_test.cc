@@ -1,16 +1,10 @@
 #include <tenon/plants/legged/joint_lock.h>
 #include <tenon/plants/legged/quadruped_plant.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 namespace tenon::joint_lock_test {
@@ -57,10 +51,7 @@ struct Falling {
   explicit Falling(double torque, const JointLockParams& params, bool lossless = false) {
     QuadrupedDescription robot = DogBot();
     if (lossless) robot.drive.damping = robot.drive.friction = 0;
-    QuadrupedPlantParams plant_params;
-    plant_params.robot = robot;
-    plant_params.initial = Standing(robot);
-    plant_params.gravity = 0;
+    QuadrupedPlantParams plant_params{.robot = robot, .initial = Standing(robot), .gravity = 0};
     plant_params.initial.p_WB[2] = 100;
     DiagramBuilder builder;
     plant = &builder.Add<QuadrupedPlant>("plant", plant_params);
@@ -119,13 +110,10 @@ TEST(JointLockTest, TakesEnergyAndGivesNone) {
 }
 
 TEST(JointLockTest, RefusesNonsense) {
-  const auto refuses = [](const JointLockParams& params, const char* message) {
-    return Throws<ParameterError>([&] { JointLock block(params); }, message);
-  };
-  EXPECT_TRUE(refuses({.joints = {12}}, "there is no joint 12"));
-  EXPECT_TRUE(refuses({.schedule = {.duration = -1}}, "schedule.duration"));
-  EXPECT_TRUE(refuses({.stiffness = 0}, "stiffness = 0"));
-  EXPECT_TRUE(refuses({.damping = -1}, "damping = -1"));
+  EXPECT_TRUE(Refuses<JointLock>({.joints = {12}}, "joint 12"));
+  EXPECT_TRUE(Refuses<JointLock>({.schedule = {.duration = -1}}, "schedule.duration"));
+  EXPECT_TRUE(Refuses<JointLock>({.stiffness = 0}, "stiffness"));
+  EXPECT_TRUE(Refuses<JointLock>({.damping = -1}, "damping"));
 }
 
 }  // namespace

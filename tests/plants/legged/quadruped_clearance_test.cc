@@ -1,13 +1,9 @@
 #include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
-#include <tenon/plants/robots/load_robot.h>
-#include <tenon/systems/yaml/resources.h>
-#include <tenon/tests/testing/allocation_guard.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
-#include <cmath>
 #include <random>
 
 namespace tenon::quadruped_clearance_test {
@@ -17,12 +13,7 @@ using Eigen::Vector3d;
 
 class QuadrupedClearanceTest : public ::testing::Test {
  protected:
-  LeggedState Standing() const {
-    LeggedState x;
-    x.p_WB[2] = robot.StanceHeight();
-    x.q = robot.stance;
-    return x;
-  }
+  LeggedState Standing() const { return test::Standing(robot); }
   /// The least distance between points on the axes of two links' capsules, as the replay draws them, less
   /// their radii.
   double DrawnDistance(const LeggedState& x, int joint, int other) const {
@@ -44,7 +35,7 @@ class QuadrupedClearanceTest : public ::testing::Test {
     return least - a->size[0] - b->size[0];
   }
 
-  /// The same of any two legs.
+  /// The least distance of any two legs.
   double LeastDrawn(const LeggedState& x) const {
     double least = 1e9;
     for (int i = 0; i < kNumJoints; ++i)
@@ -53,25 +44,21 @@ class QuadrupedClearanceTest : public ::testing::Test {
     return least;
   }
 
-  const QuadrupedDescription robot = LoadQuadruped(FindResource("robots", "dogbot"));
+  const QuadrupedDescription robot = test::DogBot();
   const QuadrupedClearance clearance{robot, {}};
 };
 
 TEST_F(QuadrupedClearanceTest, AStandingRobotIsClear) {
-  for (const char* name : {"dogbot", "a1"}) {
-    const QuadrupedDescription other = LoadQuadruped(FindResource("robots", name));
-    LeggedState x;
-    x.p_WB[2] = other.StanceHeight();
-    x.q = other.stance;
-    const QuadrupedClearances clear = QuadrupedClearance(other, {}).At(x);
-    EXPECT_GT(clear.legs.distance, 0.02) << name;
-    EXPECT_GT(clear.trunk.distance, 0.005) << name;
-    EXPECT_GT(clear.ground.distance, 0.05) << name;
+  for (const QuadrupedDescription& other : {test::DogBot(), test::A1()}) {
+    const QuadrupedClearances clear = QuadrupedClearance(other, {}).At(test::Standing(other));
+    EXPECT_GT(clear.legs.distance, 0.02) << other.name;
+    EXPECT_GT(clear.trunk.distance, 0.005) << other.name;
+    EXPECT_GT(clear.ground.distance, 0.05) << other.name;
   }
 }
 
-// The front left shank swings backwards, and meets the rear leg; the distance is that of what is drawn.
-TEST_F(QuadrupedClearanceTest, LegsThatMeetAreTold) {
+// The front left shank swings backwards and meets the rear leg; the distance is that of the drawn capsules.
+TEST_F(QuadrupedClearanceTest, FindsLegsThatMeet) {
   LeggedState x = Standing();
   x.q.segment<3>(0) << 0, 1.5, 0;               // front left: straight, backwards
   x.q.segment<3>(3 * kRearLeft) << 0, -1.2, 0;  // rear left: straight, forwards
@@ -88,7 +75,7 @@ TEST_F(QuadrupedClearanceTest, LegsThatMeetAreTold) {
   EXPECT_NEAR(apart.legs.distance, LeastDrawn(x), 0.002);
 }
 
-// Whatever the pose, no pair that is nearer has been left out.
+// At random poses no pair of links is nearer than the one that is found.
 TEST_F(QuadrupedClearanceTest, TheNearestLegsAreThoseThatAreDrawnNearest) {
   std::mt19937 random(61);
   std::uniform_real_distribution<double> angle(-1, 1);
@@ -100,7 +87,7 @@ TEST_F(QuadrupedClearanceTest, TheNearestLegsAreThoseThatAreDrawnNearest) {
 }
 
 // An upper leg turned inwards under the trunk, and up into it.
-TEST_F(QuadrupedClearanceTest, ALegInTheTrunkIsTold) {
+TEST_F(QuadrupedClearanceTest, FindsALegInTheTrunk) {
   LeggedState x = Standing();
   x.q.segment<3>(3 * kRearRight) << 1.3, 0, 0;  // abduction of a right leg, inwards
   EXPECT_GT(clearance.At(x).trunk.distance, -0.03);
@@ -111,8 +98,8 @@ TEST_F(QuadrupedClearanceTest, ALegInTheTrunkIsTold) {
   EXPECT_GT(clearance.At(Standing()).trunk.distance, 0.005);
 }
 
-// Knees of a robot that is let down, on the level, on a box, and on a slope.
-TEST_F(QuadrupedClearanceTest, KneesInTheGroundAreTold) {
+// A robot that is lowered, on level ground, on a box and on a slope.
+TEST_F(QuadrupedClearanceTest, FindsKneesInTheGround) {
   LeggedState x = Standing();
   const double standing = clearance.At(x).ground.distance;
   x.p_WB[2] -= 0.1;
@@ -135,11 +122,8 @@ TEST_F(QuadrupedClearanceTest, KneesInTheGroundAreTold) {
 }
 
 TEST_F(QuadrupedClearanceTest, AllocatesNothing) {
-  if (!AllocationGuard::Available()) GTEST_SKIP();
   const LeggedState x = Standing();
-  const AllocationGuard guard;
-  clearance.At(x);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(AllocationsOf([&] { clearance.At(x); }), 0);
 }
 
 }  // namespace

@@ -8,23 +8,24 @@
 namespace tenon::test {
 
 /// Four cables from the corners of a ceiling of 7 x 9 m to the top of a box of 15 kg, each on its anchor's
-/// side.
-inline CdprDescription FourCableRobot() {
+/// side; without arguments they are massless [kg/m] and end in points instead of pulleys [m].
+inline CdprDescription FourCableRobot(double mass_per_length = 0, double pulley_radius = 0) {
   CdprDescription robot;
   robot.name = "four";
   robot.mass = 15;
   robot.inertia_B = Eigen::Vector3d(0.213, 0.133, 0.215).asDiagonal();
   for (const double x : {1, -1}) {
-    for (const double y : {1, -1}) {
+    for (const double y : {1, -1})
       robot.cables.push_back({{3.5 * x, 4.5 * y, 4}, {0.075 * x, 0.075 * y, 0.093}});
-    }
   }
   robot.cable = {.axial_stiffness = 27e3, .axial_damping = 135, .tension_min = 0, .tension_max = 800};
+  robot.cable.mass_per_length = mass_per_length;
   robot.winch = {.mode = WinchMode::kTension, .time_constant = 0.02, .reel_damping = 90, .effective_mass = 8};
+  robot.winch.pulley_radius = pulley_radius;
   return robot;
 }
 
-/// The same with a fifth cable, from the middle of the front wall.
+/// FourCableRobot with a fifth cable, from the middle of the front wall.
 inline CdprDescription FiveCableRobot() {
   CdprDescription robot = FourCableRobot();
   robot.name = "five";
@@ -54,16 +55,15 @@ inline CdprDescription EightCableRobot() {
   robot.cables.clear();
   for (const double z : {1, -1}) {
     for (const double x : {1, -1}) {
-      for (const double y : {1, -1}) {
+      for (const double y : {1, -1})
         robot.cables.push_back({{3.5 * x, 4.5 * y, 2 + 2 * z}, {0.3 * x, 0.2 * y, -0.15 * z}});
-      }
     }
   }
   return robot;
 }
 
-/// Hung from two rings of anchors, 4 m and 3.5 m high, by turns, an even number of cables in all. Those of
-/// one ring are led to attachments to the left of them, those of the other to the right.
+/// Hung from two rings of anchors, 4 m and 3.5 m high, by turns, an even number of cables in all. Cables of
+/// one ring are led to attachments to the left of them, cables of the other ring to the right.
 inline CdprDescription TwoRingRobot(int cables) {
   CdprDescription robot = FourCableRobot();
   robot.name = "rings";
@@ -78,8 +78,8 @@ inline CdprDescription TwoRingRobot(int cables) {
   return robot;
 }
 
-/// Of any number of cables, even from nine on: the robot of that number, or the first cables of the next
-/// larger one.
+/// A robot with any number of cables, even from nine on: the first cables of the smallest robot that has
+/// them.
 inline CdprDescription RobotWithCables(int cables) {
   CdprDescription robot = cables <= 4   ? FourCableRobot()
                           : cables == 5 ? FiveCableRobot()

@@ -5,8 +5,8 @@
 
 namespace tenon::test {
 
-/// A tetrahedron with corners at the origin, at 1 on x, 2 on y and 3 on z, in three formats. In COLLADA it is
-/// given in millimetres, with y upwards, which is not to be heeded.
+/// A tetrahedron with corners at the origin, at 1 on x, 2 on y and 3 on z, in three formats. COLLADA declares
+/// millimetres and y upwards, which the reader ignores.
 inline void WriteTetrahedron(const std::filesystem::path& file) {
   std::filesystem::create_directories(file.parent_path());
   std::ofstream out(file);

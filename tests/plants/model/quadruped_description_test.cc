@@ -1,28 +1,26 @@
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/robots/load_robot.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <sstream>
 
 namespace tenon::quadruped_description_test {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 const std::string kRobots = TENON_ROBOTS_DIR;
 
 std::string ReadFile(const fs::path& path) {
@@ -58,12 +56,19 @@ class RobotFiles {
   }
   QuadrupedDescription Load() const {
     const Directory directory;
-    std::ofstream(directory.path / (robot_ + ".yaml")) << yaml;
-    std::ofstream(directory.path / (robot_ + ".urdf")) << urdf;
-    return LoadQuadruped(directory.path / (robot_ + ".yaml"));
+    return LoadQuadruped(Write(directory));
+  }
+  std::vector<std::string> Warnings() const {
+    const Directory directory;
+    return QuadrupedWarnings(YamlFile{Write(directory)});
   }
 
  private:
+  std::string Write(const Directory& directory) const {
+    std::ofstream(directory.path / (robot_ + ".yaml")) << yaml;
+    std::ofstream(directory.path / (robot_ + ".urdf")) << urdf;
+    return directory.path / (robot_ + ".yaml");
+  }
   std::string robot_;
 };
 
@@ -142,86 +147,146 @@ TEST(QuadrupedDescriptionTest, ContinuousJointsHaveNoEnd) {
   files.Change(&RobotFiles::urdf, "\"FL_thigh_joint\" type=\"revolute\"",
                "\"FL_thigh_joint\" type=\"continuous\"");
   const QuadrupedDescription robot = files.Load();
-  EXPECT_EQ(robot.joint(1).lower, -std::numeric_limits<double>::infinity());
-  EXPECT_EQ(robot.joint(1).upper, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(robot.joint(1).lower, -INFINITY);
+  EXPECT_EQ(robot.joint(1).upper, INFINITY);
   EXPECT_EQ(robot.joint(4).upper, 4.1888);
 }
 
-TEST(QuadrupedDescriptionTest, RefusesFeetThatTheUrdfLacks) {
+/// A change of a robot's files, and the place and the key that the message then names.
+struct BadFile {
+  const char* robot;
+  std::string from, to;
+  const char *place, *key;
+};
+
+void ExpectRefused(std::string RobotFiles::*file, const std::vector<BadFile>& cases) {
+  for (const auto& [robot, from, to, place, key] : cases) {
+    RobotFiles files(robot);
+    files.Change(file, from, to);
+    EXPECT_TRUE(Refused(files, place, key)) << "'" << to.substr(0, 200) << "' instead of '" << from << "'";
+  }
+}
+
+TEST(QuadrupedDescriptionTest, RefusesBadYaml) {
+  std::vector<BadFile> cases{
+      {"dogbot", "front_left: front_left_foot", "front_left: front_left_fot", "dogbot.urdf",
+       "'front_left_fot'"},
+      {"dogbot", "foot_radius_m: 0.028", "foot_radius_m: 0.028\nfoot_mass_kg: 0.1", "dogbot.yaml:1",
+       "foot_mass_kg"},
+      {"dogbot", "foot_radius_m: 0.028", "", "dogbot.yaml", "foot_radius_m"},
+      {"dogbot", "foot_radius_m: 0.028", "foot_radius_m: 0", "dogbot.yaml", "foot_radius_m"},
+      {"dogbot", "foot_radius_m: 0.028", "foot_radius_m: 1.1", "dogbot.yaml", "foot_radius_m"},
+      {"dogbot", "imu_position_m: [0, 0, 0]", "imu_position_m: [.nan, 0, 0]", "dogbot.yaml",
+       "imu_position_m.0"},
+      {"dogbot", "front_left: front_left_foot, front_right: front_right_foot",
+       "front_left: front_right_foot, front_right: front_left_foot", "dogbot.yaml", "feet.front_left"},
+      {"dogbot", "front_right: front_right_foot", "front_right: front_left_foot", "dogbot.urdf",
+       "front_left and front_right"},
+      {"a1", "rear_left:   [0, 0.8, -1.6]", "rear_left:   [0, 0.8, 0]", "a1.yaml",
+       "nominal_stance.rear_left.2"},
+      {"dogbot", "urdf: dogbot.urdf", "urdf: dogbto.urdf", "dogbot.yaml:", "dogbto.urdf"},
+      {"dogbot", "damping_N_m_s_per_rad: 0", "damping_N_m_s_per_rad: 1e6", "dogbot.yaml",
+       "damping_N_m_s_per_rad"},
+      {"dogbot", "full_torque_speed_ratio: 0.5", "full_torque_speed_ratio: 1", "dogbot.yaml",
+       "full_torque_speed_ratio"}};
+  for (const char* key : {"rotor_inertia_kg_m2", "damping_N_m_s_per_rad", "friction_N_m",
+                          "stop_stiffness_N_m_per_rad", "stop_dissipation_s_per_rad", "stiffness_N_per_m",
+                          "dissipation_s_per_m", "blend_m", "bristle_stiffness_per_m",
+                          "bristle_damping_s_per_m", "bristle_friction", "full_friction_N", "release_time_s"})
+    cases.push_back(
+        {"dogbot", fmt::format("  {}: ", key), fmt::format("  {}: -1  # ", key), "dogbot.yaml", key});
+  ExpectRefused(&RobotFiles::yaml, cases);
+}
+
+TEST(QuadrupedDescriptionTest, RefusesBadBodiesAndJoints) {
+  ExpectRefused(
+      &RobotFiles::urdf,
+      {{"a1", "\"RR_calf_joint\" type=\"revolute\"", "\"RR_calf_joint\" type=\"fixed\"", "a1.urdf",
+        "rear_right"},
+       {"a1", "\"FL_foot_fixed\" type=\"fixed\"", "\"FL_foot_fixed\" type=\"floating\"", "a1.urdf",
+        "'FL_foot_fixed'"},
+       {"a1", "</robot>",
+        "<link name=\"arm\"/><joint name=\"shoulder\" type=\"continuous\"><parent link=\"trunk\"/>"
+        "<child link=\"arm\"/><axis xyz=\"0 0 1\"/></joint></robot>",
+        "a1.urdf", "'shoulder'"},
+       {"a1", "effort=\"33.5\"", "effort=\"0\"", "a1.urdf", "'FL_hip_joint'"},
+       {"a1", "lower=\"-0.8029\"", "lower=\"0.9\"", "a1.urdf", "'FL_hip_joint'"},
+       {"a1", "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"0 0 0\"/>", "a1.urdf", "'FL_hip_joint'"},
+       {"a1", "<origin xyz=\"0.1805 0.047 0\"/>", "<origin xyz=\"0.1805 101 0\"/>", "a1.urdf:", "100"},
+       {"dogbot", "ixx=\"0.00509\" ixy=\"0\" ixz=\"0\" iyy=\"0.00527\" iyz=\"0\" izz=\"0.0008\"",
+        "ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"", "dogbot.urdf",
+        "link 'front_left_lower_leg'"},
+       {"dogbot", "ixx=\"0.091\"", "ixx=\"1.91\"", "dogbot.urdf", "link 'body'"},
+       {"dogbot", "<mass value=\"0.836\"/>", "<mass value=\"0\"/>", "dogbot.urdf", "'front_left_hip'"},
+       {"dogbot", "<mass value=\"9.3\"/>", "<mass value=\"9.3e9\"/>", "dogbot.urdf", "link 'body'"},
+       // A foot above its knee cannot stand.
+       {"dogbot", "<origin xyz=\"0.035 0 -0.3\"/>", "<origin xyz=\"0.035 0 0.1\"/>",
+        "dogbot.yaml:", "nominal_stance"},
+       // A loop beside the robot, and one from a foot to the first link of its leg.
+       {"a1", "</robot>",
+        "<link name=\"x\"/><link name=\"y\"/>"
+        "<joint name=\"xy\" type=\"fixed\"><parent link=\"x\"/><child link=\"y\"/></joint>"
+        "<joint name=\"yx\" type=\"fixed\"><parent link=\"y\"/><child link=\"x\"/></joint></robot>",
+        "a1.urdf:", "'xy', 'yx'"},
+       {"a1", "</robot>",
+        "<joint name=\"back\" type=\"fixed\"><parent link=\"FL_foot\"/><child "
+        "link=\"FL_hip\"/></joint></robot>",
+        "a1.urdf:", "'FL_hip_joint' and 'back'"}});
+}
+
+// urdfdom skips what it cannot read, and the robot would lack it.
+TEST(QuadrupedDescriptionTest, RefusesUrdfThatCannotBeRead) {
+  const auto in_a_shape = [](const std::string& shape) {
+    return "<link name=\"q\"><collision><geometry>" + shape + "</geometry></collision></link></robot>";
+  };
+  std::vector<BadFile> cases{
+      {"a1", "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"1 0\"/>", "joint 'FL_hip_joint'", "<axis xyz=\"1 0\">"},
+      {"a1", "<mass value=\"0.151\"/>", "<mass/>", "a1.urdf:", "link 'FL_calf'"},
+      {"a1", "<mass value=\"0.151\"/>", "<mass valu=\"0.151\"/>", "a1.urdf:", "link 'FL_calf'"},
+      {"a1", "<mass value=\"0.151\"/>", "<mas value=\"0.151\"/>", "a1.urdf:", "link 'FL_calf'"},
+      {"a1", "<mass value=\"0.151\"/>", "<mass value=\"0.151\"/></inertial><inertial>",
+       "a1.urdf:", "link 'FL_calf'"},
+      {"a1", " iyz=", " iyx=", "a1.urdf:", "iyz"},
+      {"a1", "</robot>", "\n<link/></robot>", "a1.urdf:", "name"},
+      {"a1", "</robot>", "<link name=\"" + std::string(81, 'x') + "\"/></robot>", "a1.urdf:", "81 bytes"},
+      {"a1", "</robot>", in_a_shape("<sphere radius=\"2cm\"/>"), "a1.urdf:", "link 'q'"},
+      {"a1", "</robot>", in_a_shape("<cylinder radius=\"0,02\" length=\"1\"/>"), "a1.urdf:", "link 'q'"},
+      {"a1", "</robot>", in_a_shape("<box size=\"1 2\"/>"), "a1.urdf:", "link 'q'"},
+      {"a1", "</robot>", in_a_shape("<mesh filename=\"a.stl\" scale=\"1\"/>"), "a1.urdf:", "link 'q'"},
+      {"a1", "type=\"revolute\"", "type=\"screw\"", "a1.urdf:", "[screw]"}};
+  for (const std::string bad : {"9.3kg", "9,3", "", "nan", "9.3 1", "1e999"})
+    cases.push_back(
+        {"dogbot", "<mass value=\"9.3\"/>", "<mass value=\"" + bad + "\"/>", "dogbot.urdf:", "link 'body'"});
+  ExpectRefused(&RobotFiles::urdf, cases);
+  for (const char* text : {"<robot name=\"dogbot\"><link", "<mass value=\"x\"/>"}) {
+    RobotFiles files("dogbot");
+    files.urdf = text;
+    EXPECT_TRUE(Refused(files, "dogbot.urdf:1")) << text;
+  }
+}
+
+TEST(QuadrupedDescriptionTest, RefusesHugeUrdf) {
+  std::string nest, links, attributes;
+  for (int i = 0; i < 100000; ++i) nest += "<a>";
+  for (int i = 0; i < 1000; ++i) links += fmt::format("<link name=\"link_{}\"/>", i);
+  for (int i = 0; i < 40; ++i) attributes += fmt::format(" a{}=\"1\"", i);
+  ExpectRefused(&RobotFiles::urdf,
+                {{"a1", "</robot>", nest, "a1.urdf:", "32"},
+                 {"a1", "</robot>", links + "</robot>", "a1.urdf:", "1000 links"},
+                 {"a1", "</robot>", "<link" + attributes + "/></robot>", "a1.urdf:", "40 attributes"},
+                 {"a1", "</robot>", "</robot>" + std::string(17 << 20, ' '), "a1.urdf", "bytes"}});
+}
+
+TEST(QuadrupedDescriptionTest, ErrorsNameTheLine) {
   RobotFiles files("dogbot");
-  files.Change(&RobotFiles::yaml, "front_left: front_left_foot", "front_left: front_left_fot");
-  EXPECT_TRUE(
-      Refused(files, "dogbot.urdf", "no link 'front_left_fot'", "did you mean 'front_left_foot'", "'feet'"));
+  const auto at = files.urdf.begin() + static_cast<std::ptrdiff_t>(files.urdf.find("<link name=\"body\">"));
+  const auto line = 1 + std::count(files.urdf.begin(), at, '\n');
+  files.Change(&RobotFiles::urdf, "<mass value=\"9.3\"/>", "<mass value=\"-9.3\"/>");
+  EXPECT_TRUE(Refused(files, "dogbot.urdf:" + std::to_string(line) + ": link 'body'"));
 }
 
-TEST(QuadrupedDescriptionTest, RefusesAMissingJoint) {
-  RobotFiles files("a1");
-  files.Change(&RobotFiles::urdf, "\"RR_calf_joint\" type=\"revolute\"", "\"RR_calf_joint\" type=\"fixed\"");
-  EXPECT_TRUE(Refused(files, "a1.urdf", "leg rear_right has 2 revolute joints",
-                      "'RR_hip_joint', 'RR_thigh_joint'", "must have 3", "add what is missing"));
-}
-
-TEST(QuadrupedDescriptionTest, RefusesJointsThatItCannotUse) {
-  RobotFiles slider("a1");
-  slider.Change(&RobotFiles::urdf, "\"FL_foot_fixed\" type=\"fixed\"", "\"FL_foot_fixed\" type=\"floating\"");
-  EXPECT_TRUE(Refused(slider, "a1.urdf", "'FL_foot_fixed' is neither revolute nor fixed", "make it fixed"));
-
-  RobotFiles arm("a1");
-  arm.Change(&RobotFiles::urdf, "</robot>",
-             "<link name=\"arm\"/><joint name=\"shoulder\" type=\"continuous\"><parent link=\"trunk\"/>"
-             "<child link=\"arm\"/><axis xyz=\"0 0 1\"/></joint></robot>");
-  EXPECT_TRUE(Refused(arm, "a1.urdf", "'shoulder' turns but belongs to no leg", "make it fixed"));
-
-  RobotFiles weak("a1");
-  weak.Change(&RobotFiles::urdf, "effort=\"33.5\"", "effort=\"0\"");
-  EXPECT_TRUE(Refused(weak, "a1.urdf", "'FL_hip_joint' has no limits of torque and speed", "<limit effort"));
-
-  RobotFiles range("a1");
-  range.Change(&RobotFiles::urdf, "lower=\"-0.8029\"", "lower=\"0.9\"");
-  EXPECT_TRUE(Refused(range, "a1.urdf", "'FL_hip_joint' has the range 0.9 to 0.8029 rad", "below"));
-
-  RobotFiles axis("a1");
-  axis.Change(&RobotFiles::urdf, "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"0 0 0\"/>");
-  EXPECT_TRUE(Throws<ParameterError>([&] { axis.Load(); }, "a1.urdf", "'FL_hip_joint'", "axis"));
-}
-
-TEST(QuadrupedDescriptionTest, RefusesBodiesThatCannotBe) {
-  RobotFiles zero("dogbot");
-  zero.Change(&RobotFiles::urdf,
-              "ixx=\"0.00509\" ixy=\"0\" ixz=\"0\" iyy=\"0.00527\" iyz=\"0\" izz=\"0.0008\"",
-              "ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"");
-  EXPECT_TRUE(
-      Refused(zero, "dogbot.urdf", "link 'front_left_lower_leg'", "not positive definite", "check signs"));
-
-  RobotFiles impossible("dogbot");
-  impossible.Change(&RobotFiles::urdf, "ixx=\"0.091\"", "ixx=\"1.91\"");
-  EXPECT_TRUE(Refused(impossible, "dogbot.urdf", "link 'body'", "above the sum of the other two", "check"));
-
-  RobotFiles massless("dogbot");
-  massless.Change(&RobotFiles::urdf, "<mass value=\"0.836\"/>", "<mass value=\"0\"/>");
-  EXPECT_TRUE(Refused(massless, "dogbot.urdf", "'front_left_hip' has no mass", "<inertial>"));
-
-  RobotFiles negative("dogbot");
-  negative.Change(&RobotFiles::urdf, "<mass value=\"9.3\"/>", "<mass value=\"-9.3\"/>");
-  EXPECT_TRUE(Refused(negative, "dogbot.urdf", "link 'body' has the mass -9.3 kg", "positive"));
-}
-
-TEST(QuadrupedDescriptionTest, RefusesYamlThatItDoesNotKnow) {
-  RobotFiles unknown("dogbot");
-  unknown.Change(&RobotFiles::yaml, "foot_radius_m: 0.028", "foot_radius_m: 0.028\nfoot_mass_kg: 0.1");
-  EXPECT_TRUE(Refused(unknown, "dogbot.yaml:1", "foot_mass_kg"));
-
-  RobotFiles missing("dogbot");
-  missing.Change(&RobotFiles::yaml, "foot_radius_m: 0.028", "");
-  EXPECT_TRUE(Refused(missing, "dogbot.yaml", "foot_radius_m"));
-
-  RobotFiles radius("dogbot");
-  radius.Change(&RobotFiles::yaml, "foot_radius_m: 0.028", "foot_radius_m: 0");
-  EXPECT_TRUE(Refused(radius, "dogbot.yaml", "foot_radius_m is 0 m", "must be positive"));
-}
-
-// As far as the foot gets from the hip over all knee angles.
-TEST(QuadrupedDescriptionTest, LegsAreAsLongAsTheyReach) {
+// The length of a leg is the largest distance of foot and hip over all knee angles.
+TEST(QuadrupedDescriptionTest, LegLengthIsTheLargestReach) {
   const QuadrupedDescription robot = LoadQuadruped(kRobots + "/dogbot.yaml");
   Vec<12> q = robot.stance;
   double most = 0;
@@ -232,16 +297,13 @@ TEST(QuadrupedDescriptionTest, LegsAreAsLongAsTheyReach) {
   EXPECT_NEAR(robot.LegLength(kRearLeft), most, 1e-3 * most);
 }
 
-TEST(QuadrupedDescriptionTest, ReadsWhereTheInertialUnitIs) {
+TEST(QuadrupedDescriptionTest, ReadsThePositionOfTheImu) {
   RobotFiles moved("dogbot");
   moved.Change(&RobotFiles::yaml, "imu_position_m: [0, 0, 0]", "imu_position_m: [0.1, -0.2, 0.3]");
   EXPECT_EQ(moved.Load().imu_B, Eigen::Vector3d(0.1, -0.2, 0.3));
-  RobotFiles nowhere("dogbot");
-  nowhere.Change(&RobotFiles::yaml, "imu_position_m: [0, 0, 0]", "imu_position_m: [.nan, 0, 0]");
-  EXPECT_TRUE(Refused(nowhere, "dogbot.yaml", "imu_position_m.0: expected a finite number"));
 }
 
-TEST(QuadrupedDescriptionTest, SaysOnceWhichMeshesAreMissing) {
+TEST(QuadrupedDescriptionTest, WarnsOnceAboutMissingMeshes) {
   RobotFiles files("a1");
   EXPECT_EQ(files.Load().meshes[0], nullptr);
   for (const char* link : {"trunk", "FL_calf"}) {
@@ -249,22 +311,16 @@ TEST(QuadrupedDescriptionTest, SaysOnceWhichMeshesAreMissing) {
     files.Change(&RobotFiles::urdf, start,
                  start + "<visual><geometry><mesh filename=\"package://a1/no.stl\"/></geometry></visual>");
   }
-  const Directory directory;
-  std::ofstream(directory.path / "a1.yaml") << files.yaml;
-  std::ofstream(directory.path / "a1.urdf") << files.urdf;
-  const std::vector<std::string> warnings =
-      QuadrupedWarnings(YamlFile{(directory.path / "a1.yaml").string()});
+  const std::vector<std::string> warnings = files.Warnings();
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_THAT(warnings[0],
-              ::testing::AllOf(::testing::HasSubstr("a1.urdf:"),
-                               ::testing::HasSubstr("link 'trunk': the mesh 'package://a1/no.stl' is not "
-                                                    "found, nor is 1 other; plain shapes are drawn"),
-                               ::testing::HasSubstr("ROS_PACKAGE_PATH")));
+  EXPECT_THAT(warnings[0], AllOf(HasSubstr("a1.urdf:"), HasSubstr("link 'trunk'"),
+                                 HasSubstr("package://a1/no.stl"), HasSubstr("1 other")));
   EXPECT_EQ(files.Load().meshes[0], nullptr);
 }
 
-// Frames that only name a place: an inertia that no body has is mended and told, one without mass left out.
-TEST(QuadrupedDescriptionTest, MendsTheInertiaOfFrames) {
+// Links that only mark a frame: impossible inertias are corrected, inertias without mass ignored, each with a
+// warning.
+TEST(QuadrupedDescriptionTest, CorrectsTheInertiaOfFrames) {
   const auto with_frame = [](const std::string& inertial) {
     RobotFiles files("a1");
     files.Change(&RobotFiles::urdf, "</robot>",
@@ -274,51 +330,43 @@ TEST(QuadrupedDescriptionTest, MendsTheInertiaOfFrames) {
                      "</robot>");
     return files;
   };
-  const auto warnings = [](const RobotFiles& files) {
-    const Directory directory;
-    std::ofstream(directory.path / "a1.yaml") << files.yaml;
-    std::ofstream(directory.path / "a1.urdf") << files.urdf;
-    return QuadrupedWarnings(YamlFile{(directory.path / "a1.yaml").string()});
-  };
-  EXPECT_TRUE(warnings(RobotFiles("a1")).empty());
+  EXPECT_TRUE(RobotFiles("a1").Warnings().empty());
   const double trunk = LoadQuadruped(kRobots + "/a1.yaml").trunk.inertia(0, 0);
 
   const RobotFiles negative = with_frame(
       "<inertial><mass value=\"0.001\"/><inertia ixx=\"-1\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" "
       "izz=\"0\"/></inertial>");
   EXPECT_NEAR(negative.Load().trunk.inertia(0, 0), trunk, 1e-6);
-  ASSERT_EQ(warnings(negative).size(), 1u);
-  EXPECT_THAT(warnings(negative)[0],
-              ::testing::AllOf(::testing::HasSubstr("a1.urdf:"), ::testing::HasSubstr("link 'imu'"),
-                               ::testing::HasSubstr("taken with")));
+  ASSERT_EQ(negative.Warnings().size(), 1u);
+  EXPECT_THAT(negative.Warnings()[0], AllOf(HasSubstr("a1.urdf:"), HasSubstr("link 'imu'")));
   const RobotFiles massless = with_frame(
       "<inertial><mass value=\"0\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
       "izz=\"1\"/></inertial>");
   EXPECT_NEAR(massless.Load().trunk.inertia(0, 0), trunk, 1e-15);
-  EXPECT_THAT(warnings(massless)[0], ::testing::HasSubstr("has an inertia but no mass"));
+  EXPECT_THAT(massless.Warnings()[0], HasSubstr("link 'imu'"));
   // The nearest: 1, 2 and 4 kg m^2 have second moments of 2.5, 1.5 and -0.5, and without the last 1.5, 2.5
   // and 4.
   const RobotFiles flat = with_frame(
       "<inertial><mass value=\"0.001\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"2\" iyz=\"0\" "
       "izz=\"4\"/></inertial>");
-  EXPECT_THAT(warnings(flat)[0], ::testing::HasSubstr("taken with 1.5, 2.5, 4 kg m^2"));
+  EXPECT_THAT(flat.Warnings()[0], HasSubstr("1.5, 2.5, 4 kg m^2"));
 }
 
 TEST(QuadrupedDescriptionTest, TheYamlGivesLimitsThatTheUrdfLacks) {
   RobotFiles files("a1");
   files.Change(&RobotFiles::urdf,
                "<limit lower=\"-0.8029\" upper=\"0.8029\" effort=\"33.5\" velocity=\"21\"/>", "");
-  EXPECT_TRUE(Refused(files, "a1.urdf:", "'FL_hip_joint' has no limits", "joint_limits.abduction"));
+  EXPECT_TRUE(Refused(files, "a1.urdf:", "'FL_hip_joint'", "joint_limits.abduction"));
   files.yaml += "joint_limits:\n  abduction: {torque_N_m: 30, speed_rad_per_s: 20, range_rad: [-1, 1]}\n";
   const QuadrupedDescription robot = files.Load();
   EXPECT_EQ(robot.joint(0).torque_limit, 30);
   EXPECT_EQ(robot.joint(0).lower, -1);
   EXPECT_EQ(robot.joint(1).torque_limit, 33.5);
   files.Change(&RobotFiles::yaml, "[-1, 1]", "[1, -1]");
-  EXPECT_TRUE(Refused(files, "a1.yaml", "range_rad is 1 to -1", "below"));
+  EXPECT_TRUE(Refused(files, "a1.yaml", "range_rad"));
 }
 
-TEST(QuadrupedDescriptionTest, LockedJointsAreNone) {
+TEST(QuadrupedDescriptionTest, LockedJointsAreFixed) {
   RobotFiles files("a1");
   // A wheel below each foot would be a fourth joint.
   files.Change(
@@ -328,183 +376,14 @@ TEST(QuadrupedDescriptionTest, LockedJointsAreNone) {
       "<link name=\"tip\"/><joint name=\"tip_joint\" type=\"fixed\"><parent link=\"wheel\"/>"
       "<child link=\"tip\"/><origin xyz=\"0 0 -0.1\"/></joint></robot>");
   files.Change(&RobotFiles::yaml, "front_left: FL_foot", "front_left: tip");
-  EXPECT_TRUE(Refused(files, "leg front_left has 4 revolute joints", "'wheel_joint'", "'locked_joints'"));
+  EXPECT_TRUE(Refused(files, "front_left", "'wheel_joint'", "'locked_joints'"));
   files.yaml += "locked_joints: [{joint: wheel_joint, angle_rad: 1.5707963267948966}]\n";
   EXPECT_THAT(files.Load().legs[0].foot_J, IsNear(Eigen::Vector3d(0.1 - 0.1, 0, -0.2), 1e-12));
   files.Change(&RobotFiles::yaml, "joint: wheel_joint", "joint: wheel_joitn");
-  EXPECT_TRUE(Refused(files, "no joint 'wheel_joitn'", "did you mean 'wheel_joint'"));
+  EXPECT_TRUE(Refused(files, "'wheel_joitn'", "'wheel_joint'"));
 }
 
-TEST(QuadrupedDescriptionTest, RefusesAStanceThatCannotBe) {
-  RobotFiles order("dogbot");
-  order.Change(&RobotFiles::yaml, "front_left: front_left_foot, front_right: front_right_foot",
-               "front_left: front_right_foot, front_right: front_left_foot");
-  EXPECT_TRUE(Refused(order, "dogbot.yaml", "feet.front_left", "which is front right", "swap"));
-
-  RobotFiles shared("dogbot");
-  shared.Change(&RobotFiles::yaml, "front_right: front_right_foot", "front_right: front_left_foot");
-  EXPECT_TRUE(Refused(shared, "dogbot.urdf", "is in the legs front_left and front_right", "'feet'"));
-
-  RobotFiles range("a1");
-  range.Change(&RobotFiles::yaml, "rear_left:   [0, 0.8, -1.6]", "rear_left:   [0, 0.8, 0]");
-  EXPECT_TRUE(Refused(range, "a1.yaml", "nominal_stance.rear_left.2", "'RL_calf_joint'", "change one"));
-}
-
-TEST(QuadrupedDescriptionTest, RefusesDrivesAndContactsThatCannotBe) {
-  for (const std::string key :
-       {"rotor_inertia_kg_m2", "damping_N_m_s_per_rad", "friction_N_m", "stop_stiffness_N_m_per_rad",
-        "stop_dissipation_s_per_rad", "stiffness_N_per_m", "dissipation_s_per_m", "blend_m",
-        "bristle_stiffness_per_m", "bristle_damping_s_per_m", "bristle_friction", "full_friction_N",
-        "release_time_s"}) {
-    RobotFiles files("dogbot");
-    files.Change(&RobotFiles::yaml, "  " + key + ": ", "  " + key + ": -1  # ");
-    EXPECT_TRUE(Refused(files, "dogbot.yaml", key + " is -", "must"));
-  }
-  RobotFiles damping("dogbot");
-  damping.Change(&RobotFiles::yaml, "damping_N_m_s_per_rad: 0", "damping_N_m_s_per_rad: 1e6");
-  EXPECT_TRUE(Refused(damping, "dogbot.yaml", "damping_N_m_s_per_rad is 1", "must be at most 10000"));
-  RobotFiles ratio("dogbot");
-  ratio.Change(&RobotFiles::yaml, "full_torque_speed_ratio: 0.5", "full_torque_speed_ratio: 1");
-  EXPECT_TRUE(Refused(ratio, "dogbot.yaml", "full_torque_speed_ratio is 1", "below 1"));
-}
-
-TEST(QuadrupedDescriptionTest, RefusesFilesThatAreNoUrdf) {
-  RobotFiles files("dogbot");
-  files.urdf = "<robot name=\"dogbot\"><link";
-  EXPECT_TRUE(Refused(files, "dogbot.urdf:1", "no URDF", "correct the XML"));
-  RobotFiles missing("dogbot");
-  missing.Change(&RobotFiles::yaml, "urdf: dogbot.urdf", "urdf: dogbto.urdf");
-  EXPECT_TRUE(Refused(missing, "dogbot.yaml:", "urdf: ", "dogbto.urdf", "cannot be read"));
-}
-
-// urdfdom would leave out what it cannot read: a lighter robot.
-TEST(QuadrupedDescriptionTest, RefusesNumbersThatAreNone) {
-  for (const char* bad : {"9.3kg", "9,3", "", "nan", "9.3 1", "1e999"}) {
-    RobotFiles files("dogbot");
-    files.Change(&RobotFiles::urdf, "<mass value=\"9.3\"/>", "<mass value=\"" + std::string(bad) + "\"/>");
-    EXPECT_TRUE(
-        Refused(files, "dogbot.urdf:", "link 'body': <mass value=\"" + std::string(bad), "one number"));
-  }
-  RobotFiles root("a1");
-  root.urdf = "<mass value=\"x\"/>";
-  EXPECT_TRUE(Refused(root, "a1.urdf:1", "<mass value=\"x\">", "one number"));
-  RobotFiles axis("a1");
-  axis.Change(&RobotFiles::urdf, "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"1 0\"/>");
-  EXPECT_TRUE(Refused(axis, "joint 'FL_hip_joint': <axis xyz=\"1 0\">", "three numbers"));
-}
-
-TEST(QuadrupedDescriptionTest, RefusesInertiasWithoutAMass) {
-  for (const char* mass : {"<mass/>", "<mass valu=\"0.151\"/>", "<mas value=\"0.151\"/>"}) {
-    RobotFiles files("a1");
-    files.Change(&RobotFiles::urdf, "<mass value=\"0.151\"/>", mass);
-    EXPECT_TRUE(Refused(files, "a1.urdf:", "link 'FL_calf'", "<inertial> has no mass")) << mass;
-  }
-}
-
-TEST(QuadrupedDescriptionTest, RefusesInertiasThatAreNotWhole) {
-  RobotFiles without("a1");
-  without.Change(&RobotFiles::urdf, "<mass value=\"0.151\"/>",
-                 "<mass value=\"0.151\"/></inertial><inertial>");
-  EXPECT_TRUE(
-      Refused(without, "a1.yaml:", "urdf: ", "a1.urdf:", "link 'FL_calf'", "<inertial> has no inertia"));
-  RobotFiles part("a1");
-  part.Change(&RobotFiles::urdf, " iyz=", " iyx=");
-  EXPECT_TRUE(Refused(part, "a1.urdf:", "its <inertia> has no iyz"));
-}
-
-TEST(QuadrupedDescriptionTest, RefusesLinksWithoutOrWithHugeNames) {
-  RobotFiles nameless("a1");
-  nameless.Change(&RobotFiles::urdf, "</robot>", "\n<link/></robot>");
-  EXPECT_TRUE(Refused(nameless, "a1.urdf:", "a link has no name"));
-  RobotFiles huge("a1");
-  huge.Change(&RobotFiles::urdf, "</robot>", "<link name=\"" + std::string(81, 'x') + "\"/></robot>");
-  EXPECT_TRUE(Refused(huge, "a1.urdf:", "the name of an element has 81 bytes; 80 are the most"));
-}
-
-TEST(QuadrupedDescriptionTest, RefusesAStanceInWhichItCannotStand) {
-  RobotFiles files("dogbot");  // a foot above its knee
-  files.Change(&RobotFiles::urdf, "<origin xyz=\"0.035 0 -0.3\"/>", "<origin xyz=\"0.035 0 0.1\"/>");
-  EXPECT_TRUE(Refused(files, "dogbot.yaml:", "nominal_stance: ", "does not reach ground of slope (0, 0)"));
-}
-
-TEST(QuadrupedDescriptionTest, RefusesFeetThatAreNone) {
-  RobotFiles files("dogbot");
-  files.Change(&RobotFiles::yaml, "foot_radius_m: ", "foot_radius_m: 1.1 #");
-  EXPECT_TRUE(Refused(files, "foot_radius_m: foot_radius_m is 1.1 m but must be at most 0.1"));
-}
-
-TEST(QuadrupedDescriptionTest, RefusesShapesThatAreNoNumbers) {
-  for (const char* shape : {"<sphere radius=\"2cm\"/>", "<cylinder radius=\"0,02\" length=\"1\"/>",
-                            "<box size=\"1 2\"/>", "<mesh filename=\"a.stl\" scale=\"1\"/>"}) {
-    RobotFiles files("a1");
-    files.Change(
-        &RobotFiles::urdf, "</robot>",
-        fmt::format("<link name=\"q\"><collision><geometry>{}</geometry></collision></link></robot>", shape));
-    EXPECT_TRUE(Refused(files, "a1.urdf:", "link 'q'", "numbers with blanks") ||
-                Refused(files, "a1.urdf:", "link 'q'", "write one number"))
-        << shape;
-  }
-}
-
-TEST(QuadrupedDescriptionTest, RefusesLinksThatFormNoTree) {
-  RobotFiles ring("a1");  // beside the robot
-  ring.Change(&RobotFiles::urdf, "</robot>",
-              "<link name=\"x\"/><link name=\"y\"/>"
-              "<joint name=\"xy\" type=\"fixed\"><parent link=\"x\"/><child link=\"y\"/></joint>"
-              "<joint name=\"yx\" type=\"fixed\"><parent link=\"y\"/><child link=\"x\"/></joint></robot>");
-  EXPECT_TRUE(Refused(ring, "a1.urdf:", "the joints 'xy', 'yx' form a loop", "take one out"));
-  RobotFiles back("a1");  // from a foot to the leg's first link
-  back.Change(&RobotFiles::urdf, "</robot>",
-              "<joint name=\"back\" type=\"fixed\"><parent link=\"FL_foot\"/><child link=\"FL_hip\"/>"
-              "</joint></robot>");
-  EXPECT_TRUE(Refused(back, "'FL_hip' hangs on two joints, 'FL_hip_joint' and 'back'"));
-}
-
-TEST(QuadrupedDescriptionTest, RefusesWhatIsTooDeepOrTooLarge) {
-  RobotFiles deep("a1");
-  std::string nest;
-  for (int i = 0; i < 100000; ++i) nest += "<a>";
-  deep.Change(&RobotFiles::urdf, "</robot>", nest);
-  EXPECT_TRUE(Refused(deep, "a1.urdf:", "nested deeper than 32"));
-  RobotFiles large("a1");
-  large.urdf.append(17 << 20, ' ');
-  EXPECT_TRUE(Refused(large, "a1.urdf", "bytes", "no more than"));
-  RobotFiles many("a1");
-  std::string links;
-  for (int i = 0; i < 1000; ++i) links += fmt::format("<link name=\"link_{}\"/>", i);
-  many.Change(&RobotFiles::urdf, "</robot>", links + "</robot>");
-  EXPECT_TRUE(Refused(many, "a1.urdf:", "more than 1000 links"));
-  RobotFiles wide("a1");
-  std::string attributes;
-  for (int i = 0; i < 40; ++i) attributes += fmt::format(" a{}=\"1\"", i);
-  wide.Change(&RobotFiles::urdf, "</robot>", "<link" + attributes + "/></robot>");
-  EXPECT_TRUE(Refused(wide, "a1.urdf:", "40 attributes", "no more than 32"));
-}
-
-TEST(QuadrupedDescriptionTest, RefusesWhatIsNoRobotsSize) {
-  RobotFiles files("dogbot");
-  files.Change(&RobotFiles::urdf, "<mass value=\"9.3\"/>", "<mass value=\"9.3e9\"/>");
-  EXPECT_TRUE(Refused(files, "link 'body': <mass value=\"9.3e9\">", "no robot is so large"));
-  RobotFiles far("a1");
-  far.Change(&RobotFiles::urdf, "<origin xyz=\"0.1805 0.047 0\"/>", "<origin xyz=\"0.1805 101 0\"/>");
-  EXPECT_TRUE(Refused(far, "a1.urdf:", "no robot is so large, 100 is the most", "SI unit"));
-}
-
-TEST(QuadrupedDescriptionTest, ErrorsGiveTheLine) {
-  RobotFiles files("dogbot");
-  const std::string link = "<link name=\"body\">";
-  const auto at = files.urdf.find(link);
-  ASSERT_NE(at, std::string::npos);
-  const auto line =
-      1 + std::count(files.urdf.begin(), files.urdf.begin() + static_cast<std::ptrdiff_t>(at), '\n');
-  files.Change(&RobotFiles::urdf, "<mass value=\"9.3\"/>", "<mass value=\"-9.3\"/>");
-  EXPECT_TRUE(Refused(files, "dogbot.urdf:" + std::to_string(line) + ": link 'body' has the mass -9.3 kg"));
-  RobotFiles untyped("a1");  // what the parser says has the line, too
-  untyped.Change(&RobotFiles::urdf, "type=\"revolute\"", "type=\"screw\"");
-  EXPECT_TRUE(Refused(untyped, "a1.urdf:", ": this is no URDF: Joint [", "has no known type [screw]"));
-}
-
-// Momentum and inertia about B's origin add up.
+// First moment and inertia about B's origin are additive.
 TEST(WithPayloadTest, AddsMassAndInertiaAboutTheTrunksOrigin) {
   const QuadrupedDescription robot = test::DogBot();
   RigidInertia payload;
@@ -538,16 +417,11 @@ TEST(WithMassFactorTest, ScalesMassesAndInertias) {
   EXPECT_TRUE(b.com_W.isApprox(a.com_W, 1e-12));
 }
 
-TEST(WithMassFactorTest, RefusesWhatIsNoFactor) {
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { WithMassFactor(test::DogBot(), 0); }, "a mass factor of 0", "positive"));
-}
-
-TEST(WithPayloadTest, RefusesNegativeMass) {
+TEST(QuadrupedDescriptionTest, RefusesImpossiblePayloadsAndMassFactors) {
   RigidInertia payload;
   payload.mass = -1;
-  EXPECT_TRUE(Throws<ParameterError>([&] { WithPayload(test::DogBot(), payload); }, "a payload of -1 kg",
-                                     "give 0 for none"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { WithPayload(test::DogBot(), payload); }, "payload"));
+  EXPECT_TRUE(Throws<ParameterError>([] { WithMassFactor(test::DogBot(), 0); }, "factor"));
 }
 
 }  // namespace

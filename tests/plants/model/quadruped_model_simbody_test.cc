@@ -20,7 +20,7 @@ TEST(QuadrupedModelSimbodyTest, SameInEveryQuantity) {
     const QuadrupedModel model(robot);
     RandomStream random(22);
     QuadrupedDynamics dynamics;
-    for (int i = 0; i < 100; ++i) {
+    for (int i = 0; i < 20; ++i) {
       const LeggedState x = test::RandomState(random);
       model.Calc(x, &dynamics);
       simbody.Calc(x, model.gravity());

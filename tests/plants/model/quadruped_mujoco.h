@@ -19,7 +19,7 @@ inline std::string Numbers(const Eigen::Vector3d& v) {
   return fmt::format("{} {} {}", v[0], v[1], v[2]);
 }
 
-/// By principal axes, since MuJoCo's own way to them from a full inertia is good to 1e-8 only.
+/// Given by principal axes, because MuJoCo computes them from a full inertia to 1e-8 only.
 inline std::string Inertial(const RigidInertia& body) {
   const SymmetricModes principal(body.inertia);
   Eigen::Matrix3d axes = principal.eigenvectors;
@@ -29,8 +29,8 @@ inline std::string Inertial(const RigidInertia& body) {
                      Numbers(body.com), q[0], q[1], q[2], q[3], body.mass, Numbers(principal.eigenvalues));
 }
 
-/// The robot in MuJoCo's language, with its settings for contact; its joints are in our order. With `ground`
-/// the feet touch the plane z = 0, with friction 1, and nothing else touches anything.
+/// The robot in MJCF with MuJoCo's default contact parameters and joints in Tenon's order. With `ground` the
+/// feet, and only they, touch the plane z = 0 with friction 1.
 inline std::string Mjcf(const QuadrupedDescription& robot, bool ground = false) {
   std::string text =
       "<mujoco><compiler angle=\"radian\"/><option gravity=\"0 0 -9.81\"/><worldbody>" +

@@ -9,8 +9,8 @@
 
 namespace tenon::test {
 
-/// The quantities of QuadrupedDynamics from Simbody's operators, in our order of velocities. Rotors are not
-/// in it. For files that are compiled with -UNDEBUG, see plants/simbody.h.
+/// The quantities of QuadrupedDynamics from Simbody's operators, in Tenon's order of velocities, without
+/// rotors. For files that are compiled with -UNDEBUG, see plants/simbody.h.
 class QuadrupedSimbody {
  public:
   explicit QuadrupedSimbody(const QuadrupedDescription& robot)
@@ -31,10 +31,9 @@ class QuadrupedSimbody {
     system_.realizeTopology();
     state_ = system_.getDefaultState();
     system_.realizeModel(state_);
-    // Row i of ours is row order_[i] of Simbody's.
+    // Row i of Tenon is row order_[i] of Simbody.
     for (int i = 0; i < 3; ++i) order_[i] = 3 + i, order_[3 + i] = i;
-    for (int j = 0; j < kNumJoints; ++j)
-      order_[6 + j] = bodies_[static_cast<std::size_t>(1 + j)].getFirstUIndex(state_);
+    for (int j = 0; j < kNumJoints; ++j) order_[6 + j] = bodies_[1 + j].getFirstUIndex(state_);
   }
 
   void Calc(const LeggedState& x, double gravity) {
@@ -84,7 +83,7 @@ class QuadrupedSimbody {
       for (int c = 0; c < 3; ++c) out.centroidal_inertia_W(r, c) = r >= c ? I(r, c) : I(c, r);
   }
 
-  /// The bare call that Simbody offers: articulated bodies, without contact and gravity.
+  /// Accelerations by articulated bodies, without contact and gravity.
   const LeggedAcceleration& CalcAcceleration(const LeggedState& x, const Vec<12>& torque) {
     SetState(x);
     for (int j = 0; j < kNumJoints; ++j) mobility_forces_[order_[6 + j]] = torque[j];
@@ -95,7 +94,7 @@ class QuadrupedSimbody {
     return acceleration_;
   }
 
-  QuadrupedDynamics out;  ///< without what Simbody has no operator for: the momenta's maps and rates
+  QuadrupedDynamics out;  ///< without the maps and rates of the momenta
   std::array<DynamicsMatrix<3, 18>, kNumLegs> foot_jacobian;
 
  private:
@@ -107,7 +106,7 @@ class QuadrupedSimbody {
     for (int i = 0; i < 4; ++i) q[i] = x.q_WB[i];
     for (int i = 0; i < 3; ++i) q[4 + i] = x.p_WB[i], u[i] = x.w_W[i], u[3 + i] = x.v_W[i];
     for (int j = 0; j < kNumJoints; ++j) {
-      q[bodies_[static_cast<std::size_t>(1 + j)].getFirstQIndex(state_)] = x.q[j];
+      q[bodies_[1 + j].getFirstQIndex(state_)] = x.q[j];
       u[order_[6 + j]] = x.qd[j];
     }
   }

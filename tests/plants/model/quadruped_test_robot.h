@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/framework/block/random_stream.h>
@@ -23,7 +23,7 @@ Vec<N> RandomVector(RandomStream& random, double size) {
   return v;
 }
 
-/// DogBot with joints' axes in any direction: nothing may rest on robots that have theirs along x and y.
+/// DogBot with random axes of its joints, where those of the shipped robots are along x and y.
 inline QuadrupedDescription SkewDogBot() {
   RandomStream random(52);
   QuadrupedDescription robot = DogBot();
@@ -32,7 +32,7 @@ inline QuadrupedDescription SkewDogBot() {
   return robot;
 }
 
-/// Anywhere, in any attitude, with joint angles up to 1 rad and quick in everything.
+/// A random state, with joint angles up to 1 rad.
 inline LeggedState RandomState(RandomStream& random) {
   LeggedState x;
   x.p_WB = RandomVector<3>(random, 2);
@@ -42,6 +42,24 @@ inline LeggedState RandomState(RandomStream& random) {
   x.w_W = RandomVector<3>(random, 3);
   x.qd = RandomVector<12>(random, 6);
   return x;
+}
+
+/// Velocities and accelerations in the order of QuadrupedDynamics::M.
+inline Vec<18> Velocities(const LeggedState& x) {
+  Vec<18> nu;
+  nu << x.v_W, x.w_W, x.qd;
+  return nu;
+}
+inline Vec<18> Stacked(const LeggedAcceleration& a) {
+  Vec<18> rates;
+  rates << a.a_W, a.alpha_W, a.qdd;
+  return rates;
+}
+
+inline QuadrupedDynamics DynamicsOf(const QuadrupedModel& model, const LeggedState& x) {
+  QuadrupedDynamics dynamics;
+  model.Calc(x, &dynamics);
+  return dynamics;
 }
 
 /// At rest in the nominal stance, with the feet just touching the plane z = 0.

@@ -23,7 +23,7 @@ class SegmentDistanceTest : public ::testing::Test {
   std::uniform_real_distribution<double> uniform_{-1, 1};
 };
 
-// Against all pairs of points of both.
+// Against the distances of sampled points of both segments.
 TEST_F(SegmentDistanceTest, IsTheLeastOfAllPoints) {
   for (int k = 0; k < 100; ++k) {
     const Vector3d p = Draw(), u = Draw(), q = Draw(), v = k % 10 == 0 ? Vector3d(-1.5 * u) : Draw();

@@ -35,7 +35,7 @@ TEST(SwivelPulleyTest, LeavesItUpLevelAndDown) {
 
 TEST(SwivelPulleyTest, TheTangentAtTheExitEndsAtTheAttachment) {
   RandomStream random(1);
-  for (int i = 0; i < 1000; ++i) {
+  for (int i = 0; i < 100; ++i) {
     const double x = random.Uniform(0.001, 6), z = random.Uniform(-4, 4);
     if (std::hypot(x - kRadius, z) <= kRadius) continue;
     const PulleyContact contact = LeaveStraight(kRadius, x, z);
@@ -52,7 +52,7 @@ TEST(SwivelPulleyTest, TheTangentAtTheExitEndsAtTheAttachment) {
 TEST(SwivelPulleyTest, TheDirectionIsTheGradientOfTheLength) {
   RandomStream random(2);
   const double h = 1e-6;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 50; ++i) {
     const double x = random.Uniform(0.2, 6), z = random.Uniform(-4, 4);
     const double wrap = LeaveStraight(kRadius, x, z).wrap;
     const Vec<2> gradient((Length(x + h, z) - Length(x - h, z)) / (2 * h),

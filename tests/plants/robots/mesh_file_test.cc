@@ -1,16 +1,11 @@
 #include <tenon/plants/robots/mesh_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 #include <tenon/tests/plants/model/mesh_test_files.h>
-#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <numbers>
@@ -137,7 +132,7 @@ TEST_F(MeshFileTest, ACopyOfAUrdfFindsThemFromAnywhere) {
   EXPECT_EQ(WithMeshesFound(copy, "/elsewhere/my.urdf"), copy);
 }
 
-// Of folders that have in their names what means something in XML.
+// Folders and files whose names contain special characters of XML.
 TEST_F(MeshFileTest, ACopyOfAUrdfIsXmlWhereverTheyStand) {
   const fs::path folder = home / "R&D's <dogs>";
   fs::create_directories(folder);
@@ -148,19 +143,18 @@ TEST_F(MeshFileTest, ACopyOfAUrdfIsXmlWhereverTheyStand) {
   EXPECT_EQ(WithMeshesFound(copy, "/elsewhere/my.urdf"), copy);
 }
 
-TEST_F(MeshFileTest, SaysWhatIsWrong) {
-  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "no.stl"); }, "no.stl", "there is no such file",
-                                     "export it as STL, OBJ or COLLADA"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home); }, "there is no such file"));
+TEST_F(MeshFileTest, RefusesBadFiles) {
+  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "no.stl"); }, "no.stl"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home); }, home.string()));
   std::ofstream(home / "text.stl") << "this is no mesh";
-  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "text.stl"); }, "text.stl", "cannot be read"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "text.stl"); }, "text.stl"));
   std::ofstream(home / "points.obj") << "v 0 0 0\nv 1 0 0\n";
   EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "points.obj"); }, "points.obj"));
   std::ofstream(home / "far.obj") << "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n";
   EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "far.obj"); }, "far.obj"));
   test::WriteTetrahedron(home / "large.stl");
   fs::resize_file(home / "large.stl", 200'000'001);
-  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "large.stl"); }, "more than 200 MB"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "large.stl"); }, "200 MB"));
 }
 
 }  // namespace

@@ -1,12 +1,6 @@
 #include <tenon/plants/sensors/cable_sensors.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
-#include <gmock/gmock.h>
-
-#include <cmath>
 #include <numbers>
 
 namespace tenon::cable_sensors_test {
@@ -17,7 +11,7 @@ CableSignals Cables() {
           Eigen::Vector4d(100, 50, 0, 700), Eigen::Vector4d(5, 5.9, 7.1, 7.8)};
 }
 
-TEST(CableSensorsTest, WithoutErrorsTellTheTruth) {
+TEST(CableSensorsTest, WithoutErrorsPassTheTruth) {
   TestRig<CableSensors> rig;
   rig.Fix(rig->cables, Cables()).Tick();
   const CableSignals& measured = rig[rig->measured];
@@ -40,7 +34,7 @@ TEST(CableSensorsTest, LengthsHaveStepsAndOffsetsThatStay) {
               IsNear(Eigen::Vector4d(Eigen::Vector4d::Constant(0.25)), 1e-9));
 }
 
-// A length that grows at 0.2 m/s: its rate comes as a lag of first order does.
+// The rate of a length that grows at 0.2 m/s follows the step response of a first-order lag.
 TEST(CableSensorsTest, RatesAreFilteredDifferences) {
   TestRig<CableSensors> rig(CableSensorsParams{.rate_bandwidth = 10});
   CableSignals cables = Cables();
@@ -69,17 +63,16 @@ TEST(CableSensorsTest, TensionsHaveNoiseThatGrowsWithThemAndAreNotNegative) {
 
 TEST(CableSensorsTest, RefuseSignalsOfAnotherRobot) {
   TestRig<CableSensors> rig(CableSensorsParams{.num_cables = 8});
-  EXPECT_TRUE(
-      Throws<RunError>([&] { rig.Fix(rig->cables, Cables()).Tick(); }, "CableSensors", "4 cables", "has 8"));
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Fix(rig->cables, Cables()).Tick(); }, "CableSensors", "4", "8"));
 }
 
 TEST(CableSensorsTest, RefuseNonsense) {
-  EXPECT_TRUE(Throws<ParameterError>([] { CableSensors({.num_cables = 0}); }, "num_cables = 0"));
-  EXPECT_TRUE(Throws<ParameterError>([] { CableSensors({.resolution = -1}); }, "resolution = -1 m"));
-  EXPECT_TRUE(Throws<ParameterError>([] { CableSensors({.length_offset = NAN}); }, "length_offset = nan m"));
-  EXPECT_TRUE(Throws<ParameterError>([] { CableSensors({.rate_bandwidth = -2}); }, "rate_bandwidth = -2 Hz"));
-  EXPECT_TRUE(Throws<ParameterError>([] { CableSensors({.tension_noise = -1}); }, "tension_noise = -1"));
-  EXPECT_TRUE(Throws<ParameterError>([] { CableSensors({.tension_offset = -1}); }, "tension_offset = -1 N"));
+  EXPECT_TRUE(Refuses<CableSensors>({.num_cables = 0}, "num_cables"));
+  EXPECT_TRUE(Refuses<CableSensors>({.resolution = -1}, "resolution"));
+  EXPECT_TRUE(Refuses<CableSensors>({.length_offset = NAN}, "length_offset"));
+  EXPECT_TRUE(Refuses<CableSensors>({.rate_bandwidth = -2}, "rate_bandwidth"));
+  EXPECT_TRUE(Refuses<CableSensors>({.tension_noise = -1}, "tension_noise"));
+  EXPECT_TRUE(Refuses<CableSensors>({.tension_offset = -1}, "tension_offset"));
 }
 
 }  // namespace

@@ -1,10 +1,7 @@
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/sensors/shank_forces.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::shank_forces_test {
 namespace {
@@ -15,16 +12,14 @@ TEST(ShankForcesTest, AForceAlongTheShankIsAlongItInItsAxes) {
   RandomStream random(3);
   const QuadrupedDescription robot = test::DogBot();
   const LeggedState x = test::RandomState(random);
-  QuadrupedDynamics dynamics;
-  QuadrupedModel(robot).Calc(x, &dynamics);
+  const QuadrupedDynamics dynamics = test::DynamicsOf(QuadrupedModel(robot), x);
   FootForces forces;
   for (int leg = 0; leg < kNumLegs; ++leg)
-    forces[leg] = dynamics.feet[static_cast<std::size_t>(leg)].p_W -
-                  dynamics.origin_W[static_cast<std::size_t>(kJointsPerLeg * leg + 2)];
+    forces[leg] = dynamics.feet[leg].p_W - dynamics.origin_W[kJointsPerLeg * leg + 2];
   TestRig<ShankForces> rig(ShankForcesParams{robot});
   rig.Fix(rig->state, x).Fix(rig->forces, forces);
   for (int leg = 0; leg < kNumLegs; ++leg)
-    EXPECT_THAT(rig[rig->shank][leg], IsNear(robot.legs[static_cast<std::size_t>(leg)].foot_J, 1e-12)) << leg;
+    EXPECT_THAT(rig[rig->shank][leg], IsNear(robot.legs[leg].foot_J, 1e-12)) << leg;
 }
 
 }  // namespace

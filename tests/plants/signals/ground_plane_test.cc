@@ -1,11 +1,8 @@
 #include <tenon/plants/signals/euler.h>
 #include <tenon/plants/signals/ground_plane.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gmock/gmock.h>
-
-#include <cmath>
 
 namespace tenon::ground_plane_test {
 namespace {

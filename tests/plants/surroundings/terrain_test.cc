@@ -1,47 +1,33 @@
 #include <tenon/plants/surroundings/terrain.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tenon::terrain_test {
 namespace {
 
 constexpr double kRadius = 0.03;
 
-TEST(TerrainTest, FlatGround) {
-  TerrainParams params;
-  params.friction = 0.7;
-  const Terrain terrain(params);
-  const Terrain::Surface surface = terrain.At(3, -5);
-  EXPECT_EQ(surface.height, 0);
-  EXPECT_EQ(surface.normal_W, Vec<3>(0, 0, 1));
-  EXPECT_EQ(surface.friction, 0.7);
-  const Terrain::Contacts contacts = terrain.Touch({3, -5, 0.02}, kRadius);
-  ASSERT_EQ(contacts.count, 1);
-  EXPECT_NEAR(contacts.at[0].depth, 0.01, 1e-15);
-  EXPECT_EQ(terrain.Touch({3, -5, 0.031}, kRadius).count, 0);
-}
-
-TEST(TerrainTest, Slope) {
-  TerrainParams params;
-  params.grade = {0.3, -0.1};
-  const Terrain terrain(params);
-  EXPECT_NEAR(terrain.At(2, 5).height, 0.3 * 2 - 0.1 * 5, 1e-14);
-  const Vec<3> normal = Vec<3>(-0.3, 0.1, 1).normalized();
-  EXPECT_THAT(terrain.At(2, 5).normal_W, IsNear(normal, 1e-15));
-  const Vec<3> on(2, 5, 0.1);
-  const Terrain::Contacts contacts = terrain.Touch(on + 0.02 * normal, kRadius);
-  ASSERT_EQ(contacts.count, 1);
-  EXPECT_NEAR(contacts.at[0].depth, 0.01, 1e-14);
-  EXPECT_THAT(contacts.at[0].normal_W, IsNear(normal, 1e-15));
+TEST(TerrainTest, IsAPlane) {
+  for (const Vec<2>& grade : {Vec<2>(0, 0), Vec<2>(0.3, -0.1)}) {
+    TerrainParams params;
+    params.grade = grade;
+    params.friction = 0.7;
+    const Terrain terrain(params);
+    const Vec<3> normal = Vec<3>(-grade[0], -grade[1], 1).normalized(), on(2, 5, 2 * grade[0] + 5 * grade[1]);
+    const Terrain::Surface surface = terrain.At(2, 5);
+    EXPECT_NEAR(surface.height, on[2], 1e-14);
+    EXPECT_THAT(surface.normal_W, IsNear(normal, 1e-15));
+    EXPECT_EQ(surface.friction, 0.7);
+    const Terrain::Contacts contacts = terrain.Touch(on + 0.02 * normal, kRadius);
+    ASSERT_EQ(contacts.count, 1);
+    EXPECT_NEAR(contacts.at[0].depth, 0.01, 1e-14);
+    EXPECT_THAT(contacts.at[0].normal_W, IsNear(normal, 1e-15));
+    EXPECT_EQ(terrain.Touch(on + 0.031 * normal, kRadius).count, 0);
+  }
 }
 
 Terrain OneBox() {
@@ -80,8 +66,7 @@ TEST(TerrainTest, DepthIsContinuousOverAnEdge) {
   for (double x = 1.15; x < 1.25; x += 1e-4) {
     double depth = 0;
     const Terrain::Contacts contacts = terrain.Touch({x, 2, 0.115}, kRadius);
-    for (int i = 0; i < contacts.count; ++i)
-      depth = std::max(depth, contacts.at[static_cast<std::size_t>(i)].depth);
+    for (int i = 0; i < contacts.count; ++i) depth = std::max(depth, contacts.at[i].depth);
     if (before >= 0) {
       EXPECT_NEAR(depth, before, 1.1e-4);
     }
@@ -104,7 +89,7 @@ TEST(TerrainTest, BoxesOnASlopeStandOnIt) {
   EXPECT_NEAR(contacts.at[0].depth, 0.01, 1e-14);
 }
 
-// A high box on a steep slope: whoever stands below its edge stands beside its foot.
+// A high box on a steep slope overhangs the ground beside its lower edge.
 TEST(TerrainTest, HighBoxesOnASlopeAreFoundFromAnywhere) {
   TerrainParams params;
   params.grade = {0.5, -0.3};
@@ -118,14 +103,6 @@ TEST(TerrainTest, HighBoxesOnASlopeAreFoundFromAnywhere) {
       EXPECT_NEAR(terrain.At(top[0], top[1]).height, top[2], 1e-12) << along << ", " << across;
     }
   }
-}
-
-TEST(TerrainTest, HeightsAreBounded) {
-  TerrainParams params;
-  params.grade = {0.01, 0};
-  params.boxes = {{{1, 0}, {0.2, 0.2}, 1e12, 0.4}};
-  EXPECT_TRUE(Throws<ParameterError>([&] { Terrain terrain(params); }, "height_m is 1000000000000 m",
-                                     "100 m at most"));
 }
 
 TerrainParams Field(std::uint64_t seed) {
@@ -163,7 +140,7 @@ TEST(TerrainTest, FieldsOfBoxesComeFromTheirSeed) {
   }
 }
 
-// Wherever the grid lies, no further row or column of boxes would fit: each has a pitch of 0.4 m.
+// With a pitch of 0.4 m no further row or column of boxes would fit into the area.
 TEST(TerrainTest, FieldsReachTheEdgesOfTheirArea) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     TerrainParams params = Field(seed);
@@ -179,11 +156,11 @@ TEST(TerrainTest, FieldsReachTheEdgesOfTheirArea) {
   }
 }
 
-TEST(TerrainTest, TheGridFindsWhatASearchOfAllBoxesFinds) {
+TEST(TerrainTest, TheGridAgreesWithASearchOfAllBoxes) {
   const Terrain terrain(Field(3));
   RandomStream random(4);
   int on = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < 4000; ++i) {
     const Vec<3> p(random.Uniform(0, 7), random.Uniform(-3, 3), random.Uniform(0, 0.08));
     double height = 0;
     int touching = p[2] < kRadius ? 1 : 0;
@@ -197,7 +174,7 @@ TEST(TerrainTest, TheGridFindsWhatASearchOfAllBoxesFinds) {
     EXPECT_EQ(terrain.Touch(p, kRadius).count, std::min(touching, Terrain::kMaxContacts));
     on += height > 0;
   }
-  EXPECT_GT(on, 1000);
+  EXPECT_GT(on, 200);
 }
 
 TEST(TerrainTest, ReadsAndWritesYaml) {
@@ -205,30 +182,30 @@ TEST(TerrainTest, ReadsAndWritesYaml) {
   EXPECT_EQ(Terrain(again).boxes().size(), Terrain(Field(7)).boxes().size());
 }
 
-TEST(TerrainTest, RefusesWhatCannotBe) {
+TEST(TerrainTest, RefusesNonsense) {
   const auto refuses = [](const auto& change, const auto&... parts) {
     TerrainParams params = Field(1);
     params.boxes = {{{1, 0}, {0.4, 0.4}, 0.1, 0.4}};
     change(params);
     return Throws<ParameterError>([&] { Terrain terrain(params); }, parts...);
   };
-  EXPECT_TRUE(refuses([](auto& p) { p.grade[0] = NAN; }, "grade is (nan", "finite slopes"));
-  EXPECT_TRUE(refuses([](auto& p) { p.grade[0] = 1e155; }, "grade is (1e+155", "up to 1000"));
-  EXPECT_TRUE(refuses([](auto& p) { p.friction = -0.1; }, "friction is -0.1", "must be from 0 to 10"));
-  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].height = 0; }, "height_m is 0 m", "must be positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].size[1] = 0; }, "size_m is (0.4, 0) m", "must be positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].friction = NAN; }, "friction is nan"));
-  EXPECT_TRUE(
-      refuses([](auto& p) { p.boxes[0].friction = 10.1; }, "friction is 10.1", "give the coefficient"));
-  EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 0; }, "has no area", "upper_m"));
-  EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 9e4; }, "places for boxes", "smaller area"));
+  EXPECT_TRUE(refuses([](auto& p) { p.grade[0] = NAN; }, "grade"));
+  EXPECT_TRUE(refuses([](auto& p) { p.grade[0] = 1e155; }, "grade"));
+  EXPECT_TRUE(refuses([](auto& p) { p.friction = -0.1; }, "friction"));
+  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].height = 0; }, "height_m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].height = 1e12; }, "height_m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].size[1] = 0; }, "size_m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].friction = NAN; }, "friction"));
+  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].friction = 10.1; }, "friction"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 0; }, "upper_m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 9e4; }, "places for boxes"));
   EXPECT_TRUE(refuses([](auto& p) { p.field->upper = {9e4, -2 + 1e-9}; }, "places for boxes"));
-  EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 1e17; }, "upper_m is (1e+17, 2) m"));
-  EXPECT_TRUE(refuses([](auto& p) { p.field->size[0] = 1e-4; }, "size_m is (0.0001, ", "from 0.001"));
-  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].centre[0] = 1e13; }, "centre_m is (10000000000000, 0) m"));
-  EXPECT_TRUE(refuses([](auto& p) { p.field->gap = -1; }, "gap_m is -1 m", "overlap"));
-  EXPECT_TRUE(refuses([](auto& p) { p.field->coverage = 2; }, "coverage is 2", "from 0 to 1"));
-  EXPECT_TRUE(refuses([](auto& p) { p.field->kinds.clear(); }, "no kinds", "under kinds"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->upper[0] = 1e17; }, "upper_m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->size[0] = 1e-4; }, "size_m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.boxes[0].centre[0] = 1e13; }, "centre_m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->gap = -1; }, "gap_m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->coverage = 2; }, "coverage"));
+  EXPECT_TRUE(refuses([](auto& p) { p.field->kinds.clear(); }, "kinds"));
 }
 
 }  // namespace

@@ -1,19 +1,12 @@
 #include <tenon/systems/analysis/linearize_discrete.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/noise.h>
 #include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
 namespace tenon::linearize_discrete_test {
-namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -28,17 +21,10 @@ Eigen::Vector2d Gamma(double h) {
   return {h * h / 2 / kMass, h / kMass};
 }
 
-/// A cart under a PD at 100 Hz.
-struct CartLoop {
-  CartLoop() {
-    builder.Connect(cart.state, pd.x);
-    builder.Connect(pd.u, cart.force);
-    diagram = builder.BuildWithOpenInputs();
-  }
-  DiagramBuilder builder;
-  Cart& cart = builder.Add<Cart>("cart", CartParams{.mass = kMass});
-  Pd& pd = builder.Add<Pd>("pd", PdParams{.kp = 30, .kd = 8, .rate = Hz(100)});
-  std::shared_ptr<const Diagram> diagram;
+/// A cart under a PD controller at 100 Hz.
+struct CartLoop : PdLoop {
+  CartLoop() : PdLoop({.kp = 30, .kd = 8, .rate = Hz(100)}, {.mass = kMass}) {}
+  std::shared_ptr<const Diagram> diagram = builder.BuildWithOpenInputs();
 };
 
 TEST(LinearizeDiscreteTest, SampledPdOnADoubleIntegrator) {
@@ -90,8 +76,7 @@ TEST(LinearizeDiscreteTest, APlantAloneIsHeldForThePeriodGiven) {
   // q'' = -w² q + u: a turn by w h.
   DiagramBuilder builder;
   auto& plant = builder.Add<Oscillator>("plant", 3.0);
-  const auto diagram = builder.BuildWithOpenInputs();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->SetTime(0.123);
   const DiscreteLinearModel model =
       LinearizeDiscrete(*context, {&plant.u}, {&plant.state, &plant.u}, {.period = 0.2});
@@ -105,11 +90,10 @@ TEST(LinearizeDiscreteTest, APlantAloneIsHeldForThePeriodGiven) {
 
 TEST(LinearizeDiscreteTest, ChainOfUnitDelays) {
   DiagramBuilder builder;
-  auto& first = builder.Add<UnitDelay<>>("first", UnitDelayParams<>{.initial = 1, .rate = Hz(50)});
-  auto& second = builder.Add<UnitDelay<>>("second", UnitDelayParams<>{.initial = 2, .rate = Hz(50)});
+  auto& first = builder.Add<UnitDelay<>>("first", {.initial = 1, .rate = Hz(50)});
+  auto& second = builder.Add<UnitDelay<>>("second", {.initial = 2, .rate = Hz(50)});
   builder.Connect(first.y, second.u);
-  const auto diagram = builder.BuildWithOpenInputs();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(first.u, 3.0);
   const DiscreteLinearModel model = LinearizeDiscrete(*context, {&first.u}, {&second.y});
   EXPECT_THAT(model.states, ElementsAre("first.x", "second.x"));
@@ -120,25 +104,15 @@ TEST(LinearizeDiscreteTest, ChainOfUnitDelays) {
   EXPECT_EQ(model.x0, Eigen::Vector2d(1, 2));
   EXPECT_EQ(model.x1, Eigen::Vector2d(3, 1));
   EXPECT_EQ(model.y0[0], 2);
-}
-
-TEST(LinearizeDiscreteTest, WhatIsLeftOutIsNoState) {
-  DiagramBuilder builder;
-  auto& first = builder.Add<UnitDelay<>>("first", {.rate = Hz(50)});
-  auto& second = builder.Add<UnitDelay<>>("second", {.rate = Hz(50)});
-  builder.Connect(first.y, second.u);
-  const auto context = builder.BuildWithOpenInputs()->CreateContext();
-  context->Set(first.u, 3.0);
-  const DiscreteLinearModel model = LinearizeDiscrete(*context, {}, {}, {.left_out = {&first.x}});
-  EXPECT_THAT(model.states, ElementsAre("second.x"));
+  EXPECT_THAT(LinearizeDiscrete(*context, {}, {}, {.left_out = {&first.x}}).states, ElementsAre("second.x"));
 }
 
 TEST(LinearizeDiscreteTest, TwoRates) {
   // A spring at 2 ms and a damper at 3 ms: ticks at 0, 2, 3, 4 of 6 ms.
   DiagramBuilder builder;
-  auto& cart = builder.Add<Cart>("cart", CartParams{.mass = kMass});
-  auto& spring = builder.Add<Pd>("spring", PdParams{.kp = 900, .kd = 0, .rate = Milliseconds(2)});
-  auto& damper = builder.Add<Pd>("damper", PdParams{.kp = 0, .kd = 70, .rate = Milliseconds(3)});
+  auto& cart = builder.Add<Cart>("cart", {.mass = kMass});
+  auto& spring = builder.Add<Pd>("spring", {.kp = 900, .kd = 0, .rate = Milliseconds(2)});
+  auto& damper = builder.Add<Pd>("damper", {.kp = 0, .kd = 70, .rate = Milliseconds(3)});
   builder.Connect(cart.state, spring.x);
   builder.Connect(cart.state, damper.x);
   builder.Connect(
@@ -147,7 +121,7 @@ TEST(LinearizeDiscreteTest, TwoRates) {
   const auto diagram = builder.Build();
   const DiscreteLinearModel model = LinearizeDiscrete(*diagram->CreateContext(), {}, {});
 
-  // Of (x, v, force of the spring, of the damper).
+  // The state is (x, v, force of the spring, force of the damper).
   const auto flow = [](double h) {
     Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
     F.topLeftCorner<2, 2>() = Phi(h);
@@ -166,7 +140,7 @@ TEST(LinearizeDiscreteTest, TwoRates) {
   EXPECT_THAT(twice.A, IsNear(model.A * model.A, 1e-8));
 }
 
-/// y = gain u, with an offset.
+/// y = gain u, sampled with an offset.
 struct LateGainParams {
   double gain = -1;
   Sampled sampled{Hz(100), 0.004};
@@ -184,13 +158,12 @@ class LateGain final : public LeafSystem<LateGainParams> {
 TEST(LinearizeDiscreteTest, WhatIsHeldOverTheBeginCarriesOn) {
   // The force is computed 4 ms after the beginning of each period: until then the old one acts.
   DiagramBuilder builder;
-  auto& cart = builder.Add<Cart>("cart", CartParams{.mass = kMass});
-  auto& late = builder.Add<LateGain>("late", LateGainParams{.gain = -40});
+  auto& cart = builder.Add<Cart>("cart", {.mass = kMass});
+  auto& late = builder.Add<LateGain>("late", {.gain = -40});
   builder.Connect(cart.state, late.u, IgnoreUnits{});
   builder.Connect(builder.AddFunction("force", Uses(late.y), [](const Vec<2>& y) { return y[0]; }),
                   cart.force, IgnoreUnits{});
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.Build()->CreateContext();
   const DiscreteLinearModel model = LinearizeDiscrete(*context, {}, {&late.y});
   EXPECT_THAT(model.states, ElementsAre("cart.x.position", "cart.x.velocity", "late.y.0", "late.y.1"));
   EXPECT_DOUBLE_EQ(model.time, 0.01);  // the first multiple of the period after the first tick
@@ -206,23 +179,21 @@ TEST(LinearizeDiscreteTest, WhatIsHeldOverTheBeginCarriesOn) {
 }
 
 TEST(LinearizeDiscreteTest, HeldSamplesThatAreRenewedBeforeTheyAreReadCarryNothing) {
-  // Read at 8 ms only, by which time it has been renewed at 4 ms.
+  // `early` is computed at 4 ms and read at 8 ms, so its old value is never read.
   DiagramBuilder builder;
   auto& cart = builder.Add<Cart>("cart");
   auto& early = builder.Add<LateGain>("early");
-  auto& late = builder.Add<LateGain>("late", LateGainParams{.gain = 2, .sampled = {Hz(100), 0.008}});
+  auto& late = builder.Add<LateGain>("late", {.gain = 2, .sampled = {Hz(100), 0.008}});
   builder.Connect(cart.state, early.u, IgnoreUnits{});
   builder.Connect(early.y, late.u);
-  const auto diagram = builder.BuildWithOpenInputs();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(cart.force, 0.0);
   EXPECT_THAT(LinearizeDiscrete(*context, {}, {}).states, ElementsAre("cart.x.position", "cart.x.velocity"));
   EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}, {.states = {&early.y}}); },
-                               "'early.y' carries nothing on over t = 0.01 s",
-                               "held samples that are read before"));
+                               "'early.y'", "t = 0.01 s"));
 }
 
-/// s += u h in Scratch, and counts.
+/// An integral in Scratch: value += u h; and the number of ticks.
 struct Sum {
   double value = 0;
   int ticks = 0;
@@ -242,8 +213,7 @@ class ScratchIntegrator final : public LeafSystem<void> {
 TEST(LinearizeDiscreteTest, ScratchIsState) {
   DiagramBuilder builder;
   auto& integrator = builder.Add<ScratchIntegrator>("integrator");
-  const auto diagram = builder.BuildWithOpenInputs();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(integrator.u, 5.0);
   context->Set(integrator.sum, Sum{7, 3});
   const DiscreteLinearModel model = LinearizeDiscrete(*context, {&integrator.u}, {&integrator.y});
@@ -258,7 +228,7 @@ TEST(LinearizeDiscreteTest, ScratchIsState) {
 
 enum class Side { kBelow, kAbove };
 
-/// On which side of 0.3 the position is.
+/// Its mode says on which side of 0.3 the position is.
 class Latch final : public LeafSystem<void> {
  public:
   InputPort<Vec<2>> x{this, "x"};
@@ -272,8 +242,7 @@ TEST(LinearizeDiscreteTest, FlipsAreNamed) {
   auto& cart = builder.Add<Cart>("cart");
   auto& latch = builder.Add<Latch>("latch");
   builder.Connect(cart.state, latch.x, IgnoreUnits{});
-  const auto diagram = builder.BuildWithOpenInputs();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(cart.force, 0.0);
   context->Set(cart.x, Vec<2>(0.3, 0));
   const DiscreteLinearModel model = LinearizeDiscrete(*context, {}, {});
@@ -282,26 +251,24 @@ TEST(LinearizeDiscreteTest, FlipsAreNamed) {
   EXPECT_EQ(model.flips[0].moved, "cart.x.position");
   EXPECT_THAT(model.states, ElementsAre("cart.x.position", "cart.x.velocity"));
   EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}, {.refuse_flips = true}); },
-                               "'latch.side' turns over when 'cart.x.position' moves",
-                               "choose another time"));
+                               "'latch.side'", "'cart.x.position'"));
   context->Set(cart.x, Vec<2>(0.31, 0));
   EXPECT_NO_THROW(LinearizeDiscrete(*context, {}, {}, {.refuse_flips = true}));
 }
 
 TEST(LinearizeDiscreteTest, NoiseIsTheSameInAllRuns) {
   DiagramBuilder builder;
-  auto& noise = builder.Add<AddNoise<>>("noise", NoiseParams<>{.standard_deviation = 5});
+  auto& noise = builder.Add<AddNoise<>>("noise", {.standard_deviation = 5});
   auto& delay = builder.Add<UnitDelay<>>("delay");
   builder.Connect(noise.y, delay.u);
-  const auto diagram = builder.BuildWithOpenInputs();
-  const auto context = diagram->CreateContext(7);
+  const auto context = builder.BuildWithOpenInputs()->CreateContext(7);
   context->Set(noise.u, 0.0);
   const DiscreteLinearModel model = LinearizeDiscrete(*context, {&noise.u}, {});
   EXPECT_NE(model.x1[0], 0);
   EXPECT_NEAR(model.B(0, 0), 1, 1e-9);
 }
 
-/// x[n+1] = x[n]³ beside numbers that are not finite.
+/// x[n+1] = x[n]³, with a member that is not finite.
 struct CubeState {
   double x = 2, last = -std::numeric_limits<double>::infinity();
   static FieldList Fields() { return {{"x", &CubeState::x, "m"}, {"last", &CubeState::last, "s"}}; }
@@ -323,7 +290,7 @@ TEST(LinearizeDiscreteTest, StepsAreAveragedAndTheirSpreadIsTold) {
       LinearizeDiscrete(*diagram->CreateContext(), {}, {}, {.steps = {0.1, 0.3}, .scales = {{"m", 2}}});
   EXPECT_NEAR(model.A(0, 0), 12 + (0.2 * 0.2 + 0.6 * 0.6) / 2, 1e-12);
   EXPECT_NEAR(model.spread[0], (0.6 * 0.6 - 0.2 * 0.2) / 2, 1e-12);
-  // What is not finite is not moved.
+  // Elements that are not finite are not perturbed.
   EXPECT_EQ(model.A.col(1), Eigen::Vector2d::Zero());
   EXPECT_EQ(model.A(1, 0), 0);
   const DiscreteLinearModel plain =
@@ -338,8 +305,7 @@ TEST(LinearizeDiscreteTest, StatesCanBeChosen) {
   const DiscreteLinearModel model = LinearizeDiscrete(*context, {}, {}, {.states = {&loop.cart.state}});
   EXPECT_THAT(model.states, ElementsAre("cart.x.position", "cart.x.velocity"));
   EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}, {.states = {&loop.pd.u}}); },
-                               "'pd.u' carries nothing on over t = 0 s",
-                               "continuous and discrete states, Scratch"));
+                               "'pd.u'", "t = 0 s"));
 }
 
 // ---- What is refused ----
@@ -350,47 +316,31 @@ TEST(LinearizeDiscreteTest, OptionsThatMakeNoSense) {
   const auto refuses = [&](const LinearizeDiscreteOptions& options, const char* text) {
     return Throws<ParameterError>([&] { LinearizeDiscrete(*context, {}, {}, options); }, text);
   };
-  EXPECT_TRUE(refuses({.period = 0.015}, "period = 0.015 s is no multiple of 0.01 s"));
-  EXPECT_TRUE(refuses({.period = -0.01}, "period = -0.01 s must be positive"));
-  EXPECT_TRUE(refuses({.steps = {}}, "steps are empty"));
-  EXPECT_TRUE(refuses({.steps = {1e-5, 0}}, "step 0 must be positive"));
-  EXPECT_TRUE(refuses({.scales = {{"m", -1}}}, "scale -1 of 'm' must be positive"));
-}
-
-TEST(LinearizeDiscreteTest, WithoutSamplesAPeriodIsNeeded) {
+  EXPECT_TRUE(refuses({.period = 0.015}, "period = 0.015 s"));
+  EXPECT_TRUE(refuses({.period = -0.01}, "period = -0.01 s"));
+  EXPECT_TRUE(refuses({.steps = {}}, "steps"));
+  EXPECT_TRUE(refuses({.steps = {1e-5, 0}}, "step 0"));
+  EXPECT_TRUE(refuses({.scales = {{"m", -1}}}, "'m'"));
   DiagramBuilder builder;
   builder.Add<Oscillator>("plant");
-  const auto diagram = builder.Build();
-  EXPECT_TRUE(Throws<ParameterError>([&] { LinearizeDiscrete(*diagram->CreateContext(), {}, {}); },
-                                     "samples nothing", "give options.period"));
-}
-
-TEST(LinearizeDiscreteTest, PeriodsThatHaveNoCommonOne) {
-  DiagramBuilder builder;
-  for (const std::int64_t microseconds : {1000003, 1000033, 1000037, 1000039}) {
-    builder.Add<Counter>("every_" + std::to_string(microseconds), Sampled{Rate(microseconds, 1000000)});
-  }
-  const auto diagram = builder.Build();
-  EXPECT_TRUE(Throws<ParameterError>([&] { LinearizeDiscrete(*diagram->CreateContext(), {}, {}); },
-                                     "have no common period", "round their periods"));
+  const auto unsampled = builder.Build()->CreateContext();
+  EXPECT_TRUE(Throws<ParameterError>([&] { LinearizeDiscrete(*unsampled, {}, {}); }, "options.period"));
 }
 
 TEST(LinearizeDiscreteTest, InputsMustBeOpenAndSet) {
   CartLoop loop;
   const auto context = loop.diagram->CreateContext();
-  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {&loop.pd.u}, {}); },
-                               "input 'pd.u' is sampled", "give an open input"));
-  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {&loop.pd.x}, {}); },
-                               "'pd.x' is connected to 'cart.x'"));
+  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {&loop.pd.u}, {}); }, "'pd.u'"));
+  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {&loop.pd.x}, {}); }, "'pd.x'", "'cart.x'"));
   DiagramBuilder builder;
   auto& cart = builder.Add<Cart>("cart");
   const auto diagram = builder.BuildWithOpenInputs();
   EXPECT_TRUE(Throws<RunError>(
       [&] { LinearizeDiscrete(*diagram->CreateContext(), {&cart.force}, {}, {.period = 1}); },
-      "'cart.force' is open and has no value"));
+      "'cart.force'"));
 }
 
-/// Ends the run beyond `limit`, at ticks.
+/// Ends the run at a tick where the position is beyond the limit.
 class Fence final : public LeafSystem<double> {
  public:
   explicit Fence(double limit) : LeafSystem(limit) {}
@@ -406,18 +356,16 @@ TEST(LinearizeDiscreteTest, RunsThatEndAreNamed) {
   auto& cart = builder.Add<Cart>("cart");
   auto& fence = builder.Add<Fence>("fence", 1.0);
   builder.Connect(cart.state, fence.x, IgnoreUnits{});
-  const auto diagram = builder.BuildWithOpenInputs();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(cart.force, 0.0);
   context->Set(cart.x, Vec<2>(1, 0));
-  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}); },
-                               "with 'cart.x.position' moved to 1.00002: the run ended at t = 0 s",
-                               "fence.beyond: too far"));
+  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}); }, "'cart.x.position'", "t = 0 s",
+                               "fence.beyond"));
   context->Set(cart.x, Vec<2>(2, 0));
-  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}); }, "the run ended at t = 0 s"));
+  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}); }, "t = 0 s"));
 }
 
-/// Holds more numbers at each tick, and puts out as many as its input says.
+/// A state whose size grows at each tick, and an output whose size depends on the input.
 class Growing final : public LeafSystem<void> {
  public:
   InputPort<double> size{this, "size"};
@@ -434,20 +382,15 @@ class Growing final : public LeafSystem<void> {
 TEST(LinearizeDiscreteTest, WhatChangesItsSizeHasNoDerivative) {
   DiagramBuilder builder;
   auto& growing = builder.Add<Growing>("growing");
-  auto& delay = builder.Add<UnitDelay<>>("delay", UnitDelayParams<>{.rate = Hz(1)});
+  auto& delay = builder.Add<UnitDelay<>>("delay", {.rate = Hz(1)});
   builder.Connect(delay.y, growing.size);
-  const auto diagram = builder.BuildWithOpenInputs();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(delay.u, 0.0);
   context->Set(delay.x, 1.0);
-  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}); },
-                               "'growing.list' holds 2 numbers at t = 1 s, but held 1 before",
-                               "leave it out"));
-  EXPECT_TRUE(
-      Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {&growing.copy}, {.states = {&delay.x}}); },
-                       "the outputs hold 2 numbers in one run and 1 in another"));
+  EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {}, {}); }, "'growing.list'", "t = 1 s"));
+  EXPECT_TRUE(Throws<RunError>(
+      [&] { LinearizeDiscrete(*context, {}, {&growing.copy}, {.states = {&delay.x}}); }, "outputs"));
   EXPECT_NO_THROW(LinearizeDiscrete(*context, {}, {}, {.states = {&delay.x}}));
 }
 
-}  // namespace
 }  // namespace tenon::linearize_discrete_test

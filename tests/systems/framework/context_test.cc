@@ -1,10 +1,6 @@
 #include <tenon/systems/files/output_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/temporary_path.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
@@ -14,9 +10,7 @@
 #include <vector>
 
 namespace tenon::context_test {
-namespace {
 
-using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
@@ -28,8 +22,7 @@ TEST(ContextTest, SetMakesWhatDependsOnItStale) {
   auto& twice = builder.AddFunction("twice", Uses(cart.state), [](const Vec<2>& x) { return 2 * x[0]; });
   auto& four =
       builder.AddFunction("four", Uses(twice, builder.time), [](double u, double t) { return 2 * u + t; });
-  const auto diagram = builder.BuildWithOpenInputs();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.BuildWithOpenInputs()->CreateContext();
   EXPECT_EQ(context->Eval(four), 0);
   context->Set(cart.x, Vec<2>(3, 1));
   EXPECT_EQ(context->Eval(four), 12);
@@ -49,8 +42,7 @@ TEST(ContextTest, EachValueIsComputedOnceUntilSomethingChanges) {
     ++calls;
     return x[0];
   });
-  const auto diagram = builder.BuildWithOpenInputs();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Eval(counted);
   context->Eval(counted);
   EXPECT_EQ(calls, 1);
@@ -63,11 +55,8 @@ TEST(ContextTest, EachValueIsComputedOnceUntilSomethingChanges) {
 TEST(ContextTest, ComputedValuesCannotBeSet) {
   DiagramBuilder builder;
   auto& f = builder.AddFunction("f", Uses(builder.time), [](double t) { return t; });
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
-  EXPECT_THAT(
-      [&] { context->Set(f, 1.0); },
-      ThrowsMessage<RunError>(AllOf(HasSubstr("'f.output' is computed"), HasSubstr("set the states"))));
+  const auto context = builder.Build()->CreateContext();
+  EXPECT_TRUE(Throws<RunError>([&] { context->Set(f, 1.0); }, "'f.output'"));
 }
 
 TEST(ContextTest, DoublesByPath) {
@@ -76,15 +65,14 @@ TEST(ContextTest, DoublesByPath) {
   const auto diagram = builder.BuildWithOpenInputs();
   const auto context = diagram->CreateContext();
   const double wrong[] = {1, 2, 3}, right[] = {1, 2};
-  EXPECT_THAT([&] { context->SetDoubles(diagram->Find("cart.x"), wrong); },
-              ThrowsMessage<RunError>(HasSubstr("'cart.x' has 2 elements, but 3 values are given")));
+  EXPECT_TRUE(Throws<RunError>([&] { context->SetDoubles(diagram->Find("cart.x"), wrong); }, "'cart.x'"));
   context->SetDoubles(cart.x, right);
   EXPECT_EQ(context->EvalDoubles(cart.state), (std::vector<double>{1, 2}));
   EXPECT_THROW(context->SetDoubles(cart.force, right), RunError);
   EXPECT_THAT([&] { context->Eval(cart.force); },  // a refused value does not count
               ThrowsMessage<RunError>(HasSubstr("input 'cart.force' is open and has no value")));
-  EXPECT_THAT([&] { context->SetContinuousState(Eigen::Vector3d::Zero()); },
-              ThrowsMessage<RunError>(HasSubstr("has 2 continuous states, but 3 values are given")));
+  EXPECT_TRUE(
+      Throws<RunError>([&] { context->SetContinuousState(Eigen::Vector3d::Zero()); }, "2 continuous states"));
 }
 
 TEST(ContextTest, SourcesOfAnotherDiagramAreRefused) {
@@ -92,20 +80,14 @@ TEST(ContextTest, SourcesOfAnotherDiagramAreRefused) {
   builder.Add<Oscillator>("mine");
   auto& theirs = other.Add<Oscillator>("theirs");
   const auto diagram = builder.Build(), other_diagram = other.Build();
-  EXPECT_THAT([&] { diagram->CreateContext()->Eval(theirs.x); },
-              ThrowsMessage<RunError>(HasSubstr("'theirs.x' is not part of this context's diagram")));
+  EXPECT_TRUE(Throws<RunError>([&] { diagram->CreateContext()->Eval(theirs.x); }, "'theirs.x'"));
 }
 
 TEST(ContextTest, DerivativesRefuseSamplesThatHaveNotRun) {
-  DiagramBuilder builder;
-  auto& cart = builder.Add<Cart>("cart");
-  auto& pd = builder.Add<Pd>("pd");
-  builder.Connect(cart.state, pd.x);
-  builder.Connect(pd.u, cart.force);
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
-  EXPECT_THAT([&] { context->EvalTimeDerivatives(); }, ThrowsMessage<RunError>(HasSubstr("'pd.u' is read")));
-  context->Set(pd.u, 2.0);
+  PdLoop loop;
+  const auto context = loop.builder.Build()->CreateContext();
+  EXPECT_TRUE(Throws<RunError>([&] { context->EvalTimeDerivatives(); }, "'pd.u'"));
+  context->Set(loop.pd.u, 2.0);
   EXPECT_EQ(context->EvalTimeDerivatives()[1], 1);
 }
 
@@ -148,7 +130,7 @@ class Busy final : public LeafSystem<Rate> {
  private:
   double CalcU(const Vec<2>& x, double ref, double noise, Eigen::VectorXd& warm,
                std::vector<double>& work) const {
-    // An iteration that starts where the last one ended, and does not converge: its start matters.
+    // The iteration does not converge, so the result depends on the warm start.
     work[0] = 8 * (ref - x[0]) - x[1] + 0.1 * noise;
     warm = 0.5 * warm + 0.25 * Eigen::VectorXd::Constant(2, work[0]);
     return warm.sum();
@@ -176,7 +158,7 @@ TEST(ContextTest, ElementsAreThoseOfThePresentValue) {
   EXPECT_FALSE(context->Elements(busy.gait)[0].is_real);
 }
 
-/// Its continuous output has a warm start; it depends on held values only, or varies.
+/// Its output is continuous and has a warm start.
 class WarmMap final : public LeafSystem<void> {
  public:
   InputPort<double> u{this, "u"};
@@ -213,7 +195,7 @@ struct Rich {
   SimulatorOptions options(std::uint64_t seed = 5) const {
     return {.rtol = 1e-5, .atol = 1e-7, .seed = seed};
   }
-  /// All of a run that anybody can see.
+  /// All observable values of a run.
   std::vector<double> Digest(Simulator& simulator) const {
     Context& c = simulator.context();
     std::vector<double> all{c.time(), c.Eval(plant->x)[0], c.Eval(plant->x)[1], c.Eval(*reads_both)};
@@ -255,7 +237,7 @@ TEST(ContextTest, RestoredRunGoesOnBitForBit) {
   Simulator straight(*rich.diagram, rich.options());
   straight.RunTo(1);
   const std::vector<double> expected = rich.Digest(straight);
-  // 0 and 0.5 are ticks of all rates; the others of one or two of them.
+  // 0 and 0.5 s are ticks of all rates, the other times of one or two rates.
   for (const double tick : {0.0, 0.025, 0.1, 1.0 / 7, 0.5, 32.0 / 90, 0.9375 - 0.025}) {
     Simulator first(*rich.diagram, rich.options());
     first.RunTo(tick);
@@ -289,29 +271,13 @@ TEST(ContextTest, RestoredRunGoesOnFromAFile) {
     simulator.RunTo(0.8);
     expected = rich.Digest(simulator);
   }
-  const Rich rich;  // another program, as it were
+  const Rich rich;  // as if in another program
   auto context = rich.diagram->CreateContext();
   context->RestoreFile(file);
   Simulator simulator(std::move(context), rich.options());
   simulator.RunTo(0.8);
   EXPECT_EQ(rich.Digest(simulator), expected);
   std::filesystem::remove(file);
-}
-
-TEST(ContextTest, BetweenTicksASnapshotContinuesTheRunThatStoppedThere) {
-  // A stop that is no tick cuts no step: a run that stops there is the one that does not, bit for bit.
-  const Rich rich;
-  const double stop = 0.123456;
-  Simulator stopped(*rich.diagram, rich.options()), straight(*rich.diagram, rich.options());
-  stopped.RunTo(stop);
-  const auto snapshot = stopped.context().Save();
-  stopped.RunTo(1);
-  straight.RunTo(1);
-  Simulator restored(*rich.diagram, rich.options());
-  restored.context().Restore(snapshot);
-  restored.RunTo(1);
-  EXPECT_EQ(rich.Digest(restored), rich.Digest(stopped));
-  EXPECT_EQ(rich.Digest(restored), rich.Digest(straight));
 }
 
 TEST(ContextTest, SnapshotOfAnUnstartedContextStarts) {
@@ -338,55 +304,16 @@ TEST(ContextTest, OpenInputsAreInTheSnapshot) {
   EXPECT_EQ(context->Eval(cart.force), 3);
 }
 
-TEST(ContextTest, SnapshotsThatDoNotFitAreRefusedAndChangeNothing) {
-  const Rich rich;
-  Simulator simulator(*rich.diagram, rich.options());
-  simulator.RunTo(0.3);
-  const std::vector<std::byte> good = simulator.context().Save();
-
-  DiagramBuilder builder;
-  builder.Add<Oscillator>("plant");
-  const auto other = builder.Build();
-  EXPECT_THAT([&] { simulator.context().Restore(other->CreateContext()->Save()); },
-              ThrowsMessage<RunError>(AllOf(HasSubstr("another diagram"), HasSubstr("saved from"))));
-
-  simulator.RunTo(0.6);
-  const std::vector<std::byte> before = simulator.context().Save();
-  for (const std::size_t size :
-       {std::size_t{0}, std::size_t{5}, std::size_t{20}, good.size() / 2, good.size() - 1}) {
-    EXPECT_THAT([&] { simulator.context().Restore(std::span(good).first(size)); },
-                ThrowsMessage<RunError>(HasSubstr("the snapshot is cut short")));
-  }
-  std::vector<std::byte> longer = good;
-  longer.push_back({});
-  EXPECT_THAT([&] { simulator.context().Restore(longer); }, ThrowsMessage<RunError>(HasSubstr("damaged")));
-  EXPECT_EQ(simulator.context().Save(), before);
-}
-
 TEST(ContextTest, SnapshotFilesThatCannotBeUsedAreNamed) {
   DiagramBuilder builder;
   builder.Add<Oscillator>("plant");
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
-  EXPECT_THAT([&] { context->SaveFile("/nonexistent/file"); },
-              ThrowsMessage<OutputError>(HasSubstr("cannot write '/nonexistent/file': No such file")));
-  EXPECT_THAT([&] { context->RestoreFile("/nonexistent/file"); },
-              ThrowsMessage<RunError>(HasSubstr("cannot read the snapshot '/nonexistent/file'")));
+  const auto context = builder.Build()->CreateContext();
+  EXPECT_TRUE(Throws<OutputError>([&] { context->SaveFile("/nonexistent/file"); }, "'/nonexistent/file'"));
+  EXPECT_TRUE(Throws<RunError>([&] { context->RestoreFile("/nonexistent/file"); }, "'/nonexistent/file'"));
   const auto file = test::TemporaryPath("tenon_context_test.broken");
   std::ofstream(file) << "not a snapshot";
-  EXPECT_THAT([&] { context->RestoreFile(file); },
-              ThrowsMessage<RunError>(AllOf(HasSubstr(file.string()), HasSubstr("this is no snapshot"))));
+  EXPECT_TRUE(Throws<RunError>([&] { context->RestoreFile(file); }, file.string()));
   std::filesystem::remove(file);
-}
-
-TEST(ContextTest, SnapshotsOfAnotherFormatAreRefused) {
-  const Rich rich;
-  Simulator simulator(*rich.diagram, rich.options());
-  std::vector<std::byte> newer = simulator.context().Save();
-  newer[8] = std::byte(static_cast<int>(newer[8]) + 1);  // the version stands behind the magic
-  EXPECT_THAT([&] { simulator.context().Restore(newer); },
-              ThrowsMessage<RunError>(
-                  AllOf(HasSubstr("the snapshot has format"), HasSubstr("save it again with this one"))));
 }
 
 TEST(ContextTest, SnapshotsThatWereChangedAreRefusedAndChangeNothing) {
@@ -399,22 +326,16 @@ TEST(ContextTest, SnapshotsThatWereChangedAreRefusedAndChangeNothing) {
 
   std::mt19937 random(1);
   const auto below = [&](std::size_t end) { return random() % end; };
-  for (int i = 0; i < 10'000; ++i) {
+  for (int i = 0; i < 400; ++i) {
     std::vector<std::byte> bad = good;
-    switch (i % 4) {
-      case 0:  // a bit
-        bad[below(bad.size())] ^= std::byte{1} << below(8);
-        break;
-      case 1:
-        bad.resize(below(bad.size()));
-        break;
-      case 2:
-        bad.insert(bad.begin() + static_cast<std::ptrdiff_t>(below(bad.size())), std::byte(below(256)));
-        break;
-      case 3:  // two places change theirs
-        for (std::size_t at = 0; at == 0 || bad == good; ++at)
-          std::swap(bad[below(bad.size())], bad[below(bad.size())]);
-        break;
+    if (i % 4 == 0) {  // a bit
+      bad[below(bad.size())] ^= std::byte{1} << below(8);
+    } else if (i % 4 == 1) {  // the end is missing
+      bad.resize(below(bad.size()));
+    } else if (i % 4 == 2) {  // one byte more
+      bad.insert(bad.begin() + static_cast<std::ptrdiff_t>(below(bad.size() + 1)), std::byte(below(256)));
+    } else {  // two bytes exchanged
+      while (bad == good) std::swap(bad[below(bad.size())], bad[below(bad.size())]);
     }
     EXPECT_THROW(simulator.context().Restore(bad), RunError) << i;
   }
@@ -426,8 +347,7 @@ TEST(ContextTest, SnapshotsOfOtherVersionsAreNamed) {
   const auto context = rich.diagram->CreateContext();
   std::vector<std::byte> snapshot = context->Save();
   snapshot[8] = std::byte{77};  // behind eight letters
-  EXPECT_THAT([&] { context->Restore(snapshot); },
-              ThrowsMessage<RunError>(HasSubstr("the snapshot has format 77, this program reads 4")));
+  EXPECT_TRUE(Throws<RunError>([&] { context->Restore(snapshot); }, "77"));
 }
 
 TEST(ContextTest, BlocksOfOtherNamesAreAnotherDiagram) {
@@ -435,12 +355,14 @@ TEST(ContextTest, BlocksOfOtherNamesAreAnotherDiagram) {
   ones.Add<Oscillator>("one");
   others.Add<Oscillator>("other");
   const auto one = ones.Build(), other = others.Build();
-  EXPECT_THAT([&] { one->CreateContext()->Restore(other->CreateContext()->Save()); },
-              ThrowsMessage<RunError>(HasSubstr("another diagram")));
+  EXPECT_TRUE(Throws<RunError>([&] { one->CreateContext()->Restore(other->CreateContext()->Save()); },
+                               "another diagram"));
 }
 
+/// Trivially copyable, but without Fields(): it has padding, so it is not saved as bytes.
 struct Opaque {
-  std::vector<int> hidden;
+  bool flag = false;
+  double value = 0;
 };
 
 TEST(ContextTest, TypeThatCannotBeStoredIsNamed) {
@@ -449,12 +371,9 @@ TEST(ContextTest, TypeThatCannotBeStoredIsNamed) {
   };
   DiagramBuilder builder;
   builder.Add<Block>("block");
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.Build()->CreateContext();
   EXPECT_NO_THROW(context->Clone());  // a copy is all that a clone needs
-  EXPECT_THAT([&] { context->Save(); },
-              ThrowsMessage<RunError>(
-                  AllOf(HasSubstr("'block.state' cannot be saved"), HasSubstr("static Fields()"))));
+  EXPECT_TRUE(Throws<RunError>([&] { context->Save(); }, "'block.state'"));
 }
 
 // ---- Threads ----
@@ -472,20 +391,10 @@ TEST(ContextTest, ThreadsRunOneDiagramBitForBitLikeOneAfterTheOther) {
   for (std::size_t i = 0; i < 4; ++i) threads.emplace_back([&, i] { run(parallel[i], i); });
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(parallel, serial);
+  EXPECT_NE(serial[0], serial[1]);
 }
 
 // ---- Random numbers ----
-
-TEST(ContextTest, RunsRepeatWithTheirSeed) {
-  const Rich rich;
-  const auto run = [&](std::uint64_t seed) {
-    Simulator simulator(*rich.diagram, rich.options(seed));
-    simulator.RunTo(0.5);
-    return rich.Digest(simulator);
-  };
-  EXPECT_EQ(run(1), run(1));
-  EXPECT_NE(run(1), run(2));
-}
 
 struct Noise final : LeafSystem<void> {
   Random a{this, "a"}, b{this, "b"};
@@ -498,8 +407,7 @@ TEST(ContextTest, BlocksHaveIndependentStreamsByTheirPath) {
     DiagramBuilder builder;
     std::vector<const Noise*> blocks;
     for (const std::string& name : names) blocks.push_back(&builder.Add<Noise>(name));
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram);
+    Simulator simulator(builder.Build());
     simulator.Initialize();
     std::vector<double> values;
     for (const Noise* block : blocks) {
@@ -514,5 +422,4 @@ TEST(ContextTest, BlocksHaveIndependentStreamsByTheirPath) {
   EXPECT_NE(two[0], two[1]);
 }
 
-}  // namespace
 }  // namespace tenon::context_test

@@ -1,12 +1,6 @@
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 namespace tenon::diagram_builder_test {
-namespace {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -15,7 +9,7 @@ using ::testing::ThrowsMessage;
 
 const auto kSame = [](double u) { return u; };
 
-/// Holds one Map; its ports may be connected inside or not.
+/// A nested diagram with one Map, whose ports may be left unconnected.
 struct BoxParams {
   bool connect_input = true;
   bool connect_output = true;
@@ -31,7 +25,7 @@ class Box final : public Subdiagram {
   Map& map;
 };
 
-/// A Box in a Box.
+/// A nested diagram with a Box.
 class Chest final : public Subdiagram {
  public:
   Chest() : box(Add<Box>("box")) {
@@ -45,29 +39,10 @@ class Chest final : public Subdiagram {
 
 // ---- Inputs ----
 
-TEST(DiagramBuilderTest, UnconnectedInputIsNamed) {
-  DiagramBuilder builder;
-  builder.Add<Cart>("cart");
-  EXPECT_THAT([&] { builder.Build(); },
-              ThrowsMessage<BuildError>(AllOf(HasSubstr("input 'cart.force' is not connected"),
-                                              HasSubstr("connect an output to it"))));
-}
-
 TEST(DiagramBuilderTest, UnconnectedInputOfNestedDiagramNamesBothEnds) {
   DiagramBuilder builder;
   builder.Add<Chest>("chest");
-  EXPECT_THAT([&] { builder.Build(); },
-              ThrowsMessage<BuildError>(AllOf(HasSubstr("input 'chest.in' is not connected"),
-                                              HasSubstr("meant to feed 'chest.box.map.u'"))));
-}
-
-TEST(DiagramBuilderTest, UnconnectedInnerInputIsNamed) {
-  DiagramBuilder builder;
-  auto& box = builder.Add<Box>("box", BoxParams{.connect_input = false});
-  auto& one = builder.AddFunction("one", Uses(), [] { return 1.0; });
-  builder.Connect(one, box.in);
-  EXPECT_THAT([&] { builder.Build(); },
-              ThrowsMessage<BuildError>(HasSubstr("input 'box.map.u' is not connected")));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'chest.in'", "'chest.box.map.u'"));
 }
 
 TEST(DiagramBuilderTest, InputOfNestedDiagramThatNobodyReadsMustBeConnectedToo) {
@@ -77,12 +52,10 @@ TEST(DiagramBuilderTest, InputOfNestedDiagramThatNobodyReadsMustBeConnectedToo) 
   };
   DiagramBuilder closed;
   closed.Add<Deaf>("deaf");
-  EXPECT_THAT([&] { closed.Build(); },
-              ThrowsMessage<BuildError>(HasSubstr("input 'deaf.in' is not connected")));
+  EXPECT_TRUE(Throws<BuildError>([&] { closed.Build(); }, "'deaf.in'"));
   DiagramBuilder open;
   auto& deaf = open.Add<Deaf>("deaf");
-  const auto diagram = open.BuildWithOpenInputs();
-  const auto context = diagram->CreateContext();
+  const auto context = open.BuildWithOpenInputs()->CreateContext();
   context->Set(deaf.in, 3.0);
   EXPECT_EQ(context->Eval(deaf.in), 3);
   EXPECT_EQ(context->time(), 0);
@@ -117,8 +90,7 @@ TEST(DiagramBuilderTest, OptionalInputsReadAsTheirDefault) {
   auto& connected = builder.Add<Optional>("connected");
   auto& wrapper = builder.Add<Wrapper>("wrapper");
   builder.Connect(builder.AddFunction("one", Uses(), [] { return 1.0; }), connected.u);
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.Build()->CreateContext();
   EXPECT_EQ(context->Eval(alone.y), 7);
   EXPECT_EQ(context->Eval(connected.y), 1);
   EXPECT_EQ(context->Eval(wrapper.a.y), 9);
@@ -135,9 +107,7 @@ TEST(DiagramBuilderTest, PortConnectedTwiceNamesBothSources) {
   auto& b = builder.Add<Map>("b", kSame);
   auto& c = builder.Add<Map>("c", kSame);
   builder.Connect(a.y, c.u);
-  EXPECT_THAT([&] { builder.Connect(b.y, c.u); },
-              ThrowsMessage<BuildError>(AllOf(HasSubstr("port 'c.u' is connected twice"), HasSubstr("'a.y'"),
-                                              HasSubstr("'b.y'"), HasSubstr("remove one"))));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Connect(b.y, c.u); }, "'c.u'", "'a.y'", "'b.y'"));
 }
 
 TEST(DiagramBuilderTest, PortsOfAnotherBuilderAreRefused) {
@@ -161,9 +131,7 @@ TEST(DiagramBuilderTest, PortsInsideANestedDiagramAreRefusedFromAnother) {
     }
   };
   DiagramBuilder builder;
-  EXPECT_THAT(
-      [&] { builder.Add<Outer>("outer"); },
-      ThrowsMessage<BuildError>(AllOf(HasSubstr("'box.map.u' cannot be the target"), HasSubstr("nested"))));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Outer>("outer"); }, "'box.map.u'", "nested"));
 }
 
 TEST(DiagramBuilderTest, TheBuilderReachesPortsAtAnyDepth) {
@@ -180,11 +148,8 @@ TEST(DiagramBuilderTest, WrongDirectionIsRefused) {
   DiagramBuilder builder;
   auto& a = builder.Add<Map>("a", kSame);
   auto& b = builder.Add<Map>("b", kSame);
-  EXPECT_THAT(
-      [&] { builder.Connect(a.u, b.u); },
-      ThrowsMessage<BuildError>(AllOf(HasSubstr("'a.u' cannot be the source"), HasSubstr("the wrong way"))));
-  EXPECT_THAT([&] { builder.Connect(a.y, b.y); },
-              ThrowsMessage<BuildError>(HasSubstr("'b.y' cannot be the target")));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Connect(a.u, b.u); }, "'a.u'"));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Connect(a.y, b.y); }, "'b.y'"));
 }
 
 TEST(DiagramBuilderTest, OutputOfNestedDiagramNeedsSomethingInside) {
@@ -193,26 +158,8 @@ TEST(DiagramBuilderTest, OutputOfNestedDiagramNeedsSomethingInside) {
     auto& box = builder.Add<Box>("box", BoxParams{.connect_output = false});
     builder.Connect(builder.AddFunction("one", Uses(), [] { return 1.0; }), box.in);
     if (read) builder.Connect(box.out, builder.Add<Map>("reader", kSame).u);
-    EXPECT_THAT([&] { builder.Build(); },
-                ThrowsMessage<BuildError>(AllOf(HasSubstr("output 'box.out'"), HasSubstr("nothing connected"),
-                                                HasSubstr("connect an inner output to it"))));
+    EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'box.out'"));
   }
-}
-
-TEST(DiagramBuilderTest, NestedDiagramsPassValuesThroughTwoLevels) {
-  DiagramBuilder builder;
-  auto& clock = builder.AddFunction("clock", Uses(builder.time), [](double t) { return t + 1; });
-  auto& chest = builder.Add<Chest>("chest");
-  auto& twice = builder.Add<Map>("twice", [](double u) { return 2 * u; });
-  builder.Connect(clock, chest.in);
-  builder.Connect(chest.out, twice.u);
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
-  EXPECT_EQ(chest.box.map.path(), "chest.box.map");
-  EXPECT_EQ(context->Eval(twice.y), 2);
-  context->SetTime(2);
-  EXPECT_EQ(context->Eval(chest.box.map.u), 3);
-  EXPECT_EQ(context->Eval(twice.y), 6);
 }
 
 // ---- Names and parameters ----
@@ -220,39 +167,29 @@ TEST(DiagramBuilderTest, NestedDiagramsPassValuesThroughTwoLevels) {
 TEST(DiagramBuilderTest, TwoBlocksOfOneNameAreRefused) {
   DiagramBuilder builder;
   builder.Add<Map>("pd", kSame);
-  EXPECT_THAT(
-      [&] { builder.Add<Map>("pd", kSame); },
-      ThrowsMessage<BuildError>(AllOf(HasSubstr("two blocks named 'pd'"), HasSubstr("another name"))));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Map>("pd", kSame); }, "'pd'"));
   class Twins final : public Subdiagram {
    public:
     Twins() { Add<Map>("twin", kSame), Add<Map>("twin", kSame); }
   };
-  EXPECT_THAT(
-      [&] { builder.Add<Twins>("twins"); },
-      ThrowsMessage<BuildError>(AllOf(HasSubstr("inside 'twins': "), HasSubstr("two blocks named 'twin'"))));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Twins>("twins"); }, "'twins'", "'twin'"));
 }
 
 TEST(DiagramBuilderTest, BadNamesAreRefused) {
   DiagramBuilder builder;
   for (const char* name : {"", "a.b", "a b", "a,b", "a\tb"}) {
-    EXPECT_THAT(
-        [&] { builder.Add<Map>(name, kSame); },
-        ThrowsMessage<BuildError>(AllOf(HasSubstr("a block cannot be named '" + std::string(name) + "'"),
-                                        HasSubstr("no dot, comma or blank"))));
+    EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Map>(name, kSame); }, "'" + std::string(name) + "'"));
   }
 }
 
 TEST(DiagramBuilderTest, RefusedParametersNameTheBlock) {
   DiagramBuilder builder;
-  EXPECT_THAT([&] { builder.Add<Cart>("cart", CartParams{.mass = -1}); },
-              ThrowsMessage<ParameterError>(testing::StrEq("block 'cart': mass must be positive")));
+  EXPECT_TRUE(Throws<ParameterError>([&] { builder.Add<Cart>("cart", {.mass = -1}); }, "'cart'", "mass"));
   class Train final : public Subdiagram {
    public:
     Train() { Add<Cart>("first", CartParams{.mass = 0}); }
   };
-  EXPECT_THAT(
-      [&] { builder.Add<Train>("train"); },
-      ThrowsMessage<ParameterError>(testing::StrEq("block 'train': block 'first': mass must be positive")));
+  EXPECT_TRUE(Throws<ParameterError>([&] { builder.Add<Train>("train"); }, "'train'", "'first'", "mass"));
   EXPECT_TRUE(builder.blocks().empty());
 }
 
@@ -268,21 +205,16 @@ TEST(DiagramBuilderTest, AlgebraicLoopNamesEveryHop) {
   builder.Connect(c.y, a.u);
   builder.Connect(a.y, box.in);
   builder.Connect(box.out, c.u);
-  EXPECT_THAT([&] { builder.Build(); },
-              ThrowsMessage<BuildError>(
-                  AllOf(HasSubstr("algebraic loop: 'a.y' uses 'c.y' uses 'box.map.y' uses 'a.y'. Every hop"),
-                        HasSubstr("a block that has state"))));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'a.y'", "'c.y'", "'box.map.y'"));
 }
 
 TEST(DiagramBuilderTest, LoopOfSampledBlocksIsOneAtDifferentRatesToo) {
   DiagramBuilder builder;
-  auto& fast = builder.Add<SampledMap>("fast", SampledMapParams{kSame, {Hz(100)}});
-  auto& slow = builder.Add<SampledMap>("slow", SampledMapParams{kSame, {Hz(10)}});
+  auto& fast = builder.Add<SampledMap>("fast", {kSame, {Hz(100)}});
+  auto& slow = builder.Add<SampledMap>("slow", {kSame, {Hz(10)}});
   builder.Connect(fast.y, slow.u);
   builder.Connect(slow.y, fast.u);
-  EXPECT_THAT([&] { builder.Build(); }, ThrowsMessage<BuildError>(AllOf(
-                                            HasSubstr("algebraic loop: 'fast.y' uses 'slow.y' uses 'fast.y'"),
-                                            HasSubstr("a UnitDelay in front of one of the sampled inputs"))));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'fast.y'", "'slow.y'"));
 }
 
 TEST(DiagramBuilderTest, LoopThroughASharedValueIsFound) {
@@ -295,8 +227,7 @@ TEST(DiagramBuilderTest, LoopThroughASharedValueIsFound) {
   DiagramBuilder builder;
   auto& block = builder.Add<Block>("block");
   builder.Connect(block.y, block.u);
-  EXPECT_THAT([&] { builder.Build(); },
-              ThrowsMessage<BuildError>(HasSubstr("block.twice' uses 'block.y' uses")));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'block.y'"));
 }
 
 class Filter final : public LeafSystem<void> {
@@ -309,7 +240,7 @@ class Filter final : public LeafSystem<void> {
 };
 
 TEST(DiagramBuilderTest, OutputsThatShowOnlyStateCloseNoLoop) {
-  // Of the two outputs, one shows the state, the other feeds the input through. The former closes a loop.
+  // `slow` shows the state and `error` has feedthrough. The loop leads through `slow`.
   class Delay final : public LeafSystem<void> {
    public:
     InputPort<double> u{this, "u"};
@@ -324,8 +255,7 @@ TEST(DiagramBuilderTest, OutputsThatShowOnlyStateCloseNoLoop) {
   builder.Connect(filter.slow, negate.u);
   builder.Connect(negate.y, filter.u);
   builder.Connect(delay.y, delay.u);
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.Build()->CreateContext();
   EXPECT_EQ(context->Eval(filter.error), -6);
   EXPECT_EQ(context->Eval(delay.y), 1);
 }
@@ -342,10 +272,7 @@ TEST(DiagramBuilderTest, UseOfAnotherBlocksPortIsRefused) {
   auto& map = builder.Add<Map>("map", kSame);
   builder.Connect(builder.AddFunction("one", Uses(), [] { return 1.0; }), map.u);
   builder.Add<Thief>("thief", &map);
-  EXPECT_THAT(
-      [&] { builder.Build(); },
-      ThrowsMessage<BuildError>(AllOf(HasSubstr("'thief.y' uses 'map.y', which belongs to another block"),
-                                      HasSubstr("declare an input"))));
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'thief.y'", "'map.y'"));
 }
 
 template <class Block>
@@ -367,10 +294,8 @@ TEST(DiagramBuilderTest, EveryContinuousStateHasOneDerivative) {
   struct None final : LeafSystem<void> {
     ContinuousState<double> x{this, "x"};
   };
-  EXPECT_THAT(BuildWith<Two>(), ThrowsMessage<BuildError>(HasSubstr("'block.x' has two time derivatives")));
-  EXPECT_THAT(BuildWith<None>(),
-              ThrowsMessage<BuildError>(AllOf(HasSubstr("'block.x' has no time derivative"),
-                                              HasSubstr("declare a TimeDerivative"))));
+  EXPECT_TRUE(Throws<BuildError>(BuildWith<Two>(), "'block.x'"));
+  EXPECT_TRUE(Throws<BuildError>(BuildWith<None>(), "'block.x'"));
 }
 
 struct HalfDescribed {
@@ -383,18 +308,14 @@ TEST(DiagramBuilderTest, ContinuousStateListsAllItsMembers) {
     ContinuousState<HalfDescribed> x{this, "x"};
     TimeDerivative<HalfDescribed> dx{x, Uses(x), [](const HalfDescribed& x) { return x; }};
   };
-  EXPECT_THAT(BuildWith<Block>(),
-              ThrowsMessage<BuildError>(
-                  AllOf(HasSubstr("'block.x' holds more than"), HasSubstr("list all members in Fields()"))));
+  EXPECT_TRUE(Throws<BuildError>(BuildWith<Block>(), "'block.x'"));
 }
 
 TEST(DiagramBuilderTest, OffsetNeedsAnInitialValue) {
   struct Block final : LeafSystem<void> {
     OutputPort<double> y{this, "y", Sampled{Hz(10), 0.05}, Uses(time), kSame};
   };
-  EXPECT_THAT(BuildWith<Block>(),
-              ThrowsMessage<BuildError>(AllOf(HasSubstr("'block.y' first runs at t = 0.05 s"),
-                                              HasSubstr("no initial value: declare one before Sampled"))));
+  EXPECT_TRUE(Throws<BuildError>(BuildWith<Block>(), "'block.y'", "t = 0.05 s"));
 }
 
 struct TwoRates final : LeafSystem<void> {
@@ -416,11 +337,8 @@ struct Different final : LeafSystem<void> {
 };
 
 TEST(DiagramBuilderTest, TwoUpdatesOfOneStateAndTriggerAreRefused) {
-  EXPECT_THAT(
-      BuildWith<TwoRates>(),
-      ThrowsMessage<BuildError>(AllOf(HasSubstr("'block.n' has two sampled updates"), HasSubstr("merge"))));
-  EXPECT_THAT(BuildWith<TwoStarts>(),
-              ThrowsMessage<BuildError>(HasSubstr("'block.n' has two updates with the same trigger")));
+  EXPECT_TRUE(Throws<BuildError>(BuildWith<TwoRates>(), "'block.n'", "merge"));
+  EXPECT_TRUE(Throws<BuildError>(BuildWith<TwoStarts>(), "'block.n'"));
   EXPECT_NO_THROW(BuildWith<Different>()());
 }
 
@@ -431,9 +349,7 @@ struct Block final : LeafSystem<void> {
 };
 
 TEST(DiagramBuilderTest, ScratchBelongsToOneCalculation) {
-  EXPECT_THAT(BuildWith<Block>(),
-              ThrowsMessage<BuildError>(AllOf(HasSubstr("scratch 'block.warm' is used by both 'y' and 'z'"),
-                                              HasSubstr("belongs to one calculation"))));
+  EXPECT_TRUE(Throws<BuildError>(BuildWith<Block>(), "'block.warm'", "'y'", "'z'"));
 }
 
 TEST(DiagramBuilderTest, RandomNumbersAreForSampledCalculations) {
@@ -441,28 +357,15 @@ TEST(DiagramBuilderTest, RandomNumbersAreForSampledCalculations) {
     Random random{this, "random"};
     OutputPort<double> y{this, "y", Uses(random), [](RandomStream& r) { return r.Normal(); }};
   };
-  EXPECT_THAT(BuildWith<Block>(),
-              ThrowsMessage<BuildError>(AllOf(HasSubstr("'block.y' uses the random stream 'random'"),
-                                              HasSubstr("declare it Sampled"))));
-}
-
-TEST(DiagramBuilderTest, IncommensurableRatesAreRefused) {
-  DiagramBuilder builder;
-  builder.Add<Counter>("a", Sampled{Rate(1, 999983)});
-  builder.Add<Counter>("b", Sampled{Rate(1, 999979)});
-  builder.Add<Counter>("c", Sampled{Rate(1, 999961)});
-  EXPECT_THAT([&] { builder.Build(); }, ThrowsMessage<BuildError>(AllOf(
-                                            HasSubstr("'a.next n'"), HasSubstr("'c.next n'"),
-                                            HasSubstr("no common tick"), HasSubstr("round their periods"))));
+  EXPECT_TRUE(Throws<BuildError>(BuildWith<Block>(), "'block.y'", "'random'"));
 }
 
 TEST(DiagramBuilderTest, RatesMayMeetSeldom) {
   DiagramBuilder builder;
-  auto& a = builder.Add<Counter>("a", Sampled{Rate(1, 99991)});
-  auto& b = builder.Add<Counter>("b", Sampled{Rate(100003, 1000000)});
-  auto& c = builder.Add<Counter>("c", Sampled{Rate(1, 1000)});
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
+  auto& a = builder.Add<Counter>("a", Sampled{Rate::FromPeriod(1, 99991)});
+  auto& b = builder.Add<Counter>("b", Sampled{Rate::FromPeriod(100003, 1000000)});
+  auto& c = builder.Add<Counter>("c", Sampled{Rate::FromPeriod(1, 1000)});
+  Simulator simulator(builder.Build());
   simulator.RunTo(1);
   EXPECT_EQ(simulator.context().Eval(a.n), 99992);
   EXPECT_EQ(simulator.context().Eval(b.n), 10);
@@ -473,9 +376,9 @@ TEST(DiagramBuilderTest, AHundredRatesAreNotTooMany) {
   DiagramBuilder builder;
   std::vector<Counter*> counters;
   for (int i = 1; i <= 100; ++i)
-    counters.push_back(&builder.Add<Counter>("every_" + std::to_string(i), Sampled{Rate(i, 1000)}));
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
+    counters.push_back(
+        &builder.Add<Counter>("every_" + std::to_string(i), Sampled{Rate::FromPeriod(i, 1000)}));
+  Simulator simulator(builder.Build());
   simulator.RunTo(1);
   for (int i = 1; i <= 100; ++i) EXPECT_EQ(simulator.context().Eval(counters[i - 1]->n), 1000 / i + 1);
 }
@@ -500,45 +403,7 @@ TEST(DiagramBuilderTest, FunctionsOfSeveralPortsAndTime) {
   EXPECT_EQ(simulator.context().Eval(held), 2 + 2 + 0.2 + 2);
 }
 
-TEST(DiagramBuilderTest, FunctionsInsideANestedDiagramUseItsInputs) {
-  class Squarer final : public Subdiagram {
-   public:
-    Squarer() {
-      Connect(AddFunction("square", Uses(in, in), [](double a, double b) { return a * b; }), out);
-    }
-    InputPort<double> in{this, "in"};
-    OutputPort<double> out{this, "out"};
-  };
-  DiagramBuilder builder;
-  auto& squarer = builder.Add<Squarer>("squarer");
-  builder.Connect(builder.AddFunction("three", Uses(), [] { return 3.0; }), squarer.in);
-  const auto diagram = builder.Build();
-  EXPECT_EQ(diagram->CreateContext()->Eval(squarer.out), 9);
-}
-
 // ---- Ports known at run time only ----
-
-TEST(DiagramBuilderTest, ListsOfInputs) {
-  class Sum final : public LeafSystem<std::size_t> {
-   public:
-    explicit Sum(std::size_t size) : LeafSystem(size) {}
-    InputPorts<double> u{this, "u", params};
-    OutputPort<double> y{this, "y", Uses(u, time), [](const Inputs<double>& u, double t) {
-                           double sum = t;
-                           for (std::size_t i = 0; i < u.size(); ++i) sum += u[i];
-                           return sum;
-                         }};
-  };
-  DiagramBuilder builder;
-  auto& sum = builder.Add<Sum>("sum", 3);
-  for (int i = 0; i < 3; ++i) {
-    builder.Connect(builder.AddFunction("f" + std::to_string(i), Uses(), [i] { return std::pow(10, i); }),
-                    sum.u[i]);
-  }
-  const auto diagram = builder.Build();
-  EXPECT_EQ(sum.u[2].name(), "u_2");
-  EXPECT_EQ(diagram->CreateContext()->Eval(sum.y), 111);
-}
 
 TEST(DiagramBuilderTest, UndeclaredReadAtRunTimeIsNamed) {
   class Chooser final : public LeafSystem<bool> {
@@ -557,30 +422,21 @@ TEST(DiagramBuilderTest, UndeclaredReadAtRunTimeIsNamed) {
   DiagramBuilder builder;
   auto& good = builder.Add<Chooser>("good", true);
   auto& bad = builder.Add<Chooser>("bad", false);
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.Build()->CreateContext();
   EXPECT_EQ(context->Eval(good.y), 3);
-  EXPECT_THAT([&] { context->Eval(bad.y); },
-              ThrowsMessage<RunError>(AllOf(HasSubstr("'bad.y' failed"), HasSubstr("reads 'bad.b'"),
-                                            HasSubstr("declared only [a]"), HasSubstr("UsesAtRunTime"))));
+  EXPECT_TRUE(Throws<RunError>([&] { context->Eval(bad.y); }, "'bad.y'", "'bad.b'", "UsesAtRunTime"));
 }
 
 // ---- Looking things up ----
 
 TEST(DiagramBuilderTest, FindGivesTheNearestName) {
-  DiagramBuilder builder;
-  auto& cart = builder.Add<Cart>("cart");
-  auto& pd = builder.Add<Pd>("pd");
-  builder.Connect(cart.state, pd.x);
-  builder.Connect(pd.u, cart.force);
-  const auto diagram = builder.Build();
-  EXPECT_EQ(&diagram->Find("pd.u"), &pd.u);
-  EXPECT_EQ(&diagram->FindBlock("cart"), &cart);
-  EXPECT_THAT([&] { diagram->Find("pd.v"); },
-              ThrowsMessage<Error>(AllOf(HasSubstr("no signal 'pd.v'"), HasSubstr("did you mean 'pd."))));
-  EXPECT_THAT([&] { diagram->FindBlock("card"); }, ThrowsMessage<Error>(HasSubstr("did you mean 'cart'?")));
+  PdLoop loop;
+  const auto diagram = loop.builder.Build();
+  EXPECT_EQ(&diagram->Find("pd.u"), &loop.pd.u);
+  EXPECT_EQ(&diagram->FindBlock("cart"), &loop.cart);
+  EXPECT_TRUE(Throws<Error>([&] { diagram->Find("pd.v"); }, "'pd.v'"));
+  EXPECT_TRUE(Throws<Error>([&] { diagram->FindBlock("card"); }, "'cart'"));
   EXPECT_THAT(diagram->ContinuousStateNames(), ElementsAre("cart.x.position", "cart.x.velocity"));
 }
 
-}  // namespace
 }  // namespace tenon::diagram_builder_test

@@ -1,15 +1,11 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 namespace tenon::graphviz_test {
-namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -78,5 +74,4 @@ TEST(GraphvizTest, DotAcceptsIt) {
   std::filesystem::remove(messages);
 }
 
-}  // namespace
 }  // namespace tenon::graphviz_test

@@ -1,10 +1,6 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/allocation_guard.h>
-
-#include <gtest/gtest.h>
 
 namespace tenon::no_allocation_test {
-namespace {
 
 /// Continuous and discrete states, two rates, noise, scratch, a witness, monitors and updates after each
 /// step.
@@ -40,7 +36,7 @@ class Everything final : public LeafSystem<void> {
   Verdict Check(const Vec<2>& x) const { return x.norm() > 100 ? Verdict("far away") : Verdict(); }
 };
 
-/// Of the explicit methods: the implicit ones allocate inside SUNDIALS, for each Jacobian.
+/// Explicit methods only: with the implicit ones, SUNDIALS allocates for each Jacobian.
 TEST(NoAllocationTest, RunningAllocatesNothing) {
   if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   DiagramBuilder builder;
@@ -65,5 +61,4 @@ TEST(NoAllocationTest, RunningAllocatesNothing) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::no_allocation_test

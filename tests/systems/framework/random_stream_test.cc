@@ -9,11 +9,10 @@
 #include <vector>
 
 namespace tenon::random_stream_test {
-namespace {
 
 constexpr int kCount = 200000;
 
-/// Mean, variance, skewness and kurtosis of what `draw` gives.
+/// Mean, variance, skewness and kurtosis of draw().
 template <class F>
 std::array<double, 4> Moments(F draw) {
   std::vector<double> values(kCount);
@@ -58,7 +57,7 @@ TEST(RandomStreamTest, UniformFillsItsRange) {
 }
 
 TEST(RandomStreamTest, IsTheSameOnEveryMachine) {
-  // xoshiro256++ with the state that SplitMix64 makes of seed 0; first outputs as of the authors' C code.
+  // xoshiro256++ with the state that SplitMix64 makes of seed 0; the first outputs of the authors' C code.
   RandomStream stream(0);
   EXPECT_EQ(stream.Next(), 0x53175d61490b23dfu);
   EXPECT_EQ(stream.Next(), 0x61da6f3dc380d507u);
@@ -96,5 +95,4 @@ TEST(RandomStreamTest, ACopyGoesOnAlike) {
   static_assert(std::is_trivially_copyable_v<RandomStream>);
 }
 
-}  // namespace
 }  // namespace tenon::random_stream_test

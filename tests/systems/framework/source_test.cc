@@ -1,13 +1,9 @@
-// What tools ask ports and states.
+// Properties of ports and states that tools read.
 
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 namespace tenon::source_test {
-namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -45,5 +41,4 @@ TEST(SourceTest, UsesTheEntriesOfAList) {
   EXPECT_THAT(adder.y.uses(), ElementsAre(&adder.weights, &adder.u[0], &adder.u[1]));
 }
 
-}  // namespace
 }  // namespace tenon::source_test

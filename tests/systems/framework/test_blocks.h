@@ -2,6 +2,7 @@
 
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/simulation/simulator.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <cmath>
 #include <functional>
@@ -43,6 +44,18 @@ class Pd final : public LeafSystem<PdParams> {
   double CalcU(const Vec<2>& x, double ref) const { return params.kp * (ref - x[0]) - params.kd * x[1]; }
 };
 
+/// A cart under a sampled PD controller.
+struct PdLoop {
+  explicit PdLoop(const PdParams& params = {}, const CartParams& cart_params = {})
+      : cart(builder.Add<Cart>("cart", cart_params)), pd(builder.Add<Pd>("pd", params)) {
+    builder.Connect(cart.state, pd.x);
+    builder.Connect(pd.u, cart.force);
+  }
+  DiagramBuilder builder;
+  Cart& cart;
+  Pd& pd;
+};
+
 /// The harmonic oscillator q'' = -w² q + u from (1, 0): q = cos w t.
 class Oscillator final : public LeafSystem<double> {
  public:
@@ -65,7 +78,17 @@ class Stiff final : public LeafSystem<void> {
                             [](double x, double t) { return -1e5 * (x - std::cos(t)) - std::sin(t); }};
 };
 
-/// A sampled force of 0: at each of its ticks the integrator has to start again.
+/// The name of a method, for the names of tests.
+inline const char* NameOf(Method method) {
+  constexpr const char* kNames[] = {"Erk", "Dirk", "Bdf", "Adams", "Stabilized", "ErkOpen"};
+  return kNames[static_cast<int>(method)];
+}
+
+/// Every adaptive method of the integrator.
+inline constexpr Method kAllMethods[] = {Method::kErk, Method::kStabilized, Method::kDirk, Method::kBdf,
+                                         Method::kAdams};
+
+/// Connects a sampled force of 0: at each of its ticks the integrator starts again.
 inline void AddRestarts(DiagramBuilder& builder, const std::string& name, Rate rate,
                         InputPort<double>& force) {
   builder.Connect(builder.AddFunction(name, Sampled{rate}, Uses(), [] { return 0.0; }), force);

@@ -22,7 +22,7 @@ enum class Gear { kLow, kHigh };
 constexpr auto EnumNames(Gear) {
   return std::array{Named{Gear::kLow, "low"}, Named{Gear::kHigh, "high"}};
 }
-/// A force that is set from outside, with some noise, so that a run depends on all that it does.
+/// A force set by a parameter, with noise: the run depends on every command and on the seed.
 class Engine final : public LeafSystem<EngineParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -36,7 +36,7 @@ class Engine final : public LeafSystem<EngineParams> {
       }};
 };
 
-/// What a cart looks like.
+/// The shape of a cart.
 class CartView final : public LeafSystem<void> {
  public:
   InputPort<Vec<2>> x{this, {"x", "m, m/s"}};

@@ -11,12 +11,11 @@
 #include <thread>
 
 namespace tenon::internal::live_http_test {
-namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// A server without a run: a thread answers commands with what was asked.
+/// A server without a run: a thread answers each command with its text.
 class LiveHttpTest : public testing::Test {
  protected:
   LiveHttpTest() : client_("127.0.0.1", http_.port()) {
@@ -37,7 +36,7 @@ class LiveHttpTest : public testing::Test {
                        const char* type = "application/json") {
     return client_.Post("/command?client=me", headers, body, type);
   }
-  /// What a stream of events says until `end` came.
+  /// The stream of events up to `end`.
   std::string Listen(const std::string& end) {
     std::string all;
     httplib::Client client("127.0.0.1", http_.port());
@@ -109,7 +108,7 @@ TEST_F(LiveHttpTest, OtherMachinesNeedTheToken) {
   EXPECT_EQ(http.token().size(), 32U);
 }
 
-// As a browser names it.
+// Browsers write an IPv6 address in brackets.
 TEST(LiveHttpStartTest, AnIpv6AddressStandsInBrackets) {
   LiveChannel channel(10);
   std::optional<LiveHttp> http;
@@ -178,5 +177,4 @@ TEST(LiveChannel, AClientIsThereAsLongAsItListens) {
   EXPECT_FALSE(channel.IsConnected("me"));
 }
 
-}  // namespace
 }  // namespace tenon::internal::live_http_test

@@ -2,25 +2,19 @@
 #include <tenon/systems/live/internal/parameter_ranges.h>
 #include <tenon/systems/live/live_server.h>
 #include <tenon/tests/systems/live/live_diagram.h>
-#include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <fstream>
 #include <functional>
 #include <optional>
-#include <sstream>
 
 namespace tenon::live_server_test {
-namespace {
 
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-/// Runs are as fast as they can, and commands come at times of the run: nothing depends on the clock.
+/// Runs without pacing and with commands at simulated times: nothing depends on the clock.
 class LiveServerTest : public testing::Test {
  protected:
   ~LiveServerTest() override { std::filesystem::remove_all(directory_); }
@@ -45,11 +39,7 @@ class LiveServerTest : public testing::Test {
   }
   Json Command(const Json& command) { return Json::parse(server_->Command("test", command.dump())); }
   void Take() { EXPECT_EQ(Command({{"command", "take"}}), Json({{"ok", true}})); }
-  std::string Csv(const std::string& name) const {
-    std::ostringstream text;
-    text << std::ifstream(directory_ / (name + ".csv")).rdbuf();
-    return text.str();
-  }
+  std::string Csv(const std::string& name) const { return test::FileText(directory_ / (name + ".csv")); }
   std::string ReplayedCsv(const std::string& name) {
     const LiveRecording recording = LiveRecording::Read(directory_ / (name + ".jsonl"));
     Simulator simulator(*cart_.diagram, {.seed = recording.seed});
@@ -148,7 +138,11 @@ TEST_F(LiveServerTest, WhoLeavesAfterGoingBackLetsGo) {
   const auto act = [&](std::size_t step) {
     if (step != 1) Take();
     if (step == 1) Command({{"command", "drive"}, {"velocity", {1, 0, 0}}});
-    if (step == 2) Command({{"command", "leave"}});
+    if (step == 2) {
+      EXPECT_EQ(force(), 5);
+      Command({{"command", "leave"}});
+      EXPECT_EQ(force(), 0);
+    }
     if (step == 3) {
       Command({{"command", "back"}, {"to_s", 0.3}});
       EXPECT_EQ(force(), 5);
@@ -160,16 +154,18 @@ TEST_F(LiveServerTest, WhoLeavesAfterGoingBackLetsGo) {
   EXPECT_EQ(ReplayedCsv("live"), Csv("live"));
 }
 
-// A tick that is no frame, and half a second after the beginning, where runs can be set back to.
+// The tick is no frame of the page; it is half a second after the start, where a run can be set back to.
 TEST_F(LiveServerTest, GoesBackToBeforeATickThatWasDoneAlone) {
   frame_ = 0.495;
   const auto act = [&](std::size_t step) {
     if (step == 0) return Take();
     EXPECT_TRUE(Command({{"command", "tick"}}).contains("ok"));
     EXPECT_NEAR(simulator_->context().time(), 0.51, 1e-9);
+    EXPECT_EQ(server_->status().state, "paused");
     EXPECT_TRUE(Command({{"command", "back"}, {"to_s", 0.5}}).contains("ok"));
     EXPECT_TRUE(Command({{"command", "drive"}, {"velocity", {1, 0, 0}}}).contains("ok"));
     Command({{"command", "resume"}});
+    EXPECT_EQ(server_->status().state, "running");
   };
   Run({0, 0.495}, act, 1);
   EXPECT_EQ(ReplayedCsv("live"), Csv("live"));
@@ -181,25 +177,9 @@ TEST_F(LiveServerTest, GoesBackNoFurtherThanItRemembers) {
       [&](std::size_t step) {
         if (step == 0) return Take();
         EXPECT_THAT(Command({{"command", "back"}, {"to_s", 5}})["error"], HasSubstr("can only go back"));
-        EXPECT_THAT(Command({{"command", "back"}, {"to_s", -1}})["error"],
-                    HasSubstr("goes back to 0 s at most"));
+        EXPECT_THAT(Command({{"command", "back"}, {"to_s", -1}})["error"], HasSubstr("at most to 0 s"));
       },
       1.1);
-}
-
-TEST_F(LiveServerTest, OneTickAtATime) {
-  Run(
-      {0, 0.5},
-      [&](std::size_t step) {
-        if (step == 0) return Take();
-        const double before = simulator_->context().time();
-        Command({{"command", "tick"}});
-        EXPECT_NEAR(simulator_->context().time(), before + 0.01, 1e-9);
-        EXPECT_EQ(server_->status().state, "paused");
-        Command({{"command", "resume"}});
-        EXPECT_EQ(server_->status().state, "running");
-      },
-      1);
 }
 
 TEST_F(LiveServerTest, ResetsToAnotherSeed) {
@@ -216,7 +196,7 @@ TEST_F(LiveServerTest, ResetsToAnotherSeed) {
   EXPECT_EQ(ReplayedCsv("reset"), Csv("fresh"));
 }
 
-/// Something with a Parameter whose size is known at run time only.
+/// A block with a Parameter whose size is known at run time only.
 class Weights final : public LeafSystem<void> {
  public:
   Parameter<Eigen::VectorXd> weights{this, {"weights"}, Eigen::VectorXd::Zero(2)};
@@ -227,8 +207,7 @@ TEST(LiveResetTest, BeginsWithWhatTheRunBeganWith) {
   DiagramBuilder builder;
   auto& cart = builder.Add<Cart>("cart");
   auto& weights = builder.Add<Weights>("weights");
-  const auto diagram = builder.BuildWithOpenInputs();
-  Simulator simulator(*diagram);
+  Simulator simulator(builder.BuildWithOpenInputs());
   simulator.context().Set(cart.force, 2);
   simulator.context().Set(cart.x, {1, 0});
   simulator.context().Set(weights.weights, Vec<2>(3, 4));
@@ -278,22 +257,20 @@ TEST_F(LiveServerTest, RefusesWhatCannotBeAndSaysWhy) {
           EXPECT_THAT(server_->Command("other", R"({"command":"take"})"), HasSubstr("'test' drives"));
           return;
         }
-        refused({{"command", "fly"}}, "there is no command 'fly'");
-        refused({{"command", "gait"}, {"name", "trot"}}, "has no 'gait'");
+        refused({{"command", "fly"}}, "'fly'");
+        refused({{"command", "gait"}, {"name", "trot"}}, "'gait'");
         refused({{"command", "drive"}, {"velocity", {2, 0, 0}}}, "give -1 to 1");
         refused({{"command", "drive"}, {"velocity", {0, 0}}}, "three numbers");
         refused({{"command", "drive"}}, "lacks something");
         refused({{"command", "load"}, {"mass_kg", 3}}, "give 1 to 2");
         refused({{"command", "parameter"}, {"path", "engine.force"}, {"value", 11}}, "10 N at most");
-        refused({{"command", "parameter"}, {"path", "engine.farce"}, {"value", 1}},
-                "did you mean 'engine.force'");
+        refused({{"command", "parameter"}, {"path", "engine.farce"}, {"value", 1}}, "'engine.force'");
         refused({{"command", "parameter"}, {"path", "engine.tilt"}, {"value", {1, 2, 3}}}, "has 2 elements");
-        refused({{"command", "parameter"}, {"path", "engine.gear"}, {"value", 9}},
-                "'engine.gear': it cannot be 9: give 0 (low), 1 (high)");
+        refused({{"command", "parameter"}, {"path", "engine.gear"}, {"value", 9}}, "'engine.gear'");
         refused({{"command", "rate"}, {"value", 0}}, "give 0.001 to 1000");
         refused({{"command", "reset"}, {"seed", "x"}}, "another type");
-        refused({{"command", "save"}}, "comes from no scenario");
-        refused({"command"}, "a command is an object");
+        refused({{"command", "save"}}, "has no scenario");
+        refused({"command"}, "a command must be an object");
         EXPECT_EQ(simulator_->context().Eval(cart_.engine->force), 0);
       },
       0.2);
@@ -309,24 +286,6 @@ TEST_F(LiveServerTest, TheWheelIsTakenByForceAlone) {
         EXPECT_THAT(Command({{"command", "pause"}}).value("error", ""), HasSubstr("'other' drives"));
       },
       0.1);
-}
-
-TEST_F(LiveServerTest, WhoLeavesLetsGo) {
-  Run(
-      {0, 0.5, 0.6},
-      [&](std::size_t step) {
-        if (step == 0) {
-          Take();
-          Command({{"command", "drive"}, {"velocity", {1, 0, 0}}});
-        } else if (step == 1) {
-          EXPECT_EQ(simulator_->context().Eval(cart_.engine->force), 5);
-          Command({{"command", "leave"}});
-        } else {
-          EXPECT_EQ(simulator_->context().Eval(cart_.engine->force), 0);
-        }
-      },
-      0.7);
-  EXPECT_EQ(ReplayedCsv("live"), Csv("live"));
 }
 
 TEST_F(LiveServerTest, WhoseEventsEndLetsGo) {
@@ -359,15 +318,12 @@ TEST_F(LiveServerTest, WhoseEventsEndLetsGo) {
 }
 
 TEST_F(LiveServerTest, KeepsNoRowsAfterTheRun) {
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   Simulator simulator(*cart_.diagram);
   internal::LiveChannel channel(30);
   const LiveOptions options{.rate = 0};
   internal::LiveRun(simulator, cart_.view, options, channel).Run(0.1);
   simulator.RunTo(0.2);
-  const AllocationGuard guard;
-  simulator.RunTo(10);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(AllocationsOf([&] { simulator.RunTo(10); }), 0);
 }
 
 TEST_F(LiveServerTest, FindsWhatAParameterMayBe) {
@@ -399,5 +355,4 @@ TEST_F(LiveServerTest, StopsAndTellsTheEnd) {
   EXPECT_EQ(ReplayedCsv("live"), Csv("live"));
 }
 
-}  // namespace
 }  // namespace tenon::live_server_test

@@ -10,7 +10,7 @@
 
 namespace tenon::test {
 
-/// Another program, as far as a block can tell: a socket of its own, at a port that the system chooses.
+/// A socket at a port that the system chooses, in the role of another program.
 class Peer {
  public:
   Peer() : file_(socket(AF_INET, SOCK_DGRAM, 0)) {
@@ -38,7 +38,7 @@ class Peer {
     char byte;
     return recv(file_, &byte, 1, MSG_DONTWAIT) < 0;
   }
-  /// To a port of this machine. What is sent lies in the receiver's queue when this returns.
+  /// Sends to a port of this machine. On return, the text is in the queue of the receiver.
   void Send(int port, const std::string& text) const {
     const sockaddr_in to = At(port);
     EXPECT_EQ(sendto(file_, text.data(), text.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to),

@@ -22,7 +22,7 @@ struct Leg {
   bool operator==(const Leg&) const = default;
 };
 
-/// Something of everything that a signal can be made of, of constant size.
+/// Members of every type of constant size that a signal can hold.
 struct Everything {
   bool on = false;
   float heat = 0;
@@ -62,7 +62,7 @@ inline Everything Extreme() {
   return e;
 }
 
-/// What has its size at run time.
+/// Members whose sizes are known at run time only.
 struct Cloud {
   Eigen::VectorXd weights;
   Eigen::MatrixXd basis;

@@ -3,14 +3,9 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/systems/network/peer.h>
 #include <tenon/tests/systems/network/signals.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
 
 #include <fcntl.h>
 #include <fmt/core.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -19,18 +14,16 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <limits>
 #include <thread>
 
 namespace tenon::udp_test {
-namespace {
 
 using test::Cloud;
 using test::Everything;
 using test::Peer;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using test::kInfinity;
+using test::kNan;
 
 template <class T>
 std::string Sent(const T& value) {
@@ -40,7 +33,7 @@ std::string Sent(const T& value) {
   return peer.Receive();
 }
 
-/// What arrives of a value, through text; the shape is that of `initial`.
+/// A value after it was sent and received; `initial` has its shape.
 template <class T>
 T Returned(const T& value, const T& initial = T{}) {
   UdpInputParams<T> params{.name = "x", .initial = initial, .port = 0};
@@ -83,13 +76,10 @@ TEST(UdpPublisherTest, NamesTheElementsAsLogsDo) {
   EXPECT_EQ(Sent(std::vector<double>{}), R"({"timestamp":0})");
 }
 
-TEST(UdpPublisherTest, WritesWhatJsonHasNoNumberFor) {
+TEST(UdpPublisherTest, WritesNumbersAndNamesThatJsonDoesNotHave) {
   EXPECT_EQ(Sent(Vec<3>(kNan, kInfinity, -kInfinity)),
             R"({"timestamp":0,"x":{"x":"NaN","y":"Infinity","z":"-Infinity"}})");
   EXPECT_EQ(Sent(-0.0), R"({"timestamp":0,"x":-0.0})");
-}
-
-TEST(UdpPublisherTest, NamesMayHoldAnything) {
   const Peer peer;
   TestRig<UdpPublisher<double>> rig({.name = "a \"b\"\\", .port = peer.port()});
   rig.Fix(rig->u, 1).Tick();
@@ -125,35 +115,26 @@ TEST(UdpPublisherTest, NobodyNeedListen) {
 }
 
 TEST(UdpPublisherTest, SendsWithoutAllocating) {
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   const Peer peer;
   TestRig<UdpPublisher<Cloud>> rig({.name = "a signal with a long name", .port = peer.port()});
   rig.Fix(rig->u, test::SomeCloud()).Tick().Tick();
-  const AllocationGuard guard;
-  for (int i = 0; i < 100; ++i) rig.Tick();
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(1); }), 0);
 }
 
 TEST(UdpPublisherTest, RefusesWhatItCannotSend) {
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { TestRig<UdpPublisher<double>> rig; }, "block 'block'", "name is empty"));
-  EXPECT_TRUE(Throws<ParameterError>([] { TestRig<UdpPublisher<double>> rig({.name = "timestamp"}); },
-                                     "name = 'timestamp' is what the time is called: choose another"));
-  EXPECT_TRUE(Throws<ParameterError>([] { TestRig<UdpPublisher<double>> rig({.name = "x", .port = 0}); },
-                                     "port = 0 must be 1 to 65535"));
-  EXPECT_TRUE(Throws<ParameterError>(
-      [] { TestRig<UdpPublisher<double>> rig({.name = "x", .address = "no address", .port = 9}); },
-      "block 'block': address = 'no address', port 9: ", "give an address such as 127.0.0.1"));
-  EXPECT_TRUE(Throws<ParameterError>([] { TestRig<UdpPublisher<std::string>> rig({.name = "x"}); },
-                                     "std::string holds no numbers", "Fields()"));
+  using Publisher = UdpPublisher<double>;
+  EXPECT_TRUE(Refuses<Publisher>({}, "name"));
+  EXPECT_TRUE(Refuses<Publisher>({.name = "timestamp"}, "'timestamp'"));
+  EXPECT_TRUE(Refuses<Publisher>({.name = "x", .port = 0}, "port = 0"));
+  EXPECT_TRUE(Refuses<Publisher>({.name = "x", .address = "no address", .port = 9}, "'no address'"));
+  EXPECT_TRUE(Refuses<UdpPublisher<std::string>>({.name = "x"}, "Fields()"));
 }
 
 TEST(UdpPublisherTest, ADatagramHoldsOnlySoMuch) {
   const Peer peer;
   TestRig<UdpPublisher<Eigen::VectorXd>> rig({.name = "x", .port = peer.port()});
   rig.Fix(rig->u, Eigen::VectorXd::Constant(4000, -1.0 / 3));
-  EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "'block.send' failed at t = 0 s",
-                               "a message of signal 'x' has ", "bytes, a datagram holds 65507", "in parts"));
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "'block.send'", "t = 0 s", "'x'"));
 }
 
 TEST(UdpPublisherTest, CountsWhatTheSystemDoesNotTake) {
@@ -181,7 +162,7 @@ TEST(UdpPublisherTest, NeedsAFile) {
   }
   setrlimit(RLIMIT_NOFILE, &limit);
   ASSERT_TRUE(thrown);
-  EXPECT_TRUE(Throws<RunError>([&] { std::rethrow_exception(thrown); }, "no socket for 127.0.0.1:9: "));
+  EXPECT_TRUE(Throws<RunError>([&] { std::rethrow_exception(thrown); }, "127.0.0.1:9"));
 }
 
 // ---- There and back ----
@@ -196,7 +177,7 @@ TEST(UdpTest, NumbersArriveAsTheyAre) {
   }
 }
 
-// A publisher writes what JSON has no number for as a text.
+// JSON has no numbers that are not finite: a publisher writes them as text.
 TEST(UdpTest, NumbersThatAreNotFiniteAreRefused) {
   TestRig<UdpInput<double>> input({.name = "x", .port = 0});
   TestRig<UdpPublisher<double>> rig({.name = "x", .port = input->port()});
@@ -204,7 +185,7 @@ TEST(UdpTest, NumbersThatAreNotFiniteAreRefused) {
   for (const double x : {kNan, kInfinity, -kInfinity}) rig.Fix(rig->u, x).Tick();
   EXPECT_EQ(input.Tick()[input->y], 1);
   EXPECT_EQ(input[input->refused].count, 3u);
-  EXPECT_EQ(input[input->refused].reason, "'x' is a text, no number");
+  EXPECT_EQ(input[input->refused].reason, "'x' is a text, not a number");
 }
 
 TEST(UdpTest, WhatHasItsSizeAtRunTimeHasThatOfInitial) {
@@ -237,7 +218,7 @@ TEST(UdpInputTest, TakesOverAtItsTicksWhatCameLast) {
   EXPECT_EQ(rig[rig->refused].count, 0u);
 }
 
-/// Whether the system's buffer of the port runs empty without a tick; ten seconds are for ever.
+/// Waits until the system's buffer of the port is empty; false after ten seconds.
 bool RunsEmpty(int port) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   const std::string address = fmt::format("0100007F:{:04X} ", port);
@@ -252,7 +233,7 @@ bool RunsEmpty(int port) {
   return false;
 }
 
-// A thousand messages for each tick are more than a socket's buffer holds, which drops what comes then.
+// A thousand messages between two ticks: the buffer of a socket would overflow and drop the newest ones.
 TEST(UdpInputTest, TheNewestArrivesHoweverFastTheSender) {
   const Peer peer;
   TestRig<UdpInput<double>> rig({.name = "x", .rate = Hz(1), .port = 0});
@@ -305,44 +286,40 @@ TEST(UdpInputTest, RefusesWhatIsNoMessageOfTheSignalAndSaysWhy) {
     EXPECT_TRUE(y.d == 1.5 && y.f == 2 && y.u == 3 && y.b) << message;
     return refused.reason;
   };
-  EXPECT_EQ(reason(""), "it is no JSON: something is wrong before byte 1");
-  EXPECT_EQ(reason("hello"), "it is no JSON: something is wrong before byte 1");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":9,"f":9,"u":9,"b":false)"),
-            "it is no JSON: something is wrong before byte 48");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":9,"f":9,"u":9,"b":false}} and more)"),
-            "it is no JSON: something is wrong before byte 51");
-  EXPECT_EQ(reason("5"), "it is no object");
-  EXPECT_EQ(reason("[1, 2]"), "'' is a list, no number");
-  EXPECT_EQ(reason(std::string(20000, '[')), "'' is a list, no number");
-  EXPECT_EQ(reason(R"({"timestamp":0})"), "'x.d' is missing");
-  EXPECT_EQ(reason(R"({"x":{"d":9,"f":9,"u":9,"b":0}})"), "'timestamp' is missing");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":9,"f":9,"u":9,"b":0,"e":1}})"),
-            "'x.e' is no element of the signal");
-  EXPECT_EQ(reason(R"({"timestamp":0,"y":1})"), "'y' is no element of the signal");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":9,"d":8}})"), "'x.d' is there twice");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":null}})"), "'x.d' is null");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":"9"}})"), "'x.d' is a text, no number");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":[9]}})"), "'x.d' is a list, no number");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":1,"f":1e39,"u":9,"b":0}})"),
-            "'x.f' = 1e+39 does not fit its element");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":1,"f":1,"u":256,"b":0}})"),
-            "'x.u' = 256 does not fit its element");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":1,"f":1,"u":-1,"b":0}})"),
-            "'x.u' = -1 does not fit its element");
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":1,"f":1,"u":1.5,"b":0}})"),
-            "'x.u' = 1.5 does not fit its element");
+  const auto expect = [&](const std::string& message, const char* part) {
+    EXPECT_THAT(reason(message), testing::HasSubstr(part)) << message;
+  };
+  expect("", "no JSON: something is wrong before byte 1");
+  expect("hello", "no JSON: something is wrong before byte 1");
+  expect(R"({"timestamp":0,"x":{"d":9,"f":9,"u":9,"b":false)", "byte 48");
+  expect(R"({"timestamp":0,"x":{"d":9,"f":9,"u":9,"b":false}} and more)", "byte 51");
+  expect("5", "no object");
+  expect("[1, 2]", "a list");
+  expect(std::string(20000, '['), "a list");
+  expect(R"({"x":{"d":9,"f":9,"u":9,"b":0}})", "'timestamp' is missing");
+  expect(R"({"timestamp":0})", "'x.d' is missing");
+  expect(R"({"timestamp":0,"y":1})", "'y'");
+  // Members of x that are wrong, and the element in the message.
+  const std::pair<const char*, const char*> wrong[] = {{R"("d":9,"f":9,"u":9,"b":0,"e":1)", "'x.e'"},
+                                                       {R"("d":9,"d":8)", "'x.d' is there twice"},
+                                                       {R"("d":null)", "'x.d'"},
+                                                       {R"("d":"9")", "'x.d'"},
+                                                       {R"("d":[9])", "'x.d'"},
+                                                       {R"("d":1,"f":1e39,"u":9,"b":0)", "'x.f' = 1e+39"},
+                                                       {R"("d":1,"f":1,"u":256,"b":0)", "'x.u' = 256"},
+                                                       {R"("d":1,"f":1,"u":-1,"b":0)", "'x.u' = -1"},
+                                                       {R"("d":1,"f":1,"u":1.5,"b":0)", "'x.u' = 1.5"},
+                                                       {R"("d":1,"f":1,"u":1,"b":2)", "'x.b' = 2"},
+                                                       {R"("d":1e999,"f":1,"u":1,"b":0)", "no JSON"}};
+  for (const auto& [members, part] : wrong)
+    expect(fmt::format(R"({{"timestamp":0,"x":{{{}}}}})", members), part);
   for (const char* text : {"NaN", "Infinity", "-Infinity", "nan", "inf", "-inf"}) {
-    EXPECT_EQ(reason(fmt::format(R"({{"timestamp":0,"x":{{"d":"{}","f":1,"u":1,"b":0}}}})", text)),
-              "'x.d' is a text, no number");
-    EXPECT_EQ(reason(fmt::format(R"({{"timestamp":"{}","x":{{"d":1,"f":1,"u":1,"b":0}}}})", text)),
-              "'timestamp' is a text, no number");
-    EXPECT_THAT(reason(fmt::format(R"({{"timestamp":0,"x":{{"d":{},"f":1,"u":1,"b":0}}}})", text)),
-                testing::StartsWith("it is no JSON"));
+    expect(fmt::format(R"({{"timestamp":0,"x":{{"d":"{}","f":1,"u":1,"b":0}}}})", text), "'x.d' is a text");
+    expect(fmt::format(R"({{"timestamp":"{}","x":{{"d":1,"f":1,"u":1,"b":0}}}})", text),
+           "'timestamp' is a text");
+    expect(fmt::format(R"({{"timestamp":0,"x":{{"d":{},"f":1,"u":1,"b":0}}}})", text), "no JSON");
   }
-  EXPECT_THAT(reason(R"({"timestamp":0,"x":{"d":1e999,"f":1,"u":1,"b":0}})"),
-              testing::StartsWith("it is no JSON"));
-  EXPECT_EQ(reason(R"({"timestamp":0,"x":{"d":1,"f":1,"u":1,"b":2}})"), "'x.b' = 2 does not fit its element");
-  // As kinds of numbers go into one another.
+  // Numbers are converted where the element can hold them.
   peer.Send(rig->port(), R"({"timestamp":0,"x":{"d":true,"f":2.5,"u":4.0,"b":1}})");
   rig.Tick();
   EXPECT_TRUE(rig[rig->y].d == 1 && rig[rig->y].f == 2.5 && rig[rig->y].u == 4 && rig[rig->y].b);
@@ -354,31 +331,20 @@ TEST(UdpInputTest, RefusesAnEnumerationsValueWithoutName) {
   peer.Send(rig->port(), R"({"timestamp":0,"leg":{"phase":1,"p_W":{"x":0,"y":0,"z":0}}})");
   peer.Send(rig->port(), R"({"timestamp":0,"leg":{"phase":9,"p_W":{"x":0,"y":0,"z":0}}})");
   rig.Tick();
-  EXPECT_EQ(rig[rig->refused].reason, "'leg.phase' = 9 is none of 0 (stance), 1 (swing)");
+  EXPECT_EQ(rig[rig->refused].reason, "'leg.phase' = 9 must be one of 0 (stance), 1 (swing)");
   EXPECT_EQ(rig[rig->y].phase, test::Phase::kSwing);
 }
 
 TEST(UdpInputTest, RefusesWhatItCannotOpen) {
   const Peer peer;
-  const std::string port = std::to_string(peer.port());
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { TestRig<UdpInput<double>> rig({.name = "x", .port = peer.port()}); },
-                             "block 'block': cannot receive at 127.0.0.1:" + port,
-                             "choose another port, 0 for any, or end the program that has it"));
-  EXPECT_TRUE(Throws<ParameterError>(
-      [] { TestRig<UdpInput<double>> rig({.name = "x", .address = "192.0.2.1", .port = 0}); },
-      "cannot receive at 192.0.2.1:0", "give an address of this machine"));
-  EXPECT_TRUE(Throws<ParameterError>(
-      [] { TestRig<UdpInput<double>> rig({.name = "x", .address = "no address", .port = 9}); },
-      "address = 'no address', port 9", "give an address such as 127.0.0.1"));
-  EXPECT_TRUE(Throws<ParameterError>([] { TestRig<UdpInput<double>> rig({.name = "x", .port = 65536}); },
-                                     "port = 65536 must be 0 to 65535"));
-  EXPECT_TRUE(Throws<ParameterError>([] { TestRig<UdpInput<double>> rig({.port = 0}); }, "name is empty"));
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { TestRig<UdpInput<double>> rig({.name = "x", .port = 0, .timeout_s = 0}); },
-                             "timeout_s = 0 must be positive and finite"));
-  EXPECT_TRUE(Throws<ParameterError>([] { TestRig<UdpInput<std::string>> rig({.name = "x", .port = 0}); },
-                                     "std::string holds no numbers"));
+  using Input = UdpInput<double>;
+  EXPECT_TRUE(Refuses<Input>({.name = "x", .port = peer.port()}, "127.0.0.1:" + std::to_string(peer.port())));
+  EXPECT_TRUE(Refuses<Input>({.name = "x", .address = "192.0.2.1", .port = 0}, "192.0.2.1:0"));
+  EXPECT_TRUE(Refuses<Input>({.name = "x", .address = "no address", .port = 9}, "'no address'"));
+  EXPECT_TRUE(Refuses<Input>({.name = "x", .port = 65536}, "port = 65536"));
+  EXPECT_TRUE(Refuses<Input>({.port = 0}, "name"));
+  EXPECT_TRUE(Refuses<Input>({.name = "x", .port = 0, .timeout_s = 0}, "timeout_s = 0"));
+  EXPECT_TRUE(Refuses<UdpInput<std::string>>({.name = "x", .port = 0}, "std::string"));
 }
 
 TEST(UdpInputTest, KnowsIpv6) {
@@ -414,23 +380,18 @@ TEST(UdpInputTest, ALockStepThatIsLostEndsTheRun) {
       .name = "x", .rate = Hz(10), .port = 0, .lock_step = true, .timeout_s = 1e-3};
   TestRig<UdpInput<double>> none(params);
   const std::string address = "signal 'x' at UDP 127.0.0.1:" + std::to_string(none->port());
-  EXPECT_TRUE(Throws<RunError>([&] { none.Tick(); }, "'block.y' failed at t = 0 s: " + address,
-                               "no message of t = 0 s within 0.001 s (none came)",
-                               "start the sender after this one", "raise timeout_s"));
+  EXPECT_TRUE(Throws<RunError>([&] { none.Tick(); }, "'block.y' failed at t = 0 s: " + address, "t = 0 s"));
 
   TestRig<UdpInput<double>> past(params);
   peer.Send(past->port(), R"({"timestamp":0,"x":1})");
   past.Tick();
   peer.Send(past->port(), R"({"timestamp":0.05,"x":1})");
   peer.Send(past->port(), "{}");
-  EXPECT_TRUE(Throws<RunError>([&] { past.Tick(); }, "no message of t = 0.1 s",
-                               "(the last one is of t = 0.05 s; 1 were refused: 'x' is missing)"));
+  EXPECT_TRUE(Throws<RunError>([&] { past.Tick(); }, "t = 0.1 s", "'x'", "t = 0.05 s"));
 
   TestRig<UdpInput<double>> future(params);
   peer.Send(future->port(), R"({"timestamp":0.1,"x":1})");
-  EXPECT_TRUE(Throws<RunError>([&] { future.Tick(); },
-                               "the message of t = 0 s is lost, the next one is of t = 0.1 s",
-                               "the same rate"));
+  EXPECT_TRUE(Throws<RunError>([&] { future.Tick(); }, "t = 0 s", "t = 0.1 s"));
 }
 
 // ---- Recording ----
@@ -456,7 +417,7 @@ TEST(UdpInputTest, ARecordedRunReplaysBitForBit) {
   const auto recording = simulator.context().Eval(pushed.input->taken).recording;
   ASSERT_EQ(recording.size(), 10u);
 
-  // The port stays shut: the one of the run is still open.
+  // A replay does not open the port, which is still in use.
   Pushed again({.name = "force", .unit = "N", .port = pushed.input->port(), .replay = recording});
   Simulator replay(again.builder.Build());
   replay.RunTo(0.371);
@@ -480,5 +441,4 @@ TEST(UdpInputTest, ASnapshotHasWhatWasTakenAndRefused) {
   EXPECT_EQ(rig[rig->y], 1);
 }
 
-}  // namespace
 }  // namespace tenon::udp_test

@@ -1,39 +1,20 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/adder.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
-#include <gtest/gtest.h>
-
-#include <limits>
 #include <vector>
 
 namespace tenon::adder_test {
-namespace {
-
-TEST(AdderTest, AddsTwoInputsByDefault) {
-  TestRig<Adder<>> rig;
-  auto& u = rig.system().u;
-  ASSERT_EQ(u.size(), 2u);
-  EXPECT_EQ(rig.Fix(u[0], 3).Fix(u[1], 4)[rig.system().y], 7);
-}
 
 TEST(AdderTest, Weighs) {
-  TestRig<Adder<Vec<2>>> rig(AdderParams{.weights = {1, -1, 0.5}});
-  auto& u = rig.system().u;
+  TestRig<Adder<Vec<2>>> rig({.weights = {1, -1, 0.5}});
+  auto& u = rig->u;
   rig.Fix(u[0], {1, 2}).Fix(u[1], {3, 5}).Fix(u[2], {4, -4});
-  EXPECT_THAT(rig[rig.system().y], IsNear(Vec<2>(0, -5), 0));
-}
-
-TEST(AdderTest, TakesOneInput) {
-  TestRig<Adder<>> rig(AdderParams{.weights = {-1}});
-  EXPECT_EQ(rig.Fix(rig.system().u[0], 3)[rig.system().y], -3);
+  EXPECT_THAT(rig[rig->y], IsNear(Vec<2>(0, -5), 0));
 }
 
 TEST(AdderTest, TakesManyInputs) {
   const std::vector<double> weights = {1, 2, 3, 4, 5};
-  TestRig<Adder<>> rig(AdderParams{.weights = weights});
+  TestRig<Adder<>> rig({.weights = weights});
   for (std::size_t i = 0; i < weights.size(); ++i) rig.Fix(rig->u[i], 1);
   EXPECT_EQ(rig[rig->y], 15);
   rig.Set(rig->weights, {1, 1, 1, 1, 0});
@@ -50,13 +31,8 @@ TEST(AdderTest, WeightsAreSaved) {
 }
 
 TEST(AdderTest, RefusesBadWeights) {
-  EXPECT_TRUE(Throws<ParameterError>([] { Adder<> adder(AdderParams{.weights = {}}); }, "must not be empty"));
-  const double infinity = std::numeric_limits<double>::infinity();
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] {
-        Adder<> adder(AdderParams{.weights = {1, infinity}});
-      },
-      "weights must be finite"));
+  EXPECT_TRUE(Refuses<Adder<>>({.weights = {}}, "weights"));
+  EXPECT_TRUE(Refuses<Adder<>>({.weights = {1, test::kInfinity}}, "weights"));
 }
 
 TEST(AdderTest, WeightsAreSetInARun) {
@@ -64,8 +40,7 @@ TEST(AdderTest, WeightsAreSetInARun) {
   rig.Fix(rig->u[0], 3).Fix(rig->u[1], 4).Set(rig->weights, {1, -1});
   EXPECT_EQ(rig[rig->y], -1);
   rig.Set(rig->weights, {1});
-  EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "'block.y'", "there are 1 weights, but 2 inputs"));
+  EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "'block.y'"));
 }
 
-}  // namespace
 }  // namespace tenon::adder_test

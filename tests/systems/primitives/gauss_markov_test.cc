@@ -1,18 +1,10 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/gauss_markov.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 namespace tenon::gauss_markov_test {
-namespace {
-
-const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(GaussMarkovTest, IsCorrelatedAsItSays) {
   constexpr double kTime = 0.02;  // 1000 Hz: a correlation of exp(-lag / 20)
@@ -27,7 +19,7 @@ TEST(GaussMarkovTest, IsCorrelatedAsItSays) {
     y.push_back(sample[0]);
     if (i >= kLag) product += y[static_cast<std::size_t>(i - kLag)] * sample[0];
   }
-  // About kSamples / 20 of them are independent: four standard errors.
+  // Four standard errors; about kSamples / 20 of the samples are independent.
   const double error = 4 * std::sqrt(2.0 * 20 / kSamples);
   EXPECT_NEAR(squares[0] / kSamples / 4, 1, error);
   EXPECT_NEAR(squares[1] / kSamples / 0.01, 1, error);
@@ -59,15 +51,10 @@ TEST(GaussMarkovTest, DecaysWhenItsDeviationIsSetToZero) {
 }
 
 TEST(GaussMarkovTest, RefusesBadParameters) {
-  for (const double bad : {-1.0, kNan}) {
-    EXPECT_TRUE(Throws<ParameterError>([&] { GaussMarkov<> block({.standard_deviation = bad}); },
-                                       "standard_deviation must be"));
-  }
-  for (const double bad : {0.0, -1.0, kNan}) {
-    EXPECT_TRUE(Throws<ParameterError>([&] { GaussMarkov<> block({.time_constant = bad}); },
-                                       "time_constant must be positive"));
-  }
+  for (const double bad : {-1.0, test::kNan})
+    EXPECT_TRUE(Refuses<GaussMarkov<>>({.standard_deviation = bad}, "standard_deviation"));
+  for (const double bad : {0.0, -1.0, test::kNan})
+    EXPECT_TRUE(Refuses<GaussMarkov<>>({.time_constant = bad}, "time_constant"));
 }
 
-}  // namespace
 }  // namespace tenon::gauss_markov_test

@@ -1,13 +1,7 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/multiport_switch.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::multiport_switch_test {
-namespace {
 
 enum class Gait { kStand, kTrot, kPace };
 
@@ -30,15 +24,12 @@ TEST(MultiportSwitchTest, RefusesNumbersOfNoSignal) {
   rig.Fix(rig->u[0], 1).Fix(rig->u[1], 2);
   for (const int bad : {-1, 2}) {
     rig.Fix(rig->select, bad);
-    EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "'block.y'", "select is " + std::to_string(bad),
-                                 "2 signals are numbered from 0 to 1"));
+    EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "'block.y'", "select is " + std::to_string(bad)));
   }
 }
 
 TEST(MultiportSwitchTest, RefusesToChooseFromNothing) {
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { MultiportSwitch<> block({.count = 0}); }, "count must be 1 or more"));
+  EXPECT_TRUE(Refuses<MultiportSwitch<>>({.count = 0}, "count"));
 }
 
-}  // namespace
 }  // namespace tenon::multiport_switch_test

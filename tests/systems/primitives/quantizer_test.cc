@@ -1,17 +1,7 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/quantizer.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
-
-#include <limits>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::quantizer_test {
-namespace {
-
-const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(QuantizerTest, RoundsToTheNearestStep) {
   TestRig<Quantizer<Vec<3>>> rig({.step = {0.25, 2, 1}});
@@ -21,10 +11,8 @@ TEST(QuantizerTest, RoundsToTheNearestStep) {
 }
 
 TEST(QuantizerTest, RefusesABadStep) {
-  for (const double bad : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()}) {
-    EXPECT_TRUE(Throws<ParameterError>([&] { Quantizer<> block({.step = bad}); }, "step must be positive"));
-  }
+  for (const double bad : {0.0, -1.0, test::kNan, test::kInfinity})
+    EXPECT_TRUE(Refuses<Quantizer<>>({.step = bad}, "step"));
 }
 
-}  // namespace
 }  // namespace tenon::quantizer_test

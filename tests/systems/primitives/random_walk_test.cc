@@ -1,17 +1,9 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/random_walk.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <cmath>
-#include <limits>
 
 namespace tenon::random_walk_test {
-namespace {
-
-const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(RandomWalkTest, VarianceGrowsWithTimeWhateverTheRate) {
   for (const double rate : {10.0, 100.0}) {
@@ -44,12 +36,10 @@ TEST(RandomWalkTest, WithoutDensityIsABiasThatStays) {
 }
 
 TEST(RandomWalkTest, RefusesBadParameters) {
-  for (const double bad : {-1.0, kNan}) {
-    EXPECT_TRUE(Throws<ParameterError>([&] { RandomWalk<> block({.density = bad}); }, "density must be"));
-    EXPECT_TRUE(Throws<ParameterError>([&] { RandomWalk<> block({.start_deviation = bad}); },
-                                       "start_deviation must be"));
+  for (const double bad : {-1.0, test::kNan}) {
+    EXPECT_TRUE(Refuses<RandomWalk<>>({.density = bad}, "density"));
+    EXPECT_TRUE(Refuses<RandomWalk<>>({.start_deviation = bad}, "start_deviation"));
   }
 }
 
-}  // namespace
 }  // namespace tenon::random_walk_test

@@ -1,18 +1,9 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/sine.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <cmath>
-#include <limits>
 
 namespace tenon::sine_test {
-namespace {
-
-const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(SineTest, HasItsDerivatives) {
   TestRig<Sine<>> rig({.amplitude = 2, .angular_frequency = 3, .phase = 0.5, .offset = 1, .unit = "m"});
@@ -40,11 +31,10 @@ TEST(SineTest, IsSetInARun) {
 }
 
 TEST(SineTest, RefusesWhatIsNotFinite) {
-  EXPECT_TRUE(Throws<ParameterError>([] { Sine<> block({.amplitude = kNan}); }, "must be finite"));
-  EXPECT_TRUE(Throws<ParameterError>([] { Sine<> block({.angular_frequency = kNan}); }, "must be finite"));
-  EXPECT_TRUE(Throws<ParameterError>([] { Sine<> block({.phase = kNan}); }, "must be finite"));
-  EXPECT_TRUE(Throws<ParameterError>([] { Sine<> block({.offset = kNan}); }, "must be finite"));
+  EXPECT_TRUE(Refuses<Sine<>>({.amplitude = test::kNan}, "amplitude"));
+  EXPECT_TRUE(Refuses<Sine<>>({.angular_frequency = test::kNan}, "angular_frequency"));
+  EXPECT_TRUE(Refuses<Sine<>>({.phase = test::kNan}, "phase"));
+  EXPECT_TRUE(Refuses<Sine<>>({.offset = test::kNan}, "offset"));
 }
 
-}  // namespace
 }  // namespace tenon::sine_test

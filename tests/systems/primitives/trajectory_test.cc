@@ -1,15 +1,7 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/trajectory.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::trajectory_test {
-namespace {
 
 TEST(TrajectoryTest, ReproducesACubic) {
   const auto p = [](double t) -> Vec<2> { return {1 + t * t * t, 2 * t - t * t}; };
@@ -23,74 +15,48 @@ TEST(TrajectoryTest, ReproducesACubic) {
   TestRig<Trajectory<Vec<2>>> rig(params);
   for (const double t : {-1.0, -0.3, 0.0, 0.2, 0.5, 1.7, 2.0, 2.9, 3.0}) {
     rig.context().SetTime(t);
-    EXPECT_THAT(rig[rig.system().y], IsNear(p(t), 1e-13)) << t;
-    EXPECT_THAT(rig[rig.system().dy], IsNear(v(t), 1e-13)) << t;
-    EXPECT_THAT(rig[rig.system().ddy], IsNear(a(t), 1e-12)) << t;
+    EXPECT_THAT(rig[rig->y], IsNear(p(t), 1e-13)) << t;
+    EXPECT_THAT(rig[rig->dy], IsNear(v(t), 1e-13)) << t;
+    EXPECT_THAT(rig[rig->ddy], IsNear(a(t), 1e-12)) << t;
   }
 }
 
 TEST(TrajectoryTest, IsTwiceContinuouslyDifferentiable) {
-  TestRig<Trajectory<>> rig(TrajectoryParams<>{.times = {0, 1, 1.5, 3, 4}, .values = {0, 2, -1, 0.5, 3}});
-  auto& block = rig.system();
+  TestRig<Trajectory<>> rig({.times = {0, 1, 1.5, 3, 4}, .values = {0, 2, -1, 0.5, 3}});
   for (const double knot : {1.0, 1.5, 3.0}) {
     rig.context().SetTime(knot - 1e-9);
-    const double y = rig[block.y], dy = rig[block.dy], ddy = rig[block.ddy];
+    const double y = rig[rig->y], dy = rig[rig->dy], ddy = rig[rig->ddy];
     rig.context().SetTime(knot + 1e-9);
-    EXPECT_NEAR(rig[block.y], y, 1e-6);
-    EXPECT_NEAR(rig[block.dy], dy, 1e-6);
-    EXPECT_NEAR(rig[block.ddy], ddy, 1e-6);
+    EXPECT_NEAR(rig[rig->y], y, 1e-6);
+    EXPECT_NEAR(rig[rig->dy], dy, 1e-6);
+    EXPECT_NEAR(rig[rig->ddy], ddy, 1e-6);
   }
   rig.context().SetTime(1.5);
-  EXPECT_EQ(rig[block.y], -1);
+  EXPECT_EQ(rig[rig->y], -1);
 }
 
 TEST(TrajectoryTest, StartsAndEndsAtRest) {
-  TestRig<Trajectory<>> rig(TrajectoryParams<>{.times = {1, 3}, .values = {0, 4}});  // 4 (3 r^2 - 2 r^3)
-  auto& block = rig.system();
+  TestRig<Trajectory<>> rig({.times = {1, 3}, .values = {0, 4}, .unit = "m"});  // 4 (3 r^2 - 2 r^3)
   const double points[][4] = {{0, 0, 0, 0}, {1, 0, 0, 6}, {2, 2, 3, 0}, {3, 4, 0, -6}, {5, 4, 0, 0}};
   for (const auto& [t, y, dy, ddy] : points) {
     rig.RunTo(t);
-    EXPECT_NEAR(rig[block.y], y, 1e-14) << t;
-    EXPECT_NEAR(rig[block.dy], dy, 1e-14) << t;
-    EXPECT_NEAR(rig[block.ddy], ddy, 1e-14) << t;
+    EXPECT_NEAR(rig[rig->y], y, 1e-14) << t;
+    EXPECT_NEAR(rig[rig->dy], dy, 1e-14) << t;
+    EXPECT_NEAR(rig[rig->ddy], ddy, 1e-14) << t;
   }
-}
-
-TEST(TrajectoryTest, CarriesItsUnits) {
-  TestRig<Trajectory<Vec<2>>> rig(
-      TrajectoryParams<Vec<2>>{.times = {0, 1}, .values = {{0, 0}, {1, 1}}, .unit = "m, rad"});
-  EXPECT_EQ(rig.system().y.elements()[1].unit, "rad");
-  EXPECT_EQ(rig.system().dy.elements()[0].unit, "m/s");
-  EXPECT_EQ(rig.system().ddy.elements()[1].unit, "rad/s^2");
-  TestRig<Trajectory<>> plain(TrajectoryParams<>{.times = {0, 1}, .values = {0, 1}});
-  EXPECT_EQ(plain.system().dy.elements()[0].unit, "");
+  EXPECT_EQ(rig->y.elements()[0].unit, "m");
+  EXPECT_EQ(rig->dy.elements()[0].unit, "m/s");
+  EXPECT_EQ(rig->ddy.elements()[0].unit, "m/s^2");
 }
 
 TEST(TrajectoryTest, RefusesBadPoints) {
-  const auto make = [](TrajectoryParams<> params) { Trajectory<> block(std::move(params)); };
-  EXPECT_TRUE(Throws<ParameterError>([&] { make({}); }, "two times"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { make({.times = {0}, .values = {0}}); }, "two times"));
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] {
-        make({.times = {0, 1}, .values = {0}});
-      },
-      "there are 2 times and 1 values"));
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] {
-        make({.times = {0, 2, 1}, .values = {0, 0, 0}});
-      },
-      "must increase"));
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] {
-        make({.times = {0, 1}, .values = {0, std::nan("")}});
-      },
-      "finite"));
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] {
-        make({.times = {0, 1}, .values = {0, 1}, .end_velocity = std::nan("")});
-      },
-      "finite"));
+  EXPECT_TRUE(Refuses<Trajectory<>>({}, "times"));
+  EXPECT_TRUE(Refuses<Trajectory<>>({.times = {0}, .values = {0}}, "times"));
+  EXPECT_TRUE(Refuses<Trajectory<>>({.times = {0, 1}, .values = {0}}, "values"));
+  EXPECT_TRUE(Refuses<Trajectory<>>({.times = {0, 2, 1}, .values = {0, 0, 0}}, "times"));
+  EXPECT_TRUE(Refuses<Trajectory<>>({.times = {0, 1}, .values = {0, test::kNan}}, "finite"));
+  EXPECT_TRUE(
+      Refuses<Trajectory<>>({.times = {0, 1}, .values = {0, 1}, .end_velocity = test::kNan}, "finite"));
 }
 
-}  // namespace
 }  // namespace tenon::trajectory_test

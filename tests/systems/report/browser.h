@@ -1,7 +1,9 @@
 #pragma once
 
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -20,13 +22,13 @@ class Browser {
   Browser(const Browser&) = delete;
   Browser& operator=(const Browser&) = delete;
 
-  /// The window, 1400 x 900 unless said.
+  /// Sets the size of the window, initially 1400 x 900.
   void Resize(int width, int height);
-  /// What the user prefers: "light" or "dark".
+  /// Sets the preferred colour scheme: "light" or "dark".
   void Prefer(const std::string& color_scheme);
   /// Opens a file and waits until it is loaded.
   void Open(const std::filesystem::path& file);
-  /// The same of an address, "http://127.0.0.1:8080".
+  /// Opens an address such as "http://127.0.0.1:8080" and waits until it is loaded.
   void Navigate(const std::string& url);
   /// The value of a JavaScript expression; a promise is awaited. Throws with the text of an exception.
   nlohmann::json Evaluate(const std::string& expression);
@@ -44,7 +46,7 @@ class Browser {
 
   /// Errors and warnings on the console, and exceptions, so far.
   const std::vector<std::string>& complaints() const { return complaints_; }
-  /// Everything that the page asked for, the page included; data that lies in the page itself is left out.
+  /// Addresses of all requests of the page, the page included, except data: and blob: addresses.
   const std::vector<std::string>& requests() const { return requests_; }
 
  private:
@@ -60,6 +62,19 @@ class Browser {
   int last_id_ = 0;
   bool loaded_ = false;
   std::vector<std::string> complaints_, requests_;
+};
+
+/// For SetUp(): skips the test if Chromium is not installed, or lets it fail if TENON_REQUIRE_BROWSER is set.
+inline void RequireBrowser() {
+  if (Browser::IsInstalled()) return;
+  if (std::getenv("TENON_REQUIRE_BROWSER") != nullptr) FAIL() << "chromium is missing: tools/install_deps";
+  GTEST_SKIP() << "needs chromium";
+}
+
+/// A test that needs a browser.
+class BrowserTest : public ::testing::Test {
+ protected:
+  void SetUp() override { RequireBrowser(); }
 };
 
 }  // namespace tenon::testing

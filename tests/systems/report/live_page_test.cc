@@ -1,4 +1,4 @@
-// The page of a run that goes on, against a server that says and hears what a run would.
+// The page of a live run, with a server in place of the run.
 
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/report.h>
@@ -12,7 +12,6 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <cstdlib>
 #include <deque>
 #include <fstream>
 #include <mutex>
@@ -20,7 +19,6 @@
 #include <thread>
 
 namespace tenon::live_page_test {
-namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -32,7 +30,8 @@ using ::testing::IsEmpty;
 
 constexpr auto kPatience = std::chrono::seconds(60);  // only a page that hangs takes so long
 
-/// Sends what a test tells it to every client, and keeps what they command. Refuses negative parameters.
+/// A server in place of a run: sends messages of the test to every client, and keeps the commands of the
+/// clients. Refuses negative parameters.
 class FakeRun {
  public:
   FakeRun() {
@@ -103,7 +102,7 @@ class FakeRun {
     pending_.push_back(Message(name, data));
     changed_.notify_all();
   }
-  /// What every client gets at first.
+  /// Sets the first messages to every client.
   void Greet(const Json& hello, const Json& append) {
     const std::lock_guard lock(mutex_);
     greeting_ = {Message("hello", hello), Message("append", append)};
@@ -182,8 +181,8 @@ Json Hello() {
           {"history_s", 30}};
 }
 
-/// Samples every 10 ms in (from, to]: a force of 0, but 7 N in the one sample at `peak`; a mode, 0 up to 1 s,
-/// then 1; and a trunk that goes along x as fast as time.
+/// Samples every 10 ms in (from, to]: a force of 0 with one sample of 7 N at `peak`, a mode that is 0 up to 1
+/// s and 1 afterwards, and a trunk that moves along x at 1 m/s.
 Json Samples(double from, double to, double peak = -1) {
   Json time = Json::array(), force = Json::array(), mode = Json::array();
   for (int i = static_cast<int>(from * 100 + 0.5) + 1; i <= static_cast<int>(to * 100 + 0.5); ++i) {
@@ -205,21 +204,18 @@ Json Samples(double from, double to, double peak = -1) {
           {"frames", {{"time", {from, to}}, {"columns", columns}}}};
 }
 
-class LivePageTest : public ::testing::Test {
+class LivePageTest : public testing::BrowserTest {
  protected:
-  void SetUp() override {
-    if (Browser::IsInstalled()) return;
-    if (std::getenv("TENON_REQUIRE_BROWSER") != nullptr) FAIL() << "chromium is missing: tools/install_deps";
-    GTEST_SKIP() << "needs chromium";
-  }
-
-  void Open() {
+  void Load() {
     run.Greet(Hello(), Samples(0, 1));
     browser.Resize(1000, 600);
     browser.Navigate(run.address());
     ASSERT_TRUE(Until("!!window.tenonReport && tenonReport.ready")) << Json(browser.complaints());
     browser.Evaluate(
         "tenonReport.replay.simplify(), tenonReport.replay.simplify()");  // tests have no graphics card
+  }
+  void Open() {
+    Load();
     Status(run.client());
     ASSERT_TRUE(Until("tenonReport.live.drives"));
   }
@@ -245,12 +241,7 @@ class LivePageTest : public ::testing::Test {
 };
 
 TEST_F(LivePageTest, FollowsScrubsAndIsSetBack) {
-  run.Greet(Hello(), Samples(0, 1));
-  browser.Resize(1000, 600);
-  browser.Navigate(run.address());
-  ASSERT_TRUE(Until("!!window.tenonReport && tenonReport.ready")) << Json(browser.complaints());
-  browser.Evaluate(
-      "tenonReport.replay.simplify(), tenonReport.replay.simplify()");  // tests have no graphics card
+  Load();
   Status("");
   EXPECT_EQ(run.Await("take"), Json({{"command", "take"}})) << "nobody drove";
   Status(run.client());
@@ -258,7 +249,7 @@ TEST_F(LivePageTest, FollowsScrubsAndIsSetBack) {
   EXPECT_EQ(Text("#headline p"), "on flat ground");
   EXPECT_THAT(Text("#run-bar"), AllOf(HasSubstr("running at 1.00×"), HasSubstr("you drive")));
 
-  // The newest samples, in a window that goes along; thinned, but with every peak.
+  // The plots show the newest samples in a moving window, thinned but with every peak.
   run.Send("append", Samples(1, 41, 35.01));
   ASSERT_TRUE(Until("tenonReport.time() === 41"));
   EXPECT_EQ(browser.Evaluate("tenonReport.plots.window"), Json({31, 41}));
@@ -279,7 +270,7 @@ TEST_F(LivePageTest, FollowsScrubsAndIsSetBack) {
       Json::parse(
           R"([{"time": 0.01, "value": 0, "name": "walk"}, {"time": 1.01, "value": 1, "name": "stand"}])"));
 
-  // Who looks back stays there, until the button returns.
+  // A page that shows the past stays there until the button is pressed.
   browser.Evaluate("tenonReport.seek(40)");
   run.Send("append", Samples(41, 42));
   ASSERT_TRUE(Until("tenonReport.duration() === 42"));
@@ -287,7 +278,7 @@ TEST_F(LivePageTest, FollowsScrubsAndIsSetBack) {
             Json({40, "false"}));
   EXPECT_EQ(browser.Evaluate("tenonReport.plots.window"), Json({11, 41}));
 
-  // From here the run shall go on.
+  // The run is set back to the time that is shown.
   const std::string back =
       "[...document.querySelectorAll('#transport button')].find((b) => b.textContent === 'back to 40.00 s')";
   ASSERT_TRUE(Until(back));
@@ -301,7 +292,7 @@ TEST_F(LivePageTest, FollowsScrubsAndIsSetBack) {
   browser.Press(" ");
   EXPECT_EQ(run.Await("resume")["command"], "resume");
 
-  // What is old is dropped.
+  // Old samples are dropped.
   for (int t = 40; t < 220; t += 20) run.Send("append", Samples(t, t + 20));
   ASSERT_TRUE(Until("tenonReport.time() === 220"));
   EXPECT_GT(browser.Evaluate("tenonReport.runs[0].start").get<double>(), 60);
@@ -310,7 +301,7 @@ TEST_F(LivePageTest, FollowsScrubsAndIsSetBack) {
                              "tenonReport.runs[0].find('loop.force')[0].time.length"),
             true);
 
-  // JSON has no number for what is not finite.
+  // JSON has no numbers that are not finite: they arrive as null.
   run.Send("append", {{"time", {220.5}}, {"values", {{nullptr}, {1}}}});
   ASSERT_TRUE(Until("tenonReport.time() === 220.5"));
   EXPECT_EQ(browser.Evaluate("Number.isNaN(tenonReport.runs[0].find('loop.force')[0].values.at(-1))"), true);
@@ -329,7 +320,7 @@ TEST_F(LivePageTest, FollowsScrubsAndIsSetBack) {
   Status(run.client());
   ASSERT_TRUE(Until("!tenonReport.live.ended"));
 
-  // Lost, and found again: everything anew.
+  // After a lost connection the page loads everything again.
   browser.Evaluate(
       "window.texts = new Set(); new MutationObserver(() => texts.add(document.querySelector('#run-bar "
       ".verdict').textContent)).observe(document.querySelector('#run-bar'), {childList: true, subtree: "
@@ -414,7 +405,7 @@ TEST_F(LivePageTest, DrivesPullsAndTunes) {
   run.Send("pull", Json::object());
   ASSERT_TRUE(Until("document.querySelector('#force').hidden && !tenonReport.grab.arrow.object.visible"));
 
-  // What is refused returns to what holds, and says why.
+  // A refused value is reset, and the reason is shown.
   const auto enter = [&](const std::string& selector, const std::string& value, const std::string& event) {
     browser.Evaluate("(() => { const field = document.querySelector('" + selector + "'); field.value = '" +
                      value + "'; field.dispatchEvent(new Event('" + event + "')); })()");
@@ -440,14 +431,9 @@ TEST_F(LivePageTest, DrivesPullsAndTunes) {
   ASSERT_TRUE(Until("window.saved"));
   EXPECT_EQ(browser.Evaluate("saved"), "scenario.yaml");
 
-  EXPECT_EQ(
-      browser.Evaluate("[...document.querySelectorAll('button, select, input, [tabindex]')].filter((n) => "
-                       "n.checkVisibility() && !(n.ariaLabel || n.textContent.trim() || (n.labels && "
-                       "n.labels.length))).map((n) => n.outerHTML)"),
-      Json::array())
-      << "without a name for screen readers";
+  EXPECT_EQ(testing::UnnamedControls(browser), Json::array());
 
-  // Somebody else drives: this page watches.
+  // While another browser drives, this page only shows the run.
   Status("another");
   ASSERT_TRUE(Until("!tenonReport.live.drives"));
   run.Await("save");
@@ -474,5 +460,4 @@ TEST_F(LivePageTest, DrivesPullsAndTunes) {
   EXPECT_THAT(browser.complaints(), Each(HasSubstr("400 (Bad Request)"))) << "what was refused alone";
 }
 
-}  // namespace
 }  // namespace tenon::live_page_test

@@ -1,4 +1,5 @@
 #include <tenon/tests/systems/report/page_layout.h>
+#include <tenon/tests/testing/temporary_path.h>
 
 #include <utility>
 
@@ -124,6 +125,19 @@ std::vector<std::string> LayoutFaults(Browser& browser) {
     for (const std::string fault : found) faults.push_back(std::to_string(width) + " px: " + fault);
   }
   return faults;
+}
+
+nlohmann::json UnnamedControls(Browser& browser) {
+  return browser.Evaluate(
+      "[...document.querySelectorAll('button, select, input, [tabindex]')].filter((n) => n.checkVisibility() "
+      "&& "
+      "!(n.ariaLabel || n.textContent.trim() || (n.labels && n.labels.length))).map((n) => n.outerHTML)");
+}
+
+nlohmann::json DataOf(const std::filesystem::path& file) {
+  const std::string page = test::FileText(file), open = R"(<script type="application/json" id="data">)";
+  const std::size_t begin = page.find(open) + open.size();
+  return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
 }
 
 }  // namespace tenon::testing

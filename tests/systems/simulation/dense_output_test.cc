@@ -1,15 +1,12 @@
-// Who only looks changes nothing: states at ticks that reach no derivative are read from inside the
-// integrator's steps.
+// Logs and monitors change nothing: at ticks that reach no derivative, states are read from the integrator's
+// dense output.
 
 #include <tenon/tests/systems/framework/test_blocks.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace tenon::dense_output_test {
-namespace {
 
 struct Case {
   Method method;
@@ -17,8 +14,7 @@ struct Case {
 };
 
 void PrintTo(const Case& c, std::ostream* os) {
-  constexpr const char* kNames[] = {"Erk", "Dirk", "Bdf", "Adams", "Stabilized"};
-  *os << kNames[static_cast<int>(c.method)] << c.order;
+  *os << NameOf(c.method) << c.order;
 }
 
 double Solution(double t) {
@@ -80,15 +76,15 @@ TEST_P(DenseOutputTest, ALogOfAnOscillatorChangesNothing) {
 
 using StiffDenseOutputTest = DenseOutputTest;
 
-/// The first steps, of few states to go through, are the least exact: 117 tolerances for order 2, whose steps
-/// are a quarter of a second.
+/// The interpolant of the first steps, which has few points, is the least exact: its error is 117 tolerances
+/// for order 2, whose steps are a quarter of a second.
 TEST_P(StiffDenseOutputTest, ALogOfAStiffStateChangesNothing) {
   DiagramBuilder builder;
   auto& stiff = builder.Add<Stiff>("stiff");
   Compare(builder, stiff.state, 1e-6, 150, 10);
 }
 
-/// A clone or a restored snapshot goes on inside a step as the run that was not interrupted.
+/// A run restored inside a step continues as the run that was not interrupted, bit for bit.
 TEST_P(DenseOutputTest, GoesOnFromInsideAStepBitForBit) {
   DiagramBuilder builder;
   auto& plant = builder.Add<Oscillator>("plant");
@@ -121,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, StiffDenseOutputTest,
                                          Case{Method::kBdf, 5}),
                          testing::PrintToStringParamName());
 
-/// Falls from 1 m and is thrown up again by its own speed.
+/// A ball that falls from 1 m and bounces elastically.
 class Ball final : public LeafSystem<void> {
  public:
   ContinuousState<Vec<2>> x{this, {"x", "m, m/s"}, Vec<2>(1, 0)};
@@ -152,8 +148,7 @@ TEST_P(DenseOutputTest, AnEventBehindTheSnapshotIsNotMissed) {
 TEST(DenseOutput, ACloneRunWithOtherOptionsBeginsWhereItIs) {
   DiagramBuilder builder;
   auto& plant = builder.Add<Oscillator>("plant");
-  const auto diagram = builder.Build();
-  Simulator coarse(*diagram, {.order = 5, .rtol = 1e-2, .atol = 1e-2});
+  Simulator coarse(builder.Build(), {.order = 5, .rtol = 1e-2, .atol = 1e-2});
   coarse.RunTo(1.234);
   const Vec<2> there = coarse.context().Eval(plant.x);
   Simulator fine(coarse.context().Clone(), {.order = 3, .fixed_step = 1e-3});
@@ -165,30 +160,13 @@ TEST(DenseOutput, ACloneRunWithOtherOptionsBeginsWhereItIs) {
   EXPECT_NEAR(fine.context().Eval(plant.x)[0], there[0] * std::cos(t) + there[1] * std::sin(t), 1e-7);
 }
 
-TEST(DenseOutput, AWitnessThatStaysAtZeroEndsNothing) {
-  class Block final : public LeafSystem<void> {
-   public:
-    Witness wakes{this, "wakes", Crossing::kBoth, Uses(time), [](double t) { return t < 1 ? t - 1 : 0.0; }};
-  };
-  for (const Method method :
-       {Method::kErk, Method::kStabilized, Method::kDirk, Method::kBdf, Method::kAdams}) {
-    DiagramBuilder builder;
-    auto& plant = builder.Add<Oscillator>("plant");
-    builder.Add<Block>("block");
-    Simulator simulator(*builder.Build(), {.method = method, .rtol = 1e-8});
-    simulator.RunTo(3);
-    EXPECT_NEAR(simulator.context().Eval(plant.x)[0], std::cos(3), 1e-5);
-  }
-}
-
 TEST(DenseOutput, StatesOfOthersAreLeftAloneWhereNothingIsIntegrated) {
   class Block final : public LeafSystem<void> {
    public:
     DiscreteState<double> kept{this, "kept", 7.0};
     Witness zero{this, "zero", Crossing::kBoth, Uses(time), [](double t) { return t - 5; }};
   };
-  for (const Method method :
-       {Method::kErk, Method::kStabilized, Method::kDirk, Method::kBdf, Method::kAdams}) {
+  for (const Method method : kAllMethods) {
     DiagramBuilder builder;
     auto& block = builder.Add<Block>("block");
     Simulator simulator(*builder.Build(), {.method = method});
@@ -218,5 +196,4 @@ TEST(DenseOutput, ReadingTicksAskNoWitness) {
   EXPECT_EQ(calls(true), calls(false));
 }
 
-}  // namespace
 }  // namespace tenon::dense_output_test

@@ -1,10 +1,6 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/adder.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include <chrono>
@@ -13,13 +9,8 @@
 #include <stdexcept>
 
 namespace tenon::simulator_test {
-namespace {
 
-using ::testing::AllOf;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-
-using ::testing::ThrowsMessage;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -29,13 +20,12 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 TEST(SimulatorTest, ClosedLoopFollowsTheExactSampledSolution) {
   DiagramBuilder builder;
   auto& plant = builder.Add<Oscillator>("plant", 3.0);
-  auto& pd = builder.Add<Pd>("pd", PdParams{.kp = 4, .kd = 1, .rate = Hz(50)});
+  auto& pd = builder.Add<Pd>("pd", {.kp = 4, .kd = 1, .rate = Hz(50)});
   auto& ref = builder.AddFunction("ref", Uses(builder.time), [](double t) { return t < 0.5 ? 0.0 : 0.2; });
   builder.Connect(plant.state, pd.x);
   builder.Connect(ref, pd.ref);
   builder.Connect(pd.u, plant.u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.rtol = 1e-10, .atol = 1e-12});
+  Simulator simulator(builder.Build(), {.rtol = 1e-10, .atol = 1e-12});
   const auto log = simulator.AddLog(Hz(50), {&plant.state, &pd.u});
   simulator.RunTo(2);
 
@@ -52,44 +42,16 @@ TEST(SimulatorTest, ClosedLoopFollowsTheExactSampledSolution) {
   }
 }
 
-TEST(SimulatorTest, SampledOutputsRunAtTheStartOnTheInitialState) {
-  DiagramBuilder builder;
-  auto& plant = builder.Add<Oscillator>("plant");
-  auto& pd = builder.Add<Pd>("pd");
-  builder.Connect(plant.state, pd.x);
-  builder.Connect(pd.u, plant.u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
-  simulator.Initialize();
-  EXPECT_EQ(simulator.context().time(), 0);
-  EXPECT_EQ(simulator.context().Eval(pd.u), -10);
-}
-
-TEST(SimulatorTest, SampledOutputIsRefusedBeforeItHasRun) {
-  DiagramBuilder builder;
-  auto& plant = builder.Add<Oscillator>("plant");
-  auto& pd = builder.Add<Pd>("pd");
-  builder.Connect(plant.state, pd.x);
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
-  EXPECT_THAT([&] { context->Eval(pd.u); },
-              ThrowsMessage<RunError>(AllOf(HasSubstr("sampled output 'pd.u'"),
-                                            HasSubstr("before it has run"), HasSubstr("initial value"))));
-  context->Set(pd.u, 3.0);  // or it is given by hand
-  EXPECT_EQ(context->Eval(pd.u), 3);
-}
-
 TEST(SimulatorTest, StartBetweenTicksIsRefusedUnlessTheSampleIsGiven) {
   DiagramBuilder builder;
   auto& plant = builder.Add<Oscillator>("plant");
-  auto& pd = builder.Add<Pd>("pd", PdParams{.rate = Hz(10)});
+  auto& pd = builder.Add<Pd>("pd", {.rate = Hz(10)});
   builder.Connect(plant.state, pd.x);
   builder.Connect(pd.u, plant.u);
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.Build()->CreateContext();
   context->SetTime(0.15);
   Simulator refused(context->Clone());
-  EXPECT_THAT([&] { refused.RunTo(1); }, ThrowsMessage<RunError>(HasSubstr("'pd.u' is read at t = 0.15 s")));
+  EXPECT_TRUE(Throws<RunError>([&] { refused.RunTo(1); }, "'pd.u'", "t = 0.15 s"));
   context->Set(pd.u, 0.0);
   Simulator given(context->Clone());
   EXPECT_EQ(given.AdvanceTo(1).time, 1);
@@ -104,16 +66,15 @@ TEST(SimulatorTest, StartBetweenTicksIsRefusedUnlessTheSampleIsGiven) {
 TEST(SimulatorTest, ChainOfSampledBlocksHasNoHiddenDelay) {
   DiagramBuilder builder;
   const Sampled at{Hz(100)};
-  // Added against the order of the data.
-  auto& last = builder.Add<SampledMap>("last", SampledMapParams{[](double u) { return u + 100; }, at});
-  auto& middle = builder.Add<SampledMap>("middle", SampledMapParams{[](double u) { return u + 10; }, at});
-  auto& first = builder.Add<SampledMap>("first", SampledMapParams{[](double u) { return u; }, at});
+  // The blocks are added in the reverse order of the data flow.
+  auto& last = builder.Add<SampledMap>("last", {[](double u) { return u + 100; }, at});
+  auto& middle = builder.Add<SampledMap>("middle", {[](double u) { return u + 10; }, at});
+  auto& first = builder.Add<SampledMap>("first", {[](double u) { return u; }, at});
   auto& clock = builder.AddFunction("clock", Uses(builder.time), [](double t) { return t; });
   builder.Connect(clock, first.u);
   builder.Connect(first.y, middle.u);
   builder.Connect(middle.y, last.u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
+  Simulator simulator(builder.Build());
   for (const double t : {0.0, 0.01, 0.25}) {
     simulator.RunTo(t);
     EXPECT_EQ(simulator.context().Eval(last.y), t + 10 + 100);
@@ -130,8 +91,7 @@ TEST(SimulatorTest, ManyRatesTickExactly) {
     counters.push_back(&builder.Add<Counter>("every_" + std::to_string(static_cast<int>(period * 10)),
                                              Sampled{Milliseconds(period)}));
   }
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.rtol = 1e-4});
+  Simulator simulator(builder.Build(), {.rtol = 1e-4});
   simulator.RunTo(2);
   std::vector<int> counts;
   for (const Counter* counter : counters) counts.push_back(simulator.context().Eval(counter->n));
@@ -140,33 +100,14 @@ TEST(SimulatorTest, ManyRatesTickExactly) {
   EXPECT_LT(simulator.statistics().steps, 2500);
 }
 
-TEST(SimulatorTest, ThreeHundredHertzIsExact) {
-  DiagramBuilder builder;
-  auto& at_300 = builder.Add<Counter>("at_300", Sampled{Hz(300)});
-  auto& at_1000 = builder.Add<Counter>("at_1000", Sampled{Hz(1000)});
-  builder.Add<Oscillator>("plant");
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
-  const auto log = simulator.AddLog(Hz(100), {&at_300.count, &at_1000.count});
-  simulator.RunTo(100);
-  EXPECT_EQ(simulator.context().Eval(at_300.n), 30001);
-  EXPECT_EQ(simulator.context().Eval(at_1000.n), 100001);
-  for (std::size_t i = 0; i < log->rows(); ++i) {  // common ticks are common
-    ASSERT_EQ(log->row(i)[1], 3 * i);
-    ASSERT_EQ(log->row(i)[2], 10 * i);
-  }
-  EXPECT_GT(simulator.statistics().smallest_step, 0.3e-3);
-}
-
 TEST(SimulatorTest, ShortIntervalsBetweenTicksDoNotSpoilTheStepSize) {
   DiagramBuilder builder;
   auto& plant = builder.Add<Oscillator>("plant");
-  auto& force = builder.Add<Adder<double>>("force", AdderParams{.weights = {1, 1}});
+  auto& force = builder.Add<Adder<double>>("force", {.weights = {1, 1}});
   AddRestarts(builder, "at_100", Hz(100), force.u[0]);
   AddRestarts(builder, "at_100_1", Hz(100.1), force.u[1]);  // 10 us apart at first
   builder.Connect(force.y, plant.u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.rtol = 1e-4, .atol = 1e-6});
+  Simulator simulator(builder.Build(), {.rtol = 1e-4, .atol = 1e-6});
   simulator.RunTo(10);
   EXPECT_LT(simulator.statistics().steps, 2030);  // one step for each of 2000 intervals
   EXPECT_NEAR(simulator.context().Eval(plant.x)[0], std::cos(10), 1e-6);
@@ -179,8 +120,7 @@ TEST(SimulatorTest, OffsetsDelayTheFirstTick) {
     OutputPort<double> y{this, "y", -1.0, Sampled{Hz(10), 0.25}, Uses(time), [](double t) { return t; }};
   };
   auto& late = builder.Add<Late>("late");
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
+  Simulator simulator(builder.Build());
   simulator.RunTo(0);
   EXPECT_EQ(simulator.context().Eval(counter.n), 0);
   EXPECT_EQ(simulator.next_tick_time(), 0.05);
@@ -199,45 +139,26 @@ struct Swap final : LeafSystem<void> {
 };
 
 TEST(SimulatorTest, UpdatesCommitTogether) {
-  DiagramBuilder builder;
-  auto& swap = builder.Add<Swap>("swap");
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
-  simulator.Initialize();
-  EXPECT_EQ(simulator.context().Eval(swap.a), 2);
-  EXPECT_EQ(simulator.context().Eval(swap.b), 1);
-  simulator.RunTo(0.1);
-  EXPECT_EQ(simulator.context().Eval(swap.a), 1);
-  EXPECT_EQ(simulator.context().Eval(swap.b), 2);
-}
-
-TEST(SimulatorTest, SampledOutputsReadStatesBeforeTheUpdatesOfTheirTick) {
-  DiagramBuilder builder;
-  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
-  auto& read = builder.AddFunction("read", Sampled{Hz(10)}, Uses(counter.count), [](int n) { return n; });
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
-  simulator.RunTo(0.3);
-  EXPECT_EQ(simulator.context().Eval(read), 3);
-  EXPECT_EQ(simulator.context().Eval(counter.count), 4);
+  TestRig<Swap> rig;
+  rig.RunTo(0);
+  EXPECT_EQ(rig[rig->a], 2);
+  EXPECT_EQ(rig[rig->b], 1);
+  rig.RunTo(0.1);
+  EXPECT_EQ(rig[rig->a], 1);
+  EXPECT_EQ(rig[rig->b], 2);
 }
 
 TEST(SimulatorTest, AdvanceIncludesTheTickAtItsEnd) {
-  DiagramBuilder builder;
-  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
-  simulator.RunTo(0.5);
-  EXPECT_EQ(simulator.context().Eval(counter.n), 6);
-  simulator.RunTo(0.5);  // once only
-  EXPECT_EQ(simulator.context().Eval(counter.n), 6);
+  TestRig<Counter> rig(Sampled{Hz(10)});
+  EXPECT_EQ(rig.RunTo(0.5)[rig->n], 6);
+  EXPECT_EQ(rig.RunTo(0.5)[rig->n], 6) << "once only";
 }
 
 struct Loop {
   Loop() {
     DiagramBuilder builder;
     plant = &builder.Add<Oscillator>("plant", 5.0);
-    pd = &builder.Add<Pd>("pd", PdParams{.rate = Hz(100)});
+    pd = &builder.Add<Pd>("pd", {.rate = Hz(100)});
     builder.Connect(plant->state, pd->x);
     builder.Connect(pd->u, plant->u);
     builder.Add<Counter>("other", Sampled{Hz(30)});
@@ -297,8 +218,7 @@ TEST(SimulatorTest, WhatIsSetBeforeATickIsWhatItReads) {
 
 TEST(SimulatorTest, EveryMethodTakesEndsThatMissTicksByRounding) {
   const Loop loop;
-  for (const Method method :
-       {Method::kErk, Method::kStabilized, Method::kDirk, Method::kBdf, Method::kAdams}) {
+  for (const Method method : kAllMethods) {
     Simulator simulator(*loop.diagram, {.method = method});
     double t = 0;
     for (int i = 0; i < 30; ++i) simulator.RunTo(t += 0.01);
@@ -313,17 +233,15 @@ TEST(SimulatorTest, BackwardsIsRefused) {
   const Loop loop;
   Simulator simulator(*loop.diagram);
   simulator.RunTo(1);
-  EXPECT_THAT([&] { simulator.RunTo(0.5); },
-              ThrowsMessage<RunError>(
-                  AllOf(HasSubstr("cannot advance to t = 0.5 s"), HasSubstr("at t = 1 s already"))));
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(0.5); }, "t = 0.5 s", "t = 1 s"));
   for (const double t : {kNan, HUGE_VAL}) {
-    EXPECT_THAT([&] { simulator.RunTo(t); }, ThrowsMessage<RunError>(HasSubstr("give a finite time")));
+    EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(t); }, "give a finite time"));
   }
 }
 
 // ---- What is computed when ----
 
-/// Calls of a function that each block's function counts.
+/// Numbers of calls of the calculations of Counting.
 struct Calls {
   int varying = 0, held = 0, shared = 0, derivative = 0;
 };
@@ -352,15 +270,13 @@ class Counting final : public LeafSystem<CountingParams> {
 TEST(SimulatorTest, DerivativeEvaluationsComputeOnlyWhatVariesAndThatOnce) {
   Calls calls;
   DiagramBuilder builder;
-  auto& block = builder.Add<Counting>("block", CountingParams{&calls});
+  auto& block = builder.Add<Counting>("block", {&calls});
   auto& other = builder.Add<Oscillator>("other");
-  auto& controller =
-      builder.Add<SampledMap>("controller", SampledMapParams{[](double u) { return -u; }, {Hz(10)}});
+  auto& controller = builder.Add<SampledMap>("controller", {[](double u) { return -u; }, {Hz(10)}});
   builder.Connect(block.y, controller.u);
   builder.Connect(controller.y, block.u);
   builder.Connect(block.held, other.u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.order = 5});  // evaluates at the end of a step
+  Simulator simulator(builder.Build(), {.order = 5});  // evaluates at the end of a step
   simulator.RunTo(1);
   EXPECT_EQ(calls.held, 10);    // once per tick at which an integration starts
   EXPECT_EQ(calls.varying, 0);  // nobody wants it
@@ -373,34 +289,16 @@ TEST(SimulatorTest, DerivativeEvaluationsComputeOnlyWhatVariesAndThatOnce) {
 TEST(SimulatorTest, FirstDerivativeAfterATickSkipsWhatTheTickComputed) {
   Calls calls;
   DiagramBuilder builder;
-  auto& block = builder.Add<Counting>("block", CountingParams{&calls});
-  auto& controller =
-      builder.Add<SampledMap>("controller", SampledMapParams{[](double u) { return -u; }, {Hz(10)}});
+  auto& block = builder.Add<Counting>("block", {&calls});
+  auto& controller = builder.Add<SampledMap>("controller", {[](double u) { return -u; }, {Hz(10)}});
   builder.Connect(block.varying, controller.u);
   builder.Connect(controller.y, builder.Add<Oscillator>("other").u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.method = Method::kErkOpen, .fixed_step = 0.1});
+  Simulator simulator(builder.Build(), {.method = Method::kErkOpen, .fixed_step = 0.1});
   simulator.RunTo(1);
   EXPECT_EQ(calls.varying, 11);
   // A step of order 3 takes three evaluations, of which the first takes `shared` from the tick.
   EXPECT_EQ(simulator.statistics().evaluations, 30);
   EXPECT_EQ(calls.shared, 11 + 10 * 2);
-}
-
-TEST(SimulatorTest, OpenMidpointRuleEvaluatesTwiceAStep) {
-  Calls calls;
-  DiagramBuilder builder;
-  auto& block = builder.Add<Counting>("block", CountingParams{&calls});
-  auto& controller =
-      builder.Add<SampledMap>("controller", SampledMapParams{[](double u) { return -u; }, {Hz(10)}});
-  builder.Connect(block.y, controller.u);
-  builder.Connect(controller.y, block.u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.method = Method::kErkOpen, .order = 2, .fixed_step = 0.05});
-  simulator.RunTo(1);
-  EXPECT_EQ(simulator.statistics().steps, 20);
-  EXPECT_EQ(simulator.statistics().evaluations, 40);
-  EXPECT_EQ(calls.derivative, 40);
 }
 
 TEST(SimulatorTest, WhatATickChangesIsComputedAgain) {
@@ -411,8 +309,7 @@ TEST(SimulatorTest, WhatATickChangesIsComputedAgain) {
   auto& twice = builder.AddFunction("twice", Uses(counter.count), [](int n) { return 2.0 * n; });
   auto& plant = builder.Add<Oscillator>("plant");
   builder.Connect(twice, plant.u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
+  Simulator simulator(builder.Build());
   const auto log = simulator.AddLog(Hz(10), {&twice});
   simulator.RunTo(0.2);
   EXPECT_THAT(log->column("twice.output"), ElementsAre(0, 2, 4));
@@ -434,8 +331,7 @@ struct UpdatedAtStart final : LeafSystem<void> {
 TEST(SimulatorTest, AtStartUpdatesRunBeforeTheFirstTickAndOnce) {
   DiagramBuilder builder;
   auto& block = builder.Add<UpdatedAtStart>("block");
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
+  Simulator simulator(builder.Build());
   simulator.Initialize();
   EXPECT_EQ(simulator.context().Eval(block.seen), 6);
   simulator.RunTo(1);
@@ -446,8 +342,7 @@ TEST(SimulatorTest, AtStartUpdatesRunBeforeTheFirstTickAndOnce) {
 TEST(SimulatorTest, AtStartUpdatesRunBeforeATickThatIsLeftForLater) {
   DiagramBuilder builder;
   auto& block = builder.Add<UpdatedAtStart>("block");
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
+  Simulator simulator(builder.Build());
   ASSERT_FALSE(simulator.AdvanceToBefore(0).ended);
   EXPECT_EQ(simulator.context().Eval(block.n), 6);
   EXPECT_THROW(simulator.context().Eval(block.seen), RunError);
@@ -467,10 +362,8 @@ TEST(SimulatorTest, AtStartRefusesSamplesThatHaveNotRun) {
   DiagramBuilder builder;
   auto& block = builder.Add<Block>("block");
   builder.Connect(builder.AddFunction("one", Sampled{Hz(1)}, Uses(), [] { return 1.0; }), block.u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
-  EXPECT_THAT([&] { simulator.Initialize(); },
-              ThrowsMessage<RunError>(HasSubstr("'one.output' is read at t = 0 s")));
+  Simulator simulator(builder.Build());
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.Initialize(); }, "'one.output'", "t = 0 s"));
 }
 
 struct UpdatedEachStep final : LeafSystem<void> {
@@ -485,8 +378,7 @@ struct UpdatedEachStep final : LeafSystem<void> {
 };
 
 TEST(SimulatorTest, EachStepUpdatesRunAfterEveryStep) {
-  for (const Method method :
-       {Method::kErk, Method::kStabilized, Method::kDirk, Method::kBdf, Method::kAdams}) {
+  for (const Method method : kAllMethods) {
     DiagramBuilder builder;
     auto& block = builder.Add<UpdatedEachStep>("block");
     AddRestarts(builder, "end", Hz(1), block.force);  // the last step ends at 1 s
@@ -500,26 +392,6 @@ TEST(SimulatorTest, EachStepUpdatesRunAfterEveryStep) {
   }
 }
 
-enum class Gear { kForward, kReverse };
-struct Car final : LeafSystem<void> {
-  Mode<Gear> gear{this, "gear", Gear::kForward};
-  ContinuousState<double> x{this, "x"};
-  TimeDerivative<double> dx{x, Uses(gear), [](Gear gear) { return gear == Gear::kForward ? 1.0 : -2.0; }};
-  Update<Gear> shift{gear, Sampled{Seconds(10), 1}, Uses(), [] { return Gear::kReverse; }};
-};
-
-TEST(SimulatorTest, ModesSwitchTheDynamics) {
-  DiagramBuilder builder;
-  auto& car = builder.Add<Car>("car");
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
-  simulator.RunTo(1);
-  EXPECT_EQ(simulator.context().Eval(car.gear), Gear::kReverse);
-  EXPECT_NEAR(simulator.context().Eval(car.x), 1, 1e-12);
-  simulator.RunTo(3);
-  EXPECT_NEAR(simulator.context().Eval(car.x), 1 - 4, 1e-12);
-}
-
 struct Sawtooth final : LeafSystem<void> {
   ContinuousState<double> x{this, "x"};
   TimeDerivative<double> dx{x, Uses(), [] { return 1.0; }};
@@ -527,12 +399,10 @@ struct Sawtooth final : LeafSystem<void> {
 };
 
 TEST(SimulatorTest, ContinuousStatesCanBeUpdatedAtTicks) {
-  for (const Method method :
-       {Method::kErk, Method::kStabilized, Method::kDirk, Method::kBdf, Method::kAdams}) {
+  for (const Method method : kAllMethods) {
     DiagramBuilder builder;
     auto& saw = builder.Add<Sawtooth>("saw");
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, {.method = method});
+    Simulator simulator(builder.Build(), {.method = method});
     const auto log = simulator.AddLog(Seconds(0.5), {&saw.x});
     simulator.RunTo(1.25);
     EXPECT_NEAR(log->row(1)[1], 0.5, 1e-9);  // a log shows what was before the updates
@@ -548,8 +418,7 @@ TEST(SimulatorTest, SampledMonitorEndsTheRunWithItsReason) {
   };
   DiagramBuilder builder;
   builder.Add<Guard>("guard");
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
+  Simulator simulator(builder.Build());
   EXPECT_FALSE(simulator.AdvanceTo(0.3).ended);
   for (int i = 0; i < 2; ++i) {  // and it stays ended
     const RunStatus status = simulator.AdvanceTo(1);
@@ -557,6 +426,7 @@ TEST(SimulatorTest, SampledMonitorEndsTheRunWithItsReason) {
     EXPECT_EQ(status.time, 0.4);
     EXPECT_EQ(status.reason, "guard.late: it is late");
   }
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "t = 0.4 s", "guard.late: it is late"));
 }
 
 struct Fall final : LeafSystem<void> {
@@ -569,8 +439,7 @@ struct Fall final : LeafSystem<void> {
 TEST(SimulatorTest, EachStepMonitorEndsTheRunInsideAnInterval) {
   DiagramBuilder builder;
   auto& fall = builder.Add<Fall>("fall");
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.max_step = 0.01});
+  Simulator simulator(builder.Build(), {.max_step = 0.01});
   const RunStatus status = simulator.AdvanceTo(2);
   EXPECT_TRUE(status.ended);
   EXPECT_EQ(status.reason, "fall.floor: below 0.5 m");
@@ -589,7 +458,7 @@ TEST(SimulatorTest, EachStepMonitorIsAskedAtTheStart) {
   EXPECT_EQ(status.monitor, &fall.floor);
 }
 
-// A verdict is of the state that it judged: after another one was set, the run goes on.
+// A verdict ends the run only while the state stays as it is: after another state was set, the run goes on.
 TEST(SimulatorTest, AnOldVerdictDoesNotReturn) {
   struct Slow final : LeafSystem<void> {
     ContinuousState<double> height{this, "height", 1.0};
@@ -619,8 +488,7 @@ TEST(SimulatorTest, RestoredRunGoesOnAfterItHadEnded) {
   };
   DiagramBuilder builder;
   auto& guard = builder.Add<Guard>("guard");
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
+  Simulator simulator(builder.Build());
   simulator.RunTo(0.2);
   const auto snapshot = simulator.context().Save();
   EXPECT_TRUE(simulator.AdvanceTo(1).ended);
@@ -630,41 +498,16 @@ TEST(SimulatorTest, RestoredRunGoesOnAfterItHadEnded) {
   EXPECT_EQ(simulator.context().time(), 1);
 }
 
-TEST(SimulatorTest, RestoreToBeforeTheStartStartsAgain) {
-  DiagramBuilder builder;
-  auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
-  const auto snapshot = simulator.context().Save();
-  simulator.Initialize();
-  simulator.context().Restore(snapshot);
-  simulator.Initialize();
-  EXPECT_EQ(simulator.context().Eval(counter.n), 1);
-  EXPECT_EQ(simulator.next_tick_time(), 0.1);
-}
-
 TEST(SimulatorTest, LogsCanBeAddedUnderWay) {
   DiagramBuilder builder;
   auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
+  Simulator simulator(builder.Build());
   simulator.RunTo(0.30000001);
   const auto log = simulator.AddLog(Hz(5), {&counter.count});
   simulator.RunTo(0.8);
   EXPECT_THAT(log->column("time"), ElementsAre(0.4, 0.6, 0.8));
   EXPECT_THAT(log->column("counter.n"), ElementsAre(4, 6, 8));
   EXPECT_EQ(simulator.context().Eval(counter.n), 9);
-}
-
-TEST(SimulatorTest, PacesToRealTime) {
-  DiagramBuilder builder;
-  builder.Add<Counter>("counter", Sampled{Hz(100)});
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.real_time_rate = 4});
-  const auto begin = std::chrono::steady_clock::now();
-  simulator.RunTo(0.1);
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-  EXPECT_GE(elapsed.count(), 0.1 / 4);
 }
 
 /// Ticks every 0.01 s; the one at 0.05 s takes 50 ms on the clock.
@@ -721,8 +564,7 @@ TEST(SimulatorTest, AStallCanEndTheRun) {
   builder.Add<Stalls>("stalls");
   Simulator simulator(builder.Build(),
                       {.real_time_rate = 1, .late_policy = LatePolicy::kStop, .late_tolerance = 0.03});
-  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "the tick at t = 0.0",
-                               "s late, allowed are 0.03 s", "real_time_rate = 1", "late_policy"));
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "t = 0.0", "real_time_rate", "late_policy"));
   EXPECT_EQ(simulator.real_time().missed, 1);
   EXPECT_EQ(simulator.real_time().missed_time, simulator.context().time());
 }
@@ -731,41 +573,24 @@ TEST(SimulatorTest, TheClockDoesNotRunBackwards) {
   DiagramBuilder builder;
   builder.Add<Counter>("counter", Sampled{Hz(100)});
   const auto diagram = builder.Build();
-  EXPECT_TRUE(Throws<ParameterError>([&] { Simulator(*diagram, {.real_time_rate = -1}); },
-                                     "real_time_rate = -1 must not be negative"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { Simulator(*diagram, {.late_tolerance = -0.1}); },
-                                     "late_tolerance = -0.1 must not be negative"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { Simulator(*diagram, {.real_time_rate = -1}); }, "real_time_rate"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { Simulator(*diagram, {.late_tolerance = -0.1}); }, "late_tolerance"));
   EXPECT_TRUE(Throws<ParameterError>([&] { Simulator(*diagram, {.real_time_rate = std::nan("")}); },
-                                     "real_time_rate = nan", "finite"));
+                                     "real_time_rate", "finite"));
 }
 
 // ---- Errors ----
 
-TEST(SimulatorTest, OpenInputMustBeFixed) {
-  DiagramBuilder builder;
-  auto& cart = builder.Add<Cart>("cart");
-  const auto diagram = builder.BuildWithOpenInputs();
-  Simulator simulator(*diagram);
-  EXPECT_THAT([&] { simulator.RunTo(1); },
-              ThrowsMessage<RunError>(AllOf(HasSubstr("input 'cart.force' is open"), HasSubstr("fix it"))));
-  simulator.context().Set(cart.force, 4.0);
-  simulator.RunTo(1);
-  EXPECT_NEAR(simulator.context().Eval(cart.x)[0], 1, 1e-9);
-}
-
 TEST(SimulatorTest, SampledNanIsReportedWhereItArises) {
   DiagramBuilder builder;
   auto& clock = builder.AddFunction("clock", Uses(builder.time), [](double t) { return t; });
-  auto& root =
-      builder.Add<SampledMap>("root", SampledMapParams{[](double t) { return std::sqrt(0.25 - t); }});
-  auto& after = builder.Add<SampledMap>("after", SampledMapParams{[](double u) { return u; }});
+  auto& root = builder.Add<SampledMap>("root", {[](double t) { return std::sqrt(0.25 - t); }});
+  auto& after = builder.Add<SampledMap>("after", {[](double u) { return u; }});
   builder.Connect(clock, root.u);
   builder.Connect(root.y, after.u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
-  EXPECT_THAT([&] { simulator.RunTo(1); },
-              ThrowsMessage<RunError>(AllOf(HasSubstr("'root.y' is"), HasSubstr("nan at t = 0.26 s"),
-                                            HasSubstr("check that block and what feeds it"))));
+  Simulator simulator(builder.Build());
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "'root.y'", "t = 0.26 s"));
 }
 
 TEST(SimulatorTest, ContinuousNanIsReportedAtTheFirstPort) {
@@ -776,25 +601,21 @@ TEST(SimulatorTest, ContinuousNanIsReportedAtTheFirstPort) {
   builder.Connect(root, gain.u);
   builder.Connect(gain.y, plant.u);
   const auto diagram = builder.Build();
-  for (const Method method :
-       {Method::kErk, Method::kStabilized, Method::kDirk, Method::kBdf, Method::kAdams}) {
+  for (const Method method : kAllMethods) {
     Simulator simulator(*diagram, {.method = method});
-    EXPECT_THAT([&] { simulator.RunTo(1); },
-                ThrowsMessage<RunError>(AllOf(HasSubstr("'root.output' is"), HasSubstr("nan at t = 0.25"))));
+    EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "'root.output'", "t = 0.25"));
   }
 }
 
 TEST(SimulatorTest, HeldNanIsReportedAtTheFirstPort) {
-  // Not sampled, but of held values: computed once per tick, and first met in a derivative.
+  // A continuous output that uses held values is computed once per tick, when a derivative first reads it.
   DiagramBuilder builder;
   auto& plant = builder.Add<Oscillator>("plant");
   auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
   auto& bad = builder.AddFunction("bad", Uses(counter.count), [](int n) { return n == 3 ? kNan : 0.0; });
   builder.Connect(bad, plant.u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
-  EXPECT_THAT([&] { simulator.RunTo(1); },
-              ThrowsMessage<RunError>(AllOf(HasSubstr("'bad.output' is nan"), HasSubstr("at t = 0.2 s"))));
+  Simulator simulator(builder.Build());
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "'bad.output'", "t = 0.2 s"));
 }
 
 TEST(SimulatorTest, InfinityIsReportedWhenItReachesADerivative) {
@@ -804,31 +625,9 @@ TEST(SimulatorTest, InfinityIsReportedWhenItReachesADerivative) {
       builder.AddFunction("pole", Sampled{Hz(4)}, Uses(builder.time), [](double t) { return 1 / (0.5 - t); });
   auto& bound = builder.AddFunction("bound", Sampled{Hz(1)}, Uses(), [] { return HUGE_VAL; });  // legitimate
   builder.Connect(pole, plant.u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
-  EXPECT_THAT([&] { simulator.RunTo(1); },
-              ThrowsMessage<RunError>(AllOf(HasSubstr("'pole.output' is inf"), HasSubstr("at t = 0.5 s"))));
+  Simulator simulator(builder.Build());
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "'pole.output'", "t = 0.5 s"));
   EXPECT_EQ(simulator.context().Eval(bound), HUGE_VAL);
-}
-
-TEST(SimulatorTest, ExceptionGetsPathAndTime) {
-  const auto refuse = [](double t) -> double {
-    if (t > 0.21) throw std::runtime_error("no solution");
-    return 0;
-  };
-  for (const bool sampled : {true, false}) {
-    DiagramBuilder builder;
-    auto& plant = builder.Add<Oscillator>("plant");
-    builder.Connect(sampled ? builder.AddFunction("solver", Sampled{Hz(10)}, Uses(builder.time), refuse)
-                            : builder.AddFunction("solver", Uses(builder.time), refuse),
-                    plant.u);
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram);
-    EXPECT_THAT(
-        [&] { simulator.RunTo(1); },
-        ThrowsMessage<RunError>(AllOf(HasSubstr("'solver.output' failed at t = 0."), HasSubstr("no solution"),
-                                      HasSubstr(sampled ? "t = 0.3 s: " : " s: "))));
-  }
 }
 
 class CountFlushes final : public LogSink {
@@ -845,8 +644,7 @@ TEST(SimulatorTest, LogsAreFlushedAfterAnError) {
     if (t > 0.45) throw std::runtime_error("no");
     return t;
   });
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
+  Simulator simulator(builder.Build());
   const auto sink = std::make_shared<CountFlushes>();
   simulator.AddLog(Hz(10), {&bad}, {sink});
   EXPECT_THROW(simulator.RunTo(1), RunError);
@@ -879,9 +677,8 @@ TEST(SimulatorTest, AMonitorMayNotChangeTheContext) {
     context.Set(oscillator.x, {0, 0});
     return {};
   });
-  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "a monitor has changed the context"));
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "a monitor changed the context"));
   EXPECT_TRUE(Throws<ParameterError>([&] { simulator.AddMonitor({}); }, "AddMonitor"));
 }
 
-}  // namespace
 }  // namespace tenon::simulator_test

@@ -1,18 +1,9 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <tuple>
 
 namespace tenon::sundials_integrator_test {
-namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
 
 constexpr Method kMethods[] = {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams};
 
@@ -27,8 +18,7 @@ class Scalars final : public LeafSystem<void> {
 double ErrorAt(double end, const SimulatorOptions& options) {
   DiagramBuilder builder;
   auto& scalars = builder.Add<Scalars>("scalars");
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, options);
+  Simulator simulator(builder.Build(), options);
   simulator.RunTo(end);
   const Vec<2> x = simulator.context().Eval(scalars.x);
   return std::max(std::abs(x[0] - 1 / (1 + end)), std::abs(x[1] - std::exp(std::sin(end))));
@@ -72,20 +62,8 @@ INSTANTIATE_TEST_SUITE_P(Multistep, AdaptiveTest,
                          testing::Combine(testing::Values(Method::kBdf, Method::kAdams),
                                           testing::Values(2, 5), testing::Values(1e-3, 1e-5, 1e-7)));
 
-TEST(SundialsIntegratorTest, OscillatorKeepsItsPhase) {
-  for (const Method method : kMethods) {
-    DiagramBuilder builder;
-    auto& oscillator = builder.Add<Oscillator>("oscillator", 2.0);
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, {.method = method, .order = 5, .rtol = 1e-8, .atol = 1e-10});
-    simulator.RunTo(10);
-    EXPECT_NEAR(simulator.context().Eval(oscillator.x)[0], std::cos(20), 1e-5);
-    EXPECT_NEAR(simulator.context().Eval(oscillator.x)[1], -2 * std::sin(20), 1e-5);
-  }
-}
-
 TEST(SundialsIntegratorTest, DirkMeetsTheToleranceWhileItsStepsGrow) {
-  // Newton's method with a matrix of another step size stops early and errs by a hundred tolerances.
+  // With the Jacobian of another step size, Newton's method would stop early with an error of 100 tolerances.
   class Cooling final : public LeafSystem<void> {
    public:
     ContinuousState<double> x{this, "x", 10.0};
@@ -105,8 +83,7 @@ TEST(SundialsIntegratorTest, ImplicitMethodsTakeLargeStepsWhereItIsStiff) {
   for (const Method method : {Method::kDirk, Method::kBdf}) {
     DiagramBuilder builder;
     auto& stiff = builder.Add<Stiff>("stiff");
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, {.method = method, .rtol = 1e-5, .atol = 1e-7});
+    Simulator simulator(builder.Build(), {.method = method, .rtol = 1e-5, .atol = 1e-7});
     simulator.RunTo(3);
     EXPECT_NEAR(simulator.context().Eval(stiff.x), std::cos(3), 1e-4);
     EXPECT_LT(simulator.statistics().steps, 200);  // stability would demand 100000 of an explicit method
@@ -135,7 +112,8 @@ TEST(SundialsIntegratorTest, StabilizedMethodsTakeStepsOfFiveTimeConstants) {
   }
 }
 
-/// A slow large state and a small one: a tolerance for the mean of both lets the small one go astray.
+/// A large constant state and a small oscillation: one absolute tolerance for both is too coarse for the
+/// latter.
 class TwoScales final : public LeafSystem<void> {
  public:
   ContinuousState<double> large{this, "large", 1.0};
@@ -148,8 +126,7 @@ TEST(SundialsIntegratorTest, StatesCanHaveTheirOwnAbsoluteTolerance) {
   const auto error = [](std::vector<StateTolerance> own) {
     DiagramBuilder builder;
     auto& block = builder.Add<TwoScales>("block");
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, {.rtol = 1e-6, .atol = 1e-6, .state_atol = std::move(own)});
+    Simulator simulator(builder.Build(), {.rtol = 1e-6, .atol = 1e-6, .state_atol = std::move(own)});
     simulator.RunTo(5);
     return std::abs(simulator.context().Eval(block.small)[0] - 1e-6 * std::cos(50)) / 1e-6;
   };
@@ -164,35 +141,29 @@ TEST(SundialsIntegratorTest, OptionsThatMakeNoSenseAreRefused) {
   builder.Add<Oscillator>("plant");
   const auto diagram = builder.Build();
   const auto refused = [&](const SimulatorOptions& options, const std::string& text) {
-    EXPECT_THAT([&] { Simulator simulator(*diagram, options); },
-                ThrowsMessage<ParameterError>(AllOf(HasSubstr("SimulatorOptions: "), HasSubstr(text))));
+    EXPECT_TRUE(Throws<ParameterError>([&] { Simulator simulator(*diagram, options); }, text));
   };
   refused({.order = 1}, "order 1 does not exist for this method: choose 2 to 5");
-  refused({.order = 6}, "order 6 does not exist");
-  refused({.method = Method::kDirk, .order = 1}, "choose 2 to 5");
-  refused({.method = Method::kStabilized, .order = 4}, "choose 2 to 3");
-  refused({.method = Method::kBdf, .order = 6}, "choose 1 to 5");
-  refused({.method = Method::kAdams, .order = 13}, "choose 1 to 12");
-  refused({.rtol = 0}, "rtol = 0 must be positive");
-  refused({.rtol = std::nan("")}, "rtol = nan must be positive");
-  refused({.atol = -1}, "atol = -1 must be positive");
-  refused({.state_atol = {{"plant.x", 0}}}, "atol = 0 of 'plant.x' must be positive");
-  refused({.fixed_step = -0.1}, "fixed_step = -0.1 s must not be negative");
-  refused({.max_step = -0.1}, "max_step = -0.1 s must not be negative");
-  refused({.method = Method::kBdf, .fixed_step = 0.1}, "fixed_step is for Runge-Kutta methods");
-  EXPECT_THAT(
-      [&] {
-        Simulator simulator(*diagram, {.state_atol = {{"plan.x", 1e-9}}});
-      },
-      ThrowsMessage<ParameterError>(HasSubstr("no continuous state's path begins with 'plan.x'")));
+  refused({.order = 6}, "2 to 5");
+  refused({.method = Method::kDirk, .order = 1}, "2 to 5");
+  refused({.method = Method::kStabilized, .order = 4}, "2 to 3");
+  refused({.method = Method::kBdf, .order = 6}, "1 to 5");
+  refused({.method = Method::kAdams, .order = 13}, "1 to 12");
+  refused({.rtol = 0}, "rtol");
+  refused({.rtol = std::nan("")}, "rtol");
+  refused({.atol = -1}, "atol");
+  refused({.state_atol = {{"plant.x", 0}}}, "'plant.x'");
+  refused({.state_atol = {{"plan.x", 1e-9}}}, "'plan.x'");
+  refused({.fixed_step = -0.1}, "fixed_step");
+  refused({.max_step = -0.1}, "max_step");
+  refused({.method = Method::kBdf, .fixed_step = 0.1}, "fixed_step");
 }
 
 TEST(SundialsIntegratorTest, StepsAreNoLargerThanAsked) {
   for (const Method method : kMethods) {
     DiagramBuilder builder;
     builder.Add<Oscillator>("plant", 0.01);
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, {.method = method, .max_step = 0.03});
+    Simulator simulator(builder.Build(), {.method = method, .max_step = 0.03});
     simulator.RunTo(1);
     EXPECT_LE(simulator.statistics().largest_step, 0.03 * (1 + 1e-12));
     EXPECT_GE(simulator.statistics().steps, 34);
@@ -202,8 +173,7 @@ TEST(SundialsIntegratorTest, StepsAreNoLargerThanAsked) {
 TEST(SundialsIntegratorTest, FixedStepsDivideEachIntervalEvenly) {
   DiagramBuilder builder;
   AddRestarts(builder, "ticks", Hz(100), builder.Add<Oscillator>("plant").u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.fixed_step = 0.003});  // 4 steps of 2.5 ms an interval
+  Simulator simulator(builder.Build(), {.fixed_step = 0.003});  // 4 steps of 2.5 ms an interval
   simulator.RunTo(1);
   const IntegratorStatistics statistics = simulator.statistics();
   EXPECT_EQ(statistics.steps, 400);
@@ -217,8 +187,7 @@ TEST(SundialsIntegratorTest, StatisticsCount) {
   for (const Method method : kMethods) {
     DiagramBuilder builder;
     AddRestarts(builder, "ticks", Hz(10), builder.Add<Oscillator>("plant").u);
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, {.method = method});
+    Simulator simulator(builder.Build(), {.method = method});
     EXPECT_EQ(simulator.statistics().steps, 0);
     simulator.RunTo(1);
     const IntegratorStatistics statistics = simulator.statistics();
@@ -241,8 +210,7 @@ TEST(SundialsIntegratorTest, OneStepATickIfTheToleranceAllowsIt) {
         Case{Method::kErkOpen, 3, 3}, Case{Method::kStabilized, 2, 3}, Case{Method::kStabilized, 3, 4}}) {
     DiagramBuilder builder;
     AddRestarts(builder, "ticks", Hz(1000), builder.Add<Oscillator>("plant").u);
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, {.method = method, .order = order, .rtol = 1e-4});
+    Simulator simulator(builder.Build(), {.method = method, .order = order, .rtol = 1e-4});
     simulator.RunTo(10);
     const IntegratorStatistics statistics = simulator.statistics();
     EXPECT_EQ(statistics.steps, 10000);
@@ -261,21 +229,8 @@ class Explosion final : public LeafSystem<void> {
   TimeDerivative<Vec<2>> dx{x, Uses(x), [](const Vec<2>& x) { return Vec<2>(1, x[1] * x[1]); }};
 };
 
-TEST(SundialsIntegratorTest, FailureNamesTheWorstStateAndTheTime) {
-  for (const Method method : {Method::kErk, Method::kDirk, Method::kBdf}) {
-    DiagramBuilder builder;
-    builder.Add<Explosion>("bomb");
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, {.method = method, .max_steps = 300});
-    EXPECT_THAT([&] { simulator.RunTo(2); },
-                ThrowsMessage<RunError>(AllOf(HasSubstr("the integrator fails at t = "),
-                                              HasSubstr("'bomb.x.wild'"), HasSubstr("times its tolerance"),
-                                              HasSubstr("rtol 1e-06"), HasSubstr("Loosen the tolerance"))));
-  }
-}
-
-TEST(SundialsIntegratorTest, ErrorsInMessagesAreInTolerances) {
-  // Step size control keeps them near one.
+TEST(SundialsIntegratorTest, FailuresNameTheWorstStateAndItsErrorInTolerances) {
+  // Step size control keeps the error near one tolerance.
   DiagramBuilder builder;
   builder.Add<Explosion>("bomb");
   const auto diagram = builder.Build();
@@ -288,29 +243,12 @@ TEST(SundialsIntegratorTest, ErrorsInMessagesAreInTolerances) {
       const std::string text = error.what(), before = "(error ";
       const std::size_t at = text.find(before);
       ASSERT_NE(at, std::string::npos) << text;
+      EXPECT_NE(text.find("'bomb.x.wild'"), std::string::npos) << text;
       const double tolerances = std::stod(text.substr(at + before.size()));
       EXPECT_GT(tolerances, 1e-4) << text;
       EXPECT_LT(tolerances, 100) << text;
     }
   }
-}
-
-TEST(SundialsIntegratorTest, TooManyStepsAreAnError) {
-  DiagramBuilder builder;
-  builder.Add<Stiff>("stiff");
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.max_steps = 50});
-  EXPECT_THAT([&] { simulator.RunTo(1); },
-              ThrowsMessage<RunError>(AllOf(HasSubstr("'stiff.x'"), HasSubstr("use Method::kBdf or kDirk"))));
-}
-
-TEST(SundialsIntegratorTest, ALongAdvanceMayTakeMoreSteps) {
-  // max_steps counts those within a tenth of a second: 10 here.
-  DiagramBuilder builder;
-  AddRestarts(builder, "ticks", Hz(1), builder.Add<Oscillator>("plant").u);
-  Simulator simulator(builder.Build(), {.max_step = 0.01, .max_steps = 50});
-  simulator.RunTo(3);
-  EXPECT_GE(simulator.statistics().steps, 300);
 }
 
 TEST(SundialsIntegratorTest, SmallerStepsMayAvoidWhatIsNotFinite) {
@@ -322,11 +260,9 @@ TEST(SundialsIntegratorTest, SmallerStepsMayAvoidWhatIsNotFinite) {
   };
   DiagramBuilder builder;
   auto& tank = builder.Add<Tank>("tank");
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.rtol = 1e-5});
+  Simulator simulator(builder.Build(), {.rtol = 1e-5});
   simulator.RunTo(1);
   EXPECT_NEAR(simulator.context().Eval(tank.level), 1 / (51.0 * 51.0), 1e-5);  // h = (1 + 50 t)^-2
 }
 
-}  // namespace
 }  // namespace tenon::sundials_integrator_test

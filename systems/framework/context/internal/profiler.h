@@ -6,10 +6,10 @@
 
 namespace tenon::internal {
 
-/// A stop watch that always runs for exactly one part: a calculation, or what happens between them.
+/// A stopwatch that always runs for exactly one part: a calculation, or an activity of the simulator.
 class Profiler {
  public:
-  enum Part : std::size_t { kTicks, kIntegrator, kLogs, kWaiting, kCalculations };  ///< the first of these
+  enum Part : std::size_t { kTicks, kIntegrator, kLogs, kWaiting, kCalculations };  ///< then by calculation
   using Clock = std::chrono::steady_clock;
 
   explicit Profiler(std::size_t num_calculations) : parts_(kCalculations + num_calculations) {}
@@ -18,7 +18,7 @@ class Profiler {
     since_ = Clock::now();
     current_ = kTicks;
   }
-  /// From now on time counts for `part`; returns what it counted for.
+  /// Starts counting time for `part`; returns the previous part.
   std::size_t Enter(std::size_t part) {
     const Clock::time_point now = Clock::now();
     parts_[current_].time += now - since_;
@@ -42,7 +42,7 @@ class Profiler {
   Clock::time_point since_;
 };
 
-/// Counts for a part while it lives; does nothing without a profiler.
+/// Counts time for a part during its lifetime; does nothing if `profiler` is null.
 class Profiled {
  public:
   Profiled(Profiler* profiler, std::size_t part)

@@ -18,14 +18,14 @@ bool GivesValue(const Source& source) {
   return source.kind() == SourceKind::kOutput || source.kind() == SourceKind::kShared;
 }
 
-/// Runs in its place among the values when its ticks are due.
+/// True for sources that run at their ticks in dataflow order.
 bool IsDueInOrder(const Source& source) {
   return source.is_sampled() &&
          (source.kind() == SourceKind::kOutput || source.kind() == SourceKind::kShared ||
           source.kind() == SourceKind::kPublish);
 }
 
-/// As System::path() makes it, but for no strings in between.
+/// Appends the result of System::path() without intermediate strings.
 void AppendPath(const System& block, std::string& path) {
   if (block.parent() != nullptr) {
     AppendPath(*block.parent(), path);
@@ -73,7 +73,7 @@ void Compiler::Collect(const std::vector<std::unique_ptr<System>>& blocks) {
   }
 }
 
-/// Numbers the calculations in dataflow order, first those that give values, then the others.
+/// Numbers the calculations in dataflow order: first those that compute values, then the others.
 void Compiler::Order() {
   std::vector<const Source*> trail;
   for (Source* source : sources_) source->calculation_ = kUnvisited;
@@ -91,10 +91,10 @@ void Compiler::Order() {
   }
 }
 
-/// What is sent out at a tick comes before what is taken in there, unless it depends on that: one side's
-/// answer may be what the other waits for.
+/// Orders Publishes before ExternalPorts of the same tick that they do not depend on, because the external
+/// answer may depend on what was sent.
 void Compiler::OrderPublishes() {
-  std::vector<std::pair<std::size_t, Source*>> publishes;  // and how many inputs from outside each depends on
+  std::vector<std::pair<std::size_t, Source*>> publishes;  // by number of external inputs used
   for (Source* source : sources_) {
     if (source->kind() != SourceKind::kPublish || !source->is_sampled()) continue;
     std::unordered_set<const Source*> seen;
@@ -170,12 +170,11 @@ void Compiler::ThrowLoop(const std::vector<const Source*>& trail, const Source& 
     hops += fmt::format("'{}' uses ", source->path());
   }
   throw BuildError(fmt::format(
-      "algebraic loop: {}'{}'. Every hop needs the value of the next at the same instant. Break it {}", hops,
-      again.path(),
-      sampled
-          ? "with a UnitDelay in front of one of the sampled inputs."
-          : "with a block that has state (a filter, a UnitDelay), or sample one of these outputs behind a "
-            "UnitDelay."));
+      "algebraic loop: {}'{}'. Every hop needs the value of the next at the same instant. Break the loop {}",
+      hops, again.path(),
+      sampled ? "with a UnitDelay in front of one of the sampled inputs."
+              : "with a block that has state (a filter, a UnitDelay), or sample one of these outputs behind "
+                "a UnitDelay."));
 }
 
 void Compiler::Place(Source& source, std::size_t& end) {
@@ -216,8 +215,8 @@ void Compiler::LayOut() {
           {source, static_cast<Offset>(state.offset + continuous_size), state.count});
     }
   }
-  // A value of which a derivative is a copy lies where that does: then there is nothing to copy. Held samples
-  // stay where they are, for the first copy waits for the first sample.
+  // A value whose copy is a derivative shares the memory of that derivative, which saves the copy. Held
+  // samples keep their own memory, because the first copy happens after the first sample.
   std::unordered_set<const Source*> shared;
   for (const Source* source : sources_) {
     if (!source->is_copy_ || !source->type_->fixed) continue;
@@ -226,8 +225,9 @@ void Compiler::LayOut() {
     origin.offset_ = source->offset_;
     program_.cells.push_back({&origin, origin.offset_});
   }
-  // Everything else that is stored: first what is copied as bytes. Parameters and Publishes come last, so
-  // that a block which gets one moves nothing else: Eigen's last digits depend on where a vector lies.
+  // All other stored values; those that are copied as bytes come first. Parameters and Publishes come last,
+  // so that adding one to a block does not move other values: the last digits of Eigen's results depend on
+  // alignment.
   std::vector<Source*> stored, last;
   for (Source* source : sources_) {
     const bool passes_on = source->kind() == SourceKind::kInput ||
@@ -251,7 +251,7 @@ void Compiler::LayOut() {
   program_.memory_size = end;
   if (end > UINT32_MAX) throw BuildError("the diagram's signals take more than 4 GiB: split the diagram");
 
-  // Ports that only pass a value on lie where their origin lies.
+  // Ports that only pass a value on share the memory of its origin.
   for (const auto* list : {&sources_, &ports_}) {
     for (Source* source : *list) {
       const Source& origin = source->Resolve();
@@ -277,7 +277,7 @@ void Compiler::LayOut() {
     const bool kept = source.kind() == SourceKind::kContinuous || source.kind() == SourceKind::kDiscrete ||
                       source.kind() == SourceKind::kInput || source.kind() == SourceKind::kScratch ||
                       source.kind() == SourceKind::kRandom || source.kind() == SourceKind::kParameter;
-    // Computed once more after a restore, what has a warm start would find another result.
+    // Warm-started calculations would give another result if computed again after Restore.
     const bool warm = GivesValue(source) &&
                       std::any_of(source.arguments_.begin(), source.arguments_.end(), [](const Slot& slot) {
                         return slot.source != nullptr && slot.source->kind() == SourceKind::kScratch;

@@ -12,17 +12,17 @@ namespace tenon::internal {
 
 class Assembly;
 
-/// Turns blocks and connections into a Program. The order of the steps is the order of the functions.
+/// Compiles blocks and connections into a Program. The steps run in the order of the functions below.
 class Compiler {
  public:
   /// Throws BuildError: unconnected inputs (unless they may stay open), algebraic loops, states without
-  /// derivative, offsets without initial value, uses of other blocks' ports, units and sizes that differ.
+  /// derivative, offsets without initial value, uses of other blocks' ports, different units or sizes.
   static Program Compile(const std::vector<std::unique_ptr<System>>& blocks, bool open_inputs);
 
  private:
   Compiler(const std::vector<std::unique_ptr<System>>& blocks, bool open_inputs);
 
-  // compiler.cc: what there is
+  // compiler.cc: contents and order of the program
   void Collect(const std::vector<std::unique_ptr<System>>& blocks);
   void Order();
   void OrderPublishes();
@@ -33,7 +33,7 @@ class Compiler {
   void Place(Source& source, std::size_t& end);
   void FillArguments();
 
-  // compiler_checks.cc: whether it makes sense. All that does not is reported together.
+  // compiler_checks.cc: checks; all faults are reported together
   void ResolveInputs();
   void CheckMembers(const System& block);
   void CheckSpec(const Source& source);
@@ -44,7 +44,7 @@ class Compiler {
   void Fault(std::string text);
   void ThrowFaults() const;
 
-  // compiler_plans.cc: what runs when
+  // compiler_plans.cc: lists of calculations for ticks, updates and the integrator
   void FindGroups();
   void FindFeeders();
   void MakePlans();

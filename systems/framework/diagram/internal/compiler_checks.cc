@@ -13,7 +13,7 @@
 namespace tenon::internal {
 namespace {
 
-/// The type of the numbers that a Spec speaks of: those of each item of arrays and lists.
+/// The type to which a Spec applies: for arrays and lists the type of their innermost items.
 const TypeInfo& Innermost(const TypeInfo& type) {
   const TypeInfo* inner = &type;
   while (inner->kind == TypeInfo::Kind::kArray || inner->kind == TypeInfo::Kind::kList ||
@@ -33,7 +33,8 @@ bool UnitsAgree(const Spec& a, const Spec& b) {
   return true;
 }
 
-/// Members that users name and logs show. Derivatives and updates are called after their states.
+/// True for members that are named by their block and appear in logs. Derivatives and updates take the names
+/// of their states.
 bool HasOwnName(const Source& source) {
   return source.kind() != SourceKind::kDerivative && source.kind() != SourceKind::kUpdate;
 }
@@ -58,7 +59,7 @@ void Compiler::CheckMembers(const System& block) {
   for (const Source* source : block.sources()) {
     if (!HasOwnName(*source)) continue;
     CheckSpec(*source);
-    // An output that shows a state may share its name.
+    // An output that shows a state may have the state's name.
     const bool shown = source->kind() == SourceKind::kOutput && source->driver() != nullptr &&
                        &source->driver()->owner() == &block && source->name() == source->driver()->name() &&
                        source->driver()->kind() != SourceKind::kInput &&
@@ -77,8 +78,7 @@ void Compiler::CheckMembers(const System& block) {
 void Compiler::CheckSpec(const Source& source) {
   if (source.name().empty() || source.name().find_first_of(". \t\n,\"'") != std::string::npos) {
     Fault(fmt::format(
-        "a member of '{}' cannot be named '{}': names are not empty and hold no dot, comma, blank or "
-        "quote",
+        "a member of '{}' cannot be named '{}': give a name without dots, commas, blanks and quotes",
         source.owner().path(), source.name()));
   }
   const Spec& spec = source.spec();
@@ -93,13 +93,13 @@ void Compiler::CheckSpec(const Source& source) {
         rows = static_cast<std::size_t>(type.rows), cols = static_cast<std::size_t>(type.cols);
       } else if (&type == source.type_) {
         type.shape(source.model_, &rows, &cols);
-        if (rows == 0) return;  // known when it runs
+        if (rows == 0) return;  // the size is known only at run time
       } else {
         return;
       }
       break;
     case TypeInfo::Kind::kStruct:
-      Fault(fmt::format("'{}' is a {}, which brings its own units and names: leave those of the port empty",
+      Fault(fmt::format("'{}' is a {}, which brings its own units and names: remove those of the port",
                         source.path(), source.type_name()));
       return;
     default:
@@ -120,7 +120,7 @@ void Compiler::CheckSpec(const Source& source) {
 
 void Compiler::CheckConnections() {
   const auto check = [&](const Source& to) {
-    // To the next port up that says its unit: an empty one means any.
+    // Find the next port upstream with a unit: an empty unit is compatible with any.
     const Source* from = &to;
     bool ignored = false;
     do {
@@ -149,7 +149,7 @@ void Compiler::CheckConnections() {
   }
 }
 
-/// What a block that replaced another one does not have, in one fault.
+/// Reports all ports that a replacing block lacks, in one fault.
 void Compiler::CheckReplacement(const System& block) {
   std::string text;
   const auto add = [&](const std::string& difference) { text += (text.empty() ? "" : "; ") + difference; };
@@ -175,7 +175,7 @@ void Compiler::CheckReplacement(const System& block) {
                       driver->type_name(), describe_other(*driver), reader->path()));
     }
   }
-  bool unused = false;  // an input that could be meant
+  bool unused = false;  // true if an unconnected input may be the renamed port
   for (const Source* input : block.sources_) {
     if (input->kind() != SourceKind::kInput || input->driver_ != nullptr) continue;
     unused = true;
@@ -189,20 +189,19 @@ void Compiler::CheckReplacement(const System& block) {
              *own->type_->id == *old->type_->id;
     });
     if (!matched) {
-      add(fmt::format("what came in at '{}' ({}){}, from '{}', goes nowhere", old->name(), old->type_name(),
-                      describe_other(*old), old->driver_->path()));
+      add(fmt::format("it lacks the input '{}' ({}){}, which was connected to '{}'", old->name(),
+                      old->type_name(), describe_other(*old), old->driver_->path()));
     }
   }
   if (text.empty()) return;
-  Fault(fmt::format(
-      "the block that replaced '{}' has other ports: {}. Connect what differs by hand, or Disconnect "
-      "it",
-      block.path(), text));
+  Fault(
+      fmt::format("the block that replaced '{}' has other ports: {}. Connect these ports, or Disconnect them",
+                  block.path(), text));
 }
 
 void Compiler::ResolveInputs() {
   std::vector<const Source*>& open = program_.open_inputs;
-  // Ports of subdiagrams too: nobody may read them, but they can be set, evaluated and logged.
+  // Ports of subdiagrams, even without readers, can be set, evaluated and logged.
   std::vector<const Source*> ports(sources_.begin(), sources_.end());
   ports.insert(ports.end(), ports_.begin(), ports_.end());
   for (const Source* source : ports) {
@@ -215,7 +214,7 @@ void Compiler::ResolveInputs() {
     }
     if (origin.kind() != SourceKind::kInput) continue;
     if (origin.has_initial_value_) {
-      // Several inner inputs may share the port of a subdiagram.
+      // Several inner inputs may share one port of a subdiagram.
       if (std::find(default_inputs_.begin(), default_inputs_.end(), &origin) == default_inputs_.end()) {
         default_inputs_.push_back(&origin);
       }
@@ -223,9 +222,8 @@ void Compiler::ResolveInputs() {
     }
     if (std::find(open.begin(), open.end(), &origin) != open.end()) continue;
     open.push_back(&origin);
-    if (!open_inputs_ && origin.owner().replaces_ == nullptr) {  // that was said
-      const std::string through =
-          &origin == source ? "" : fmt::format(" (it is meant to feed '{}')", source->path());
+    if (!open_inputs_ && origin.owner().replaces_ == nullptr) {  // already reported
+      const std::string through = &origin == source ? "" : fmt::format(" (it feeds '{}')", source->path());
       Fault(fmt::format(
           "input '{}' is not connected{}: connect an output to it, or give the port a default value",
           origin.path(), through));
@@ -273,9 +271,8 @@ void Compiler::CheckDeclarations() {
                         source->path()));
     }
     if (source->type_->fixed && source->type_->num_scalars * sizeof(double) != source->type_->size) {
-      Fault(fmt::format(
-          "continuous state '{}' holds more than its declared doubles: list all members in Fields()",
-          source->path()));
+      Fault(fmt::format("continuous state '{}' has members other than doubles: list all members in Fields()",
+                        source->path()));
     }
   }
 }
@@ -295,9 +292,8 @@ void Compiler::CheckArguments(const Source& calculation) {
     if (slot.source->kind() == SourceKind::kRandom && !calculation.is_sampled() &&
         calculation.kind() != SourceKind::kUpdate) {
       Fault(
-          fmt::format("'{}' uses the random stream '{}' but is no sampled output or update: the integrator "
-                      "evaluates it as "
-                      "often as it likes; declare it Sampled",
+          fmt::format("'{}' uses the random stream '{}' but is not a sampled output or update: the "
+                      "integrator may evaluate it any number of times; declare it Sampled",
                       calculation.path(), slot.source->name()));
     }
   }

@@ -6,7 +6,7 @@
 
 namespace tenon::internal {
 
-/// Marks what reaches a derivative or a witness: through values, and through states that updates change.
+/// Marks the sources that affect a derivative or a witness, through values or through updates of states.
 void Compiler::FindFeeders() {
   std::vector<int> open;
   std::unordered_map<const Source*, std::vector<int>> updates;
@@ -50,7 +50,7 @@ void Compiler::FindGroups() {
     info.group = static_cast<int>(group - groups.begin());
     group->feeds |= info.feeds;
   }
-  const Schedule check(groups);  // throws if they have no common tick
+  const Schedule check(groups);  // throws if the periods have no common tick
 }
 
 void Compiler::MakePlans() {
@@ -69,7 +69,7 @@ void Compiler::MakePlans() {
   }
   OpList ops = program_.Needed(derivatives, Which::kVarying);
   program_.AppendSinks(derivatives, ops);
-  std::erase_if(ops, [&](const Op& op) {  // copies onto themselves
+  std::erase_if(ops, [&](const Op& op) {  // copies between the same address
     return program_.calculations[op.calculation].source->is_copy_ && op.row[0] == op.row[1];
   });
   program_.derivatives = program_.Batched(ops);
@@ -101,7 +101,7 @@ void Compiler::MakePlans() {
   for (const Source* kink : kinks) program_.witness_plans.push_back({kink, {}, true});
 }
 
-/// Blocks that derivatives or witnesses depend on between ticks.
+/// Blocks that derivatives, or derivatives and witnesses, depend on between ticks.
 std::unordered_set<const System*> Compiler::FindVaryingBlocks(bool derivatives_alone) const {
   std::unordered_set<const System*> blocks;
   const auto add = [&](const BatchedOps& list) {
@@ -112,8 +112,8 @@ std::unordered_set<const System*> Compiler::FindVaryingBlocks(bool derivatives_a
   return blocks;
 }
 
-/// Kinks that lie in the way of an integration: of blocks that derivatives depend on, and that may change
-/// between ticks.
+/// Kinks that affect the integration: those of blocks that derivatives depend on and that may change between
+/// ticks.
 std::vector<const Source*> Compiler::FindKinks() const {
   std::vector<const Source*> kinks;
   const std::unordered_set<const System*> blocks = FindVaryingBlocks(true);

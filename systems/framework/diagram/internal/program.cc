@@ -37,7 +37,7 @@ OpList Program::Needed(const std::vector<const Source*>& sinks, Which which, con
 }
 
 void Program::AppendSinks(const std::vector<const Source*>& sinks, OpList& ops) const {
-  std::vector<bool> listed(calculations.size());  // for another one that reads it, as a witness may
+  std::vector<bool> listed(calculations.size());  // some witnesses are read by others
   for (const Op& op : ops) listed[op.calculation] = true;
   for (const Source* sink : sinks) {
     if (listed[static_cast<std::size_t>(sink->calculation_)]) continue;
@@ -59,7 +59,7 @@ std::vector<std::uint32_t> Program::Downstream(std::vector<int> changed) const {
   return {found.begin(), found.end()};
 }
 
-/// Where the numbers of `source` lie: doubles in places that never move, or a value to look into.
+/// Appends the location of the numbers of `source`: doubles at fixed offsets, or a value to be inspected.
 static void AppendNumbers(const Source& source, Offset offset, const TypeInfo& type,
                           std::vector<ScalarRun>* doubles, std::vector<const Source*>* movable) {
   if (!type.fixed) movable->push_back(&source);
@@ -95,7 +95,7 @@ TickPlan Program::MakeTick(const Groups& due) const {
   plan.groups = due;
   std::vector<const Source*> monitors, updates, publishes;
   std::vector<int> changed;
-  // In the order of the blocks, whatever the order of the groups.
+  // Updates follow the order of the blocks, not of the groups.
   for (const CalculationInfo& info : calculations) {
     if (!std::binary_search(due.begin(), due.end(), info.group)) continue;
     const Source* source = info.source;
@@ -136,9 +136,9 @@ OpList Program::Evaluation(const std::vector<const Source*>& sources) const {
 
 OpList Program::Gathered(const OpList& ops) const {
   constexpr std::uint32_t kOther = UINT32_MAX;
-  std::vector<std::uint32_t> places(calculations.size(), kOther);  // of the calculations, in `ops`
+  std::vector<std::uint32_t> places(calculations.size(), kOther);  // index in `ops` of each calculation
   for (std::uint32_t i = 0; i < ops.size(); ++i) places[ops[i].calculation] = i;
-  std::vector<int> awaited(ops.size(), 0);  // how many values that it uses are not computed yet
+  std::vector<int> awaited(ops.size(), 0);  // number of used values not computed yet
   std::unordered_map<Thunk, std::vector<std::uint32_t>> ready;
   for (std::uint32_t i = 0; i < ops.size(); ++i) {
     for (const int used : calculations[ops[i].calculation].uses) awaited[i] += places[used] != kOther;
@@ -175,7 +175,7 @@ BatchedOps Program::Batched(const OpList& ops) const {
     const Thunk run = list.ops[begin].run;
     Chain chain = ChainFrom(list.ops, begin);
     end = chain.end;
-    if (end - begin < kShortestChain) {  // up to the next one that is longer
+    if (end - begin < kShortestChain) {  // not worth a chain: the batch ends before the next long one
       chain.carried = kNoArgument;
       for (end = begin + 1; end < list.ops.size() && list.ops[end].run == run; ++end) {
         if (ChainFrom(list.ops, end).end - end >= kShortestChain) break;
@@ -206,14 +206,14 @@ std::size_t Program::ArgumentFrom(const Op& op, const Op& next) const {
   for (std::size_t i = 0; i < slots.size(); ++i, ++argument) {
     const Source* source = slots[i].source;
     if (source != nullptr && source->calculation_ == static_cast<int>(op.calculation)) return argument;
-    i += slots[i].count;  // of a list
+    i += slots[i].count;  // entries of a list
   }
   return kNoArgument;
 }
 
 void Program::AppendRows(std::span<const Source* const> sources, std::vector<Offset>& rows) {
   const auto place = [](const Slot& slot) {
-    return slot.source != nullptr ? slot.source->offset_ : Offset{0};  // time lies at 0
+    return slot.source != nullptr ? slot.source->offset_ : Offset{0};  // time has offset 0
   };
   std::size_t row = rows.size();
   for (const Source* source : sources) {
@@ -221,7 +221,7 @@ void Program::AppendRows(std::span<const Source* const> sources, std::vector<Off
     const std::vector<Slot>& slots = source->arguments_;
     for (std::size_t i = 0; i < slots.size(); ++i) {
       rows.push_back(place(slots[i]));
-      i += slots[i].count;  // of a list
+      i += slots[i].count;  // entries of a list
     }
   }
   for (const Source* source : sources) {

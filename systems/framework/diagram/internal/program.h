@@ -3,6 +3,7 @@
 #include <tenon/systems/framework/block/internal/rational.h>
 #include <tenon/systems/framework/block/source.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,7 +13,7 @@
 
 namespace tenon::internal {
 
-/// One entry of a flat list that a running diagram works through.
+/// One entry of a flat list of calculations that a run executes.
 struct Op {
   Thunk run;
   const Closure* closure;
@@ -23,16 +24,16 @@ struct Op {
 };
 using OpList = std::vector<Op>;
 
-/// Ops of the same code that follow one another: one call.
+/// Consecutive ops of the same code, run by one call.
 struct Batch {
   Thunk run;
-  std::size_t begin, count;  ///< of its ops, and of their closures
-  std::size_t rows;          ///< where theirs begin
+  std::size_t begin, count;  ///< range of ops and of closures
+  std::size_t rows;          ///< index of the first row
   std::size_t carried;       ///< see Thunk
 };
 
-/// A list that is worked through again and again: in an order in which ops of the same code follow one
-/// another as far as what they use allows.
+/// A list that is run many times, ordered so that ops of the same code are adjacent as far as their
+/// dependencies permit.
 struct BatchedOps {
   OpList ops;
   std::vector<Batch> batches;
@@ -40,16 +41,16 @@ struct BatchedOps {
   std::vector<Offset> rows;
 };
 
-/// A calculation in its place in the program; they are numbered in dataflow order.
+/// A calculation of the program. Calculations are numbered in dataflow order.
 struct CalculationInfo {
   const Source* source;
   Op op;
   std::vector<int> uses;          ///< calculations whose results it reads
-  bool varies;                    ///< as in `op`
+  bool varies;                    ///< see Op::varies
   bool sampled;                   ///< a sampled output, held between its ticks
-  bool settled = true;            ///< reads nothing but Parameters, by whatever way
-  int group = -1;                 ///< of samples
-  bool feeds = false;             ///< reaches a derivative or a witness, by whatever way
+  bool settled = true;            ///< depends only on Parameters, directly or indirectly
+  int group = -1;                 ///< index of its sample group; -1 if it is not sampled
+  bool feeds = false;             ///< affects a derivative or a witness, directly or indirectly
   std::vector<int> affects = {};  ///< calculations that read its result
 };
 
@@ -58,73 +59,68 @@ struct SampleGroup {
   Rational period;
   Rational offset;
   std::string example;  ///< the path of one member, for messages
-  bool feeds = false;   ///< one of them does: its ticks end a step of the integrator
+  bool feeds = false;   ///< a member affects a derivative or witness: its ticks end integrator steps
 };
 
-/// Sample groups that are due together, by their indices, ascending.
+/// Indices of sample groups that are due together, ascending.
 using Groups = std::vector<int>;
 
-/// An update that has been computed takes effect: state = next.
+/// The effect of a computed update: state = next.
 struct Commit {
   const Source* state;
   const Source* next;
 };
 
-/// Updates that fire together.
+/// Updates with the same trigger.
 struct UpdatePlan {
-  OpList ops;  ///< what they need, then the updates themselves
+  OpList ops;  ///< the updates after their prerequisites
   std::vector<Commit> commits;
-  std::vector<std::uint32_t> invalidates;  ///< held calculations that the new values make stale
-  std::vector<ScalarRun> doubles;      ///< of the next values, from the memory's start, for the check of them
-  std::vector<const Source*> movable;  ///< next values with others
+  std::vector<std::uint32_t> invalidates;  ///< held calculations that depend on the new values
+  std::vector<ScalarRun> doubles;      ///< locations of doubles among the next values, for the check for NaN
+  std::vector<const Source*> movable;  ///< next values with other numbers, for the same check
   bool changes_continuous = false;
-  bool feeds = false;  ///< the integrator has to start again afterwards
+  bool feeds = false;  ///< the updates restart the integrator
   bool empty() const { return ops.empty(); }
 };
 
 /// Everything that happens at a tick, for one combination of due sample groups.
 struct TickPlan {
   Groups groups;
-  bool feeds = false;                      ///< the integrator has to start again afterwards
+  bool feeds = false;                      ///< the tick restarts the integrator
   std::vector<std::uint32_t> invalidates;  ///< calculations downstream of the due outputs
-  OpList outputs;                          ///< due sampled outputs and what they need, in dataflow order
-  std::vector<const Source*> due;          ///< the sampled outputs, for the check for NaN:
-  std::vector<ScalarRun> doubles;      ///< those of their numbers that never move, from the memory's start
-  std::vector<const Source*> movable;  ///< outputs with others
-  OpList monitors;                     ///< due monitors and what they need
+  OpList outputs;                          ///< due sampled outputs and their prerequisites, in dataflow order
+  std::vector<const Source*> due;          ///< the due sampled outputs, for the check for NaN
+  std::vector<ScalarRun> doubles;          ///< locations of their doubles at fixed offsets
+  std::vector<const Source*> movable;      ///< outputs with other numbers
+  OpList monitors;                         ///< due monitors and their prerequisites
   std::vector<const Source*> verdicts;
   UpdatePlan updates;
 };
 
-/// Whether the numbers are finite; `memory` is a context's.
+/// Returns whether the numbers are finite; `memory` is a context's.
 inline bool AllFinite(const std::byte* memory, std::span<const ScalarRun> doubles) {
-  // A sum of 0 x is 0 unless one is not finite.
-  double zero = 0;
-  for (const ScalarRun& run : doubles) {
-    const auto* x = reinterpret_cast<const double*>(memory + run.offset);
-    for (std::uint32_t i = 0; i < run.count; ++i) zero += 0 * x[i];
-  }
-  return zero == 0;
+  return std::ranges::all_of(doubles, [&](const ScalarRun& run) {
+    return AllFinite(reinterpret_cast<const double*>(memory + run.offset), run.count);
+  });
 }
 
-/// A Witness with its updates, or a Kink without.
+/// A Witness with its updates, or a Kink, which has none.
 struct WitnessPlan {
   const Source* witness;
   UpdatePlan updates;
   bool is_kink;
 };
 
-/// What is stored where in a context's memory.
+/// The location of a stored value in a context's memory.
 struct Cell {
   const Source* source;
   Offset offset;
 };
 
-/// A value of run-time size whose numbers also have a place among the continuous states, or their
-/// derivatives.
+/// A value of run-time size whose numbers are also stored among the continuous states or their derivatives.
 struct Unpacked {
   const Source* source;
-  Offset offset;  ///< of that place
+  Offset offset;  ///< of the copy among the states or derivatives
   std::size_t count;
 };
 
@@ -133,30 +129,29 @@ enum class Which { kVarying, kHeld, kAll };
 /// A compiled diagram: flat lists, and the layout of a context's memory:
 /// time | continuous states | their derivatives | values that are copied as bytes | other values.
 struct Program {
-  /// What `sinks` depend on (themselves included if they are sampled outputs), in dataflow order. Sampled
-  /// outputs count only if they are in the `due` groups: the others are held.
+  /// Calculations that `sinks` depend on, in dataflow order, including those `sinks` that are sampled
+  /// outputs. Sampled outputs are included only if they are in the `due` groups: the others are held.
   OpList Needed(const std::vector<const Source*>& sinks, Which which, const Groups& due = {}) const;
   void AppendSinks(const std::vector<const Source*>& sinks, OpList& ops) const;
-  /// What has to be computed again when the results of `changed` have changed; they themselves left out.
+  /// Calculations that depend on the results of `changed`, without `changed` themselves.
   std::vector<std::uint32_t> Downstream(std::vector<int> changed) const;
   UpdatePlan MakeUpdates(const std::vector<const Source*>& updates) const;
-  /// Combinations of due groups are many in principle and few in practice: plans are made when they occur.
+  /// Plan of a tick. Plans are made when needed, because few of the many combinations of groups occur.
   TickPlan MakeTick(const Groups& due) const;
-  /// What the values of `sources` take to compute: what they depend on, and they themselves.
+  /// Calculations for the values of `sources`, with all prerequisites.
   OpList Evaluation(const std::vector<const Source*>& sources) const;
-  /// The same in another order, and the batches.
+  /// `ops`, reordered and divided into batches.
   BatchedOps Batched(const OpList& ops) const;
   OpList Gathered(const OpList& ops) const;
-  /// Ops of the same code, from one on, of which each takes the result of the one before as the same
-  /// argument.
+  /// Consecutive ops of the same code, each of which takes the previous result as the same argument.
   struct Chain {
     std::size_t end;
     std::size_t carried;
   };
   Chain ChainFrom(const OpList& ops, std::size_t begin) const;
-  /// Which argument of `next` is the result of `op`; kNoArgument if none.
+  /// Index of the argument of `next` that is the result of `op`; kNoArgument if there is none.
   std::size_t ArgumentFrom(const Op& op, const Op& next) const;
-  /// The rows of calculations of the same code, see Thunk, then the lists that they point to.
+  /// Appends the rows of calculations of the same code, then their lists; see Thunk.
   static void AppendRows(std::span<const Source* const> sources, std::vector<Offset>& rows);
 
   std::vector<CalculationInfo> calculations;
@@ -167,21 +162,21 @@ struct Program {
   int num_continuous = 0;
   std::size_t memory_size = 0;
   std::vector<Cell> cells;    ///< every stored value
-  std::vector<Cell> objects;  ///< those of them that have to be copied by their type
-  std::vector<Cell> saved;    ///< those of them that a snapshot holds
+  std::vector<Cell> objects;  ///< the cells that are copied by their type
+  std::vector<Cell> saved;    ///< the cells that a snapshot contains
   std::vector<Unpacked> unpacked_states;
   std::vector<Unpacked> unpacked_derivatives;
 
-  BatchedOps derivatives;  ///< what varies and derivatives need, and the derivatives
-  OpList held;             ///< what does not vary and derivatives or witnesses need
-  BatchedOps witnesses;    ///< what varies and witnesses need, and the witnesses
+  BatchedOps derivatives;  ///< varying calculations for the derivatives, and the derivatives
+  OpList held;             ///< other calculations for derivatives or witnesses
+  BatchedOps witnesses;    ///< varying calculations for the witnesses, and the witnesses
   std::vector<WitnessPlan> witness_plans;
 
   std::vector<SampleGroup> groups;
-  /// Discrete state -> calculations, other than samples, that read it.
+  /// Calculations, other than samples, that read a discrete state.
   std::unordered_map<const Source*, std::vector<int>> readers;
-  OpList jumps;                           ///< what the NextJumps of blocks that feed need, and they
-  std::vector<const Source*> next_jumps;  ///< those
+  OpList jumps;                           ///< NextJumps of feeding blocks with their prerequisites
+  std::vector<const Source*> next_jumps;  ///< NextJumps of feeding blocks
 
   UpdatePlan at_start;
   OpList published_at_start;
@@ -191,7 +186,7 @@ struct Program {
 
   std::vector<const Source*> continuous;  ///< states in the order of the vector
   std::vector<const Source*> open_inputs;
-  std::uint64_t signature = 0;  ///< of names, types and layout; snapshots carry it
+  std::uint64_t signature = 0;  ///< hash of names, types and layout, stored in snapshots
 };
 
 }  // namespace tenon::internal

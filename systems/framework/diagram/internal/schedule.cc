@@ -36,7 +36,7 @@ Schedule::Schedule(const std::vector<SampleGroup>& groups) {
 }
 
 void Schedule::MoveTo(double time, bool inclusive) {
-  // The first tick that counts. The product may round up to a tick that `time` is short of, or past.
+  // The first tick to be run. The product may round to a tick before or after `time`.
   const auto per_second = static_cast<double>(per_second_);
   auto first = static_cast<std::int64_t>(std::floor(time * per_second));
   const auto counts = [&](double tick_time) { return inclusive ? tick_time >= time : tick_time > time; };

@@ -7,20 +7,21 @@
 
 namespace tenon::internal {
 
-/// The ticks of a run, in integers of 1 / L seconds. Entries are a program's sample groups, then those of
+/// The ticks of a run, as integers of 1 / L seconds. Entries are a program's sample groups, followed by the
 /// logs.
 class Schedule {
  public:
   /// Throws BuildError if the periods have no common tick above a picosecond.
   explicit Schedule(const std::vector<SampleGroup>& groups);
 
-  /// Makes the next ticks those after `time` (`inclusive`: at or after).
+  /// Moves to the first ticks after `time`, or at or after it if `inclusive`.
   void MoveTo(double time, bool inclusive);
   /// Time of the next tick [s]; infinity if there is none.
   double next_time() const { return next_time_; }
-  /// Time of the next one at which the integrator has to start again [s]; infinity if there is none.
+  /// Time of the next tick that restarts the integrator [s]; infinity if there is none.
   double next_feeding_time() const { return next_feeding_time_; }
-  /// Entries that are due at the next tick, which is thereby passed; valid until the next call.
+  /// Returns the entries that are due at the next tick, and moves past it. The result is valid until the next
+  /// call.
   const Groups& Take();
 
  private:

@@ -5,7 +5,7 @@
 
 namespace tenon::internal {
 
-/// FNV-1a of 64 bits (Fowler, Noll, Vo). Two texts that differ in a single byte never have the same.
+/// FNV-1a hash of 64 bits (Fowler, Noll, Vo). Texts that differ in a single byte have different hashes.
 class Fnv1a {
  public:
   constexpr void Add(std::string_view text) {

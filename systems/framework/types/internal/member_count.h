@@ -9,16 +9,16 @@
 
 namespace tenon::internal {
 
-/// Body of a conversion that is never evaluated. Clang wants a body for types without linkage.
+/// Body of a conversion that is never evaluated. Clang requires one for types without linkage.
 template <class T>
 [[noreturn]] T Never() {
   std::abort();
 }
 
-/// Converts to the type of any member, to a matrix only if `IsMatrix`. Never evaluated.
+/// Converts to the type of any member, and to a matrix only if `IsMatrix`. Never evaluated.
 ///
-/// An optional must not be initialised by one that converts to matrices: compilers would instantiate a
-/// constructor of std::optional<Matrix> that does not compile. AnyMember<false> initialises any optional.
+/// An optional must be initialised by AnyMember<false>: with a conversion to matrices, compilers would
+/// instantiate a constructor of std::optional<Matrix> that does not compile.
 template <bool IsMatrix>
 struct AnyMember {
   template <class Member>
@@ -38,7 +38,7 @@ struct AnyBase {
   }
 };
 
-/// Initialisers: for each, whether it is that of a matrix.
+/// A list of initialisers; each is marked if it initialises a matrix.
 template <bool... IsMatrix>
 struct Initializers {
   static constexpr std::size_t kCount = sizeof...(IsMatrix);
@@ -54,7 +54,7 @@ struct Initializers {
   using More = decltype(MoreBy(std::make_index_sequence<N>{}));
 };
 
-/// How many more initialisers of no matrix T takes, at least `Low`, less than `High`.
+/// Number of further non-matrix initialisers that T takes, in [Low, High).
 template <class T, class Known, std::size_t Low, std::size_t High>
 consteval std::size_t CountMore() {
   if constexpr (High - Low == 1) {
@@ -88,8 +88,8 @@ consteval int CountInitializers() {
   }
 }
 
-/// How many members T has, each item of a C array for one; -1 if that cannot be known: T is no aggregate, or
-/// has bases.
+/// Number of members of T, with each item of a C array counted; -1 if it cannot be known because T is not an
+/// aggregate or has bases.
 template <class T>
 consteval int CountMembers() {
   if constexpr (!std::is_aggregate_v<T> || !std::is_default_constructible_v<T>) {

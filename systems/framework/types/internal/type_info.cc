@@ -1,5 +1,6 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/type_info.h>
+#include <tenon/systems/framework/types/signal.h>
 
 #include <cxxabi.h>
 #include <fmt/core.h>
@@ -28,7 +29,7 @@ void Append(std::vector<ScalarRun>& runs, std::size_t offset, std::size_t count,
   }
 }
 
-/// Appends the runs of a value that lies at `offset`; false if it has none for good.
+/// Appends the runs of a value that lies at `offset`; false if the type has no fixed runs.
 bool AppendRuns(const TypeInfo& type, std::size_t offset, std::vector<ScalarRun>& runs) {
   switch (type.kind) {
     case Kind::kNumber:
@@ -70,7 +71,7 @@ bool CanHave(const TypeInfo& type, std::size_t rows, std::size_t cols) {
   return agrees(type.rows, rows) && agrees(type.cols, cols) && (rows == 0 || cols <= type.capacity / rows);
 }
 
-/// Lets the visitor change the size, if it can change. Throws RunError if the type has no such size.
+/// Changes the size if the visitor requests it. Throws RunError if the type cannot have that size.
 void Resize(const TypeInfo& type, void* value, ValueVisitor& visitor, std::size_t* rows, std::size_t* cols) {
   type.shape(value, rows, cols);
   std::size_t wanted_rows = *rows, wanted_cols = *cols;
@@ -92,14 +93,7 @@ std::string MatrixName(int rows, int cols, const std::string& scalar) {
   return fmt::format("Mat<{}, {}{}>", Extent(rows), Extent(cols), of);
 }
 
-std::string Demangled(const char* name) {
-  int status = 0;
-  const std::unique_ptr<char, void (*)(void*)> text(abi::__cxa_demangle(name, nullptr, nullptr, &status),
-                                                    std::free);
-  return status == 0 ? text.get() : name;
-}
-
-/// Without namespaces, and with matrices among template arguments as MatrixName gives them.
+/// Removes namespaces, and writes matrices among template arguments like MatrixName.
 std::string Shortened(std::string name) {
   static const std::regex kNamespaces(R"(tenon::|\(anonymous namespace\)::)");
   static const std::regex kGap("> (?=>)");
@@ -113,6 +107,13 @@ std::string Shortened(std::string name) {
 }
 
 }  // namespace
+
+std::string Demangled(const char* name) {
+  int status = 0;
+  const std::unique_ptr<char, void (*)(void*)> text(abi::__cxa_demangle(name, nullptr, nullptr, &status),
+                                                    std::free);
+  return status == 0 ? text.get() : name;
+}
 
 std::string TypeName(const TypeInfo& type) {
   switch (type.kind) {
@@ -129,6 +130,20 @@ std::string TypeName(const TypeInfo& type) {
     default:
       return Shortened(Demangled(type.id->name()));
   }
+}
+
+AnyValue::Memory AnyValue::Allocate(const TypeInfo& type) {
+  const auto alignment = static_cast<std::align_val_t>(type.alignment);
+  return {::operator new(type.size, alignment), {alignment}};
+}
+
+AnyValue::AnyValue(const TypeInfo& type, const void* model) : type_(type), memory_(Allocate(type)) {
+  type.copy_construct(get(), model);
+}
+
+AnyValue::AnyValue(const TypeInfo& type, std::byte content) : type_(type), memory_(Allocate(type)) {
+  std::memset(get(), static_cast<int>(content), type.size);
+  type.construct(get());
 }
 
 std::size_t SizeOf(ScalarKind kind) {
@@ -150,33 +165,7 @@ void StoreInteger(ScalarKind kind, void* value, long long integer) {
 
 namespace {
 
-/// `T value;` in memory of some other content.
-class Made {
- public:
-  Made(const TypeInfo& type, int content) : type_(type), memory_(::operator new(type.size, alignment())) {
-    std::memset(memory_, content, type.size);
-    try {
-      type.construct(memory_);
-    } catch (...) {
-      ::operator delete(memory_, alignment());
-      throw;
-    }
-  }
-  ~Made() {
-    type_.destroy(memory_);
-    ::operator delete(memory_, alignment());
-  }
-  Made(const Made&) = delete;
-  Made& operator=(const Made&) = delete;
-  const std::byte* memory() const { return static_cast<const std::byte*>(memory_); }
-
- private:
-  std::align_val_t alignment() const { return std::align_val_t(type_.alignment); }
-  const TypeInfo& type_;
-  void* memory_;
-};
-
-/// Elements of a vector, items of an array; 0 of what has no such number, or one known at run time only.
+/// Number of elements of a vector or items of an array; 0 if there is none or it is known only at run time.
 std::size_t NumNamed(const TypeInfo& type) {
   if (type.kind == Kind::kArray) return type.count;
   if (type.kind != Kind::kMatrix || type.shape != nullptr) return 0;
@@ -192,37 +181,37 @@ void CheckElementNames(const TypeInfo& type) {
   }
 }
 
-/// What a constructor leaves unwritten differs where the memory differed.
+/// Members that a constructor leaves uninitialised differ if the memory differed before.
 void CheckMembersAreWritten(const TypeInfo& type) {
   if (type.kind != Kind::kStruct || type.construct == nullptr) return;
-  const Made one(type, 0x00), other(type, 0xa5);
+  const AnyValue one(type, std::byte{0x00}), other(type, std::byte{0xa5});
+  const auto *first = static_cast<const std::byte*>(one.get()),
+             *second = static_cast<const std::byte*>(other.get());
   for (const Field& field : type.fields) {
     for (const ScalarRun& run : field.type().runs) {
       const std::size_t offset = field.offset + run.offset;
-      if (std::memcmp(one.memory() + offset, other.memory() + offset, run.count * SizeOf(run.kind)) == 0)
-        continue;
+      if (std::memcmp(first + offset, second + offset, run.count * SizeOf(run.kind)) == 0) continue;
       throw BuildError(
-          fmt::format("member '{}' of {} has no value in `{} value;`: it would begin as what lies in memory. "
-                      "Give it one where "
+          fmt::format("member '{}' of {} is uninitialised in `{} value;`. Give it a value where "
                       "it is declared: `= 0`, `= Vec<3>::Zero()`; braces do not make an Eigen matrix zero",
                       field.name, TypeName(type), TypeName(type)));
     }
   }
 }
 
-/// "2 of its 5 members", where as many bytes lie, if one knows.
+/// `how_many` as in "2 of its 5 members are missing"; `where` describes the gaps that were found.
 [[noreturn]] void ThrowForgotten(const TypeInfo& type, const std::string& how_many,
                                  const std::string& where) {
   throw BuildError(fmt::format(
-      "Fields() of {} does not list all members: {}{}. Snapshots, logs and files would lack what is missing: "
-      "list it, or as Undescribed(&{}::member) if that is meant",
+      "Fields() of {} does not list all members: {}{}. Snapshots, logs and files would lack them: list "
+      "each, as Undescribed(&{}::member) to omit it from these",
       TypeName(type), how_many, where, TypeName(type)));
 }
 
-/// Bytes in which no listed member lies, and which are too many or too few to be padding.
+/// Bytes without a listed member that cannot be padding.
 struct Gap {
   std::size_t size = 0;
-  const Field* before = nullptr;  ///< null if it lies in front of all
+  const Field* before = nullptr;  ///< null if the gap is before all members
 };
 
 std::vector<Gap> FindGaps(const TypeInfo& type, const FieldList& fields, std::size_t begin) {
@@ -252,9 +241,9 @@ std::string Described(const std::vector<Gap>& gaps) {
   std::string text;
   for (const Gap& gap : gaps) {
     text += fmt::format(", {} bytes {}", gap.size,
-                        gap.before == nullptr       ? "in front"
-                        : *gap.before->name == '\0' ? "behind an undescribed one"
-                                                    : fmt::format("behind '{}'", gap.before->name));
+                        gap.before == nullptr       ? "before the first member"
+                        : *gap.before->name == '\0' ? "after a member without description"
+                                                    : fmt::format("after '{}'", gap.before->name));
   }
   return text;
 }
@@ -272,7 +261,7 @@ void SetFields(TypeInfo& info, FieldList fields, int members, std::size_t begin)
         info, fmt::format("{} of its {} members {} missing", missing, members, missing == 1 ? "is" : "are"),
         Described(gaps));
   }
-  if (members < 0 && !gaps.empty()) ThrowForgotten(info, "not all are there", Described(gaps));
+  if (members < 0 && !gaps.empty()) ThrowForgotten(info, "some are missing", Described(gaps));
   std::erase_if(fields, [](const Field& field) { return field.type == nullptr; });
   info.fields = std::move(fields);
 }

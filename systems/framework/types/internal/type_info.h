@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <new>
 #include <optional>
 #include <string>
@@ -25,11 +26,11 @@ concept Scalar = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 template <class T>
 concept EigenMatrix = std::is_base_of_v<Eigen::MatrixBase<T>, T>;
 
-/// A matrix whose numbers lie inside the object.
+/// A matrix whose numbers are stored inside the object.
 template <class T>
 concept InlineMatrix = EigenMatrix<T> && T::MaxSizeAtCompileTime != Eigen::Dynamic;
 
-/// Copying the bytes copies the value.
+/// True if copying the bytes copies the value.
 template <class T>
 inline constexpr bool kBitwise = std::is_trivially_copyable_v<T> || InlineMatrix<T> ||
                                  (HasFields<T> && std::is_trivially_destructible_v<T>);
@@ -53,7 +54,7 @@ constexpr ScalarKind KindOf() {
   if constexpr (std::is_enum_v<T>) {
     return KindOf<std::underlying_type_t<T>>();
   } else if constexpr (std::is_floating_point_v<T>) {
-    static_assert(sizeof(T) <= sizeof(double), "signals are made of double or float, not of long double");
+    static_assert(sizeof(T) <= sizeof(double), "signals consist of double or float, not of long double");
     return sizeof(T) == sizeof(double) ? ScalarKind::kDouble : ScalarKind::kFloat;
   } else if constexpr (std::is_same_v<T, bool>) {
     return ScalarKind::kBool;
@@ -97,7 +98,7 @@ std::size_t SizeOf(ScalarKind kind);  ///< [bytes]
 long long LoadInteger(ScalarKind kind, const void* value);
 void StoreInteger(ScalarKind kind, void* value, long long integer);
 
-/// Numbers of one kind that lie one after the other.
+/// Consecutive numbers of one kind.
 struct ScalarRun {
   std::uint32_t offset;  ///< from the beginning of the value [bytes]
   std::uint32_t count;
@@ -109,17 +110,17 @@ struct NamedValue {
   const char* name;
 };
 
-/// What there is to know of the type of a value: how it is copied, and what is inside. Contexts, logs,
-/// snapshots and YAML files work with this; so a type is described once and nothing of them is a template.
+/// Description of a value's type: how to copy it, and its contents. Contexts, logs, snapshots and YAML files
+/// work with this description, so that none of them is a template.
 struct TypeInfo {
   enum class Kind {
     kNumber,    ///< `scalar`; an enumeration has `names`
-    kMatrix,    ///< of `scalar`, by columns; `rows` and `cols` are -1 if known at run time only
+    kMatrix,    ///< of `scalar`, column-major; `rows` and `cols` are -1 if known only at run time
     kStruct,    ///< `fields`
     kArray,     ///< `count` items
     kList,      ///< items; their number can change
     kOptional,  ///< one item, or none
-    kMap,       ///< items by names
+    kMap,       ///< items by name
     kText,      ///< std::string
     kOpaque,    ///< does not describe itself
   };
@@ -129,7 +130,7 @@ struct TypeInfo {
   std::size_t alignment = 0;
   bool bitwise = false;
   bool trivial = false;                   ///< std::is_trivially_copyable
-  void (*construct)(void* at) = nullptr;  ///< as `T value;` does; null if that does not compile
+  void (*construct)(void* at) = nullptr;  ///< like `T value;`; null if T is not default constructible
   void (*copy_construct)(void* at, const void* model) = nullptr;
   void (*destroy)(void* value) = nullptr;
   void (*assign)(void* to, const void* from) = nullptr;
@@ -138,13 +139,13 @@ struct TypeInfo {
   std::vector<NamedValue> names = {};
 
   int rows = 0, cols = 0;
-  std::size_t capacity = SIZE_MAX;       ///< how many numbers a matrix has room for
-  void* (*data)(void* value) = nullptr;  ///< of a matrix, of a list or an optional: its first number, item
-  void (*shape)(const void* value, std::size_t* rows, std::size_t* cols) = nullptr;  ///< cols of a list: 1
+  std::size_t capacity = SIZE_MAX;       ///< maximum number of elements of a matrix
+  void* (*data)(void* value) = nullptr;  ///< first element of a matrix or list, item of an optional
+  void (*shape)(const void* value, std::size_t* rows, std::size_t* cols) = nullptr;  ///< for a list, cols = 1
   void (*resize)(void* value, std::size_t rows, std::size_t cols) = nullptr;
 
   FieldList fields = {};
-  void (*validate)(const void* value) = nullptr;  ///< throws ParameterError; null if there is nothing to do
+  void (*validate)(const void* value) = nullptr;  ///< throws ParameterError; null if there is none
 
   const TypeInfo& (*item)() = nullptr;
   std::size_t count = 0;
@@ -153,30 +154,55 @@ struct TypeInfo {
   void (*entries)(const void* map, void (*visit)(void* to, const std::string& key, const void* item),
                   void* to) = nullptr;
 
-  /// All its numbers, in order, if they lie inside the object at places that never change; then `fixed`.
+  /// All numbers in order, if their places inside the object never change (`fixed`).
   std::vector<ScalarRun> runs = {};
   std::size_t num_scalars = 0;
   bool fixed = false;
 };
 
-/// The type as one writes it where Tenon's names are known: "LeggedState", "Vec<12>", "Mat<3, 3>",
-/// "std::vector<Shape>". X stands for a number of rows or columns that is known at run time only.
+/// The name of a class in C++, from std::type_info::name.
+std::string Demangled(const char* name);
+/// The type as written in code without namespaces: "LeggedState", "Vec<12>", "Mat<3, 3>",
+/// "std::vector<Shape>". X stands for a number of rows or columns that is known only at run time.
 std::string TypeName(const TypeInfo& type);
 
-/// Is led through a value: past every number in it, in order.
+/// A value whose type is known only at run time.
+class AnyValue {
+ public:
+  /// A copy of `model`.
+  AnyValue(const TypeInfo& type, const void* model);
+  /// A default constructed value, in memory filled with the byte `content`; needs TypeInfo::construct.
+  AnyValue(const TypeInfo& type, std::byte content);
+  ~AnyValue() { type_.destroy(get()); }
+  AnyValue(const AnyValue&) = delete;
+  AnyValue& operator=(const AnyValue&) = delete;
+  void* get() const { return memory_.get(); }
+
+ private:
+  struct Free {
+    std::align_val_t alignment;
+    void operator()(void* memory) const { ::operator delete(memory, alignment); }
+  };
+  using Memory = std::unique_ptr<void, Free>;
+  static Memory Allocate(const TypeInfo& type);
+  const TypeInfo& type_;
+  Memory memory_;
+};
+
+/// Visits every number in a value, in order; see Walk.
 class ValueVisitor {
  public:
-  /// The numbers of a matrix, by columns.
+  /// Visits the numbers of a matrix, column-major.
   virtual void Numbers(void* data, ScalarKind kind, std::size_t rows, std::size_t cols) = 0;
   virtual void Number(void* data, const TypeInfo& type) { Numbers(data, type.scalar, 1, 1); }
-  /// Around the member of a struct, and around an item of a range.
+  /// Called before, and Leave after, each member of a struct and each item of a range.
   virtual void EnterMember(const Field& field) { (void)field; }
   virtual void EnterItem(std::size_t index) { (void)index; }
   virtual void Leave() {}
-  /// Before the numbers of what can change its size, which a visitor may ask for.
+  /// Called before the numbers of a value whose size can change; the visitor may request another size.
   virtual void Resize(std::size_t* rows, std::size_t* cols) { (void)rows, (void)cols; }
   virtual void Text(std::string& text) { (void)text; }
-  /// What does not describe itself.
+  /// Visits a part that does not describe itself.
   virtual void Opaque() {}
 
  protected:
@@ -185,11 +211,11 @@ class ValueVisitor {
 
 void Walk(const TypeInfo& type, void* value, ValueVisitor& visitor);
 
-/// Takes over the fields that are described. Throws BuildError if a member of the struct is not listed. It
-/// has `members` of them, see CountMembers; the first one lies at `begin` [bytes] or behind it.
+/// Sets `info.fields` to the described fields. Throws BuildError if a member of the struct is not listed.
+/// `members` is its number of members, see CountMembers; the first one lies at or after `begin` [bytes].
 void SetFields(TypeInfo& info, FieldList fields, int members, std::size_t begin);
 
-/// Fills in the runs. Throws BuildError for a struct with a member that `T value;` leaves unwritten.
+/// Fills in the runs. Throws BuildError for a struct with a member that `T value;` leaves uninitialised.
 TypeInfo WithRuns(TypeInfo info);
 
 template <class T>
@@ -209,7 +235,7 @@ struct ItemsOf<std::vector<T>> {
   static constexpr auto kKind = TypeInfo::Kind::kList;
 };
 template <>
-struct ItemsOf<std::vector<bool>> : ItemsOf<void> {};  // has no items that could be pointed at
+struct ItemsOf<std::vector<bool>> : ItemsOf<void> {};  // its items have no addresses
 template <class T>
 requires std::is_default_constructible_v<T>
 struct ItemsOf<std::optional<T>> {
@@ -224,7 +250,7 @@ struct ItemsOf<std::map<std::string, T>> {
 
 template <class T>
 void DescribeMatrix(TypeInfo& info) {
-  static_assert(!T::IsRowMajor || T::IsVectorAtCompileTime, "signals are matrices by columns");
+  static_assert(!T::IsRowMajor || T::IsVectorAtCompileTime, "matrices in signals must be column-major");
   info.kind = TypeInfo::Kind::kMatrix;
   info.scalar = KindOf<typename T::Scalar>();
   info.rows = T::RowsAtCompileTime;
@@ -315,7 +341,7 @@ TypeInfo Describe() {
   return info;
 }
 
-/// The one description of a type. Signals that ship are described once, see TENON_DECLARE_SIGNAL.
+/// The single description of a type. Shipped signals are described once, see TENON_DECLARE_SIGNAL.
 template <class T>
 const TypeInfo& TypeInfoOf() {
   static const TypeInfo kInfo = WithRuns(Describe<T>());
@@ -324,9 +350,9 @@ const TypeInfo& TypeInfoOf() {
 
 }  // namespace tenon::internal
 
-/// A type that many files use is described in one: TENON_DECLARE_SIGNAL(tenon::LeggedState) outside of any
-/// namespace below the struct, and TENON_DEFINE_SIGNAL in a .cc. Without them all works, only compiles
-/// longer.
+/// Optional: describes a type that many files use in a single translation unit, to shorten compilation. Put
+/// TENON_DECLARE_SIGNAL(tenon::LeggedState) below the struct and outside of any namespace, and
+/// TENON_DEFINE_SIGNAL in a .cc.
 #define TENON_DECLARE_SIGNAL(...) \
   extern template const ::tenon::internal::TypeInfo& ::tenon::internal::TypeInfoOf<__VA_ARGS__>()
 #define TENON_DEFINE_SIGNAL(...) \

@@ -1,10 +1,7 @@
 #include <tenon/controllers/legged/observers/foot_force_estimate.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::foot_force_estimate_test {
 namespace {
@@ -15,26 +12,23 @@ FootForces SomeForces() {
   return forces;
 }
 
-/// What a sensor measures along the shank, from the knee to the foot, is so in the world.
-TEST(FootForceEstimateTest, TurnsWhatSensorsInTheShanksMeasure) {
+/// A measured force along the shank points from the knee to the foot in the world.
+TEST(FootForceEstimateTest, TurnsMeasuredForcesIntoTheWorld) {
   RandomStream random(4);
   const QuadrupedDescription robot = test::DogBot();
   const LeggedState x = test::RandomState(random);
-  QuadrupedDynamics dynamics;
-  QuadrupedModel(robot).Calc(x, &dynamics);
+  const QuadrupedDynamics dynamics = test::DynamicsOf(QuadrupedModel(robot), x);
   FootForces shank;
-  for (int leg = 0; leg < kNumLegs; ++leg) shank[leg] = robot.legs[static_cast<std::size_t>(leg)].foot_J;
+  for (int leg = 0; leg < kNumLegs; ++leg) shank[leg] = robot.legs[leg].foot_J;
   TestRig<FootForceEstimate> rig(FootForceEstimateParams{.robot = robot});
   rig.Fix(rig->shank, shank).Fix(rig->joints, {x.q, x.qd}).Fix(rig->state, x).Tick().Tick();
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const Vec<3> knee = dynamics.origin_W[static_cast<std::size_t>(kJointsPerLeg * leg + 2)];
-    EXPECT_THAT(rig[rig->forces][leg],
-                IsNear(Vec<3>(dynamics.feet[static_cast<std::size_t>(leg)].p_W - knee), 1e-12))
-        << leg;
+    const Vec<3> knee = dynamics.origin_W[kJointsPerLeg * leg + 2];
+    EXPECT_THAT(rig[rig->forces][leg], IsNear(Vec<3>(dynamics.feet[leg].p_W - knee), 1e-12)) << leg;
   }
 }
 
-TEST(FootForceEstimateTest, GoesByTheAttitudeOfTheTickBefore) {
+TEST(FootForceEstimateTest, UsesTheAttitudeOfTheTickBefore) {
   const QuadrupedDescription robot = test::DogBot();
   LeggedState x = test::Standing(robot);
   TestRig<FootForceEstimate> rig(FootForceEstimateParams{.robot = robot});

@@ -1,33 +1,23 @@
 #include <tenon/controllers/legged/observers/ground_estimator.h>
 #include <tenon/plants/model/standing.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gmock/gmock.h>
-
-#include <cmath>
-#include <limits>
 
 namespace tenon::ground_estimator_test {
 namespace {
 
-/// A robot that is put down on the ground, again and again, each time 5 cm on and with other feet first.
+/// A robot that is put down on the ground repeatedly, each time 5 cm further and with the other pair of feet.
 class Walk {
  public:
   explicit Walk(const GroundBelief& belief = {}) : rig_({.robot = robot_, .belief = belief}) {}
 
   const GroundPlane& Stand(const GroundPlane& ground) {
-    rig_.Fix(rig_.system().state, StandingOn(robot_, ground)).Fix(rig_.system().schedule, schedule_).Tick();
-    return rig_[rig_.system().ground];
+    rig_.Fix(rig_->state, StandingOn(robot_, ground)).Fix(rig_->schedule, schedule_).Tick();
+    return rig_[rig_->ground];
   }
-  /// Two steps; the ground goes through its own point, wherever the robot is. Its feet find it higher by
-  /// `roughness`, each by a part of its own.
+  /// Two steps on the ground, whose height at each pair of feet is off by up to `roughness`.
   const GroundPlane& Step(GroundPlane ground, double roughness = 0) {
     for (const auto& pair : {std::array{kFrontLeft, kRearRight}, std::array{kFrontRight, kRearLeft}}) {
       x_ += 0.05;
@@ -40,7 +30,7 @@ class Walk {
       for (const Leg leg : pair) schedule_.legs[leg].state = ContactState::kStance;
       Stand(here);
     }
-    return rig_[rig_.system().ground];
+    return rig_[rig_->ground];
   }
   TestRig<GroundEstimator>& rig() { return rig_; }
   const QuadrupedDescription& robot() const { return robot_; }
@@ -57,7 +47,7 @@ GroundPlane Ramp(double x, double y) {
   return {.p_W = {0, 0, 0.1}, .slope = {x, y}};
 }
 
-TEST(GroundEstimatorTest, FeelsTheSlopeOnWhichItStands) {
+TEST(GroundEstimatorTest, EstimatesTheSlopeOnWhichItStands) {
   Walk walk;
   const GroundPlane& felt = walk.Stand(Ramp(0.3, -0.2));
   EXPECT_THAT(felt.slope, IsNear(Eigen::Vector2d(0.3, -0.2), 0.05));
@@ -73,7 +63,7 @@ TEST(GroundEstimatorTest, FindsARampWithinSomeSteps) {
   EXPECT_NEAR(walk.Step(Ramp(0.2, 0)).slope[0], 0.2, 0.06);
 }
 
-// Pairs of feet on blocks of up to 4 cm, or in holes.
+// Pairs of feet on blocks up to 4 cm high or in holes as deep.
 TEST(GroundEstimatorTest, BlocksAreNoSlope) {
   const auto largest = [](const GroundBelief& belief) {
     Walk walk(belief);
@@ -94,43 +84,32 @@ TEST(GroundEstimatorTest, ThePlaneGoesThroughTheFeetThatStand) {
   ContactSchedule schedule;
   schedule.legs[kFrontLeft].state = ContactState::kSearching;
   auto& rig = walk.rig();
-  rig.Fix(rig.system().state, x).Fix(rig.system().schedule, schedule).Tick();
-  EXPECT_NEAR(rig[rig.system().ground].p_W[2], 0.04, 1e-3);
+  rig.Fix(rig->state, x).Fix(rig->schedule, schedule).Tick();
+  EXPECT_NEAR(rig[rig->ground].p_W[2], 0.04, 1e-3);
   for (LegContact& leg : schedule.legs) leg.state = ContactState::kSwing;
   x.p_WB[2] += 1;  // in the air it stays
-  rig.Fix(rig.system().state, x).Fix(rig.system().schedule, schedule).Tick();
-  EXPECT_NEAR(rig[rig.system().ground].p_W[2], 0.04, 1e-3);
+  rig.Fix(rig->state, x).Fix(rig->schedule, schedule).Tick();
+  EXPECT_NEAR(rig[rig->ground].p_W[2], 0.04, 1e-3);
 }
 
 TEST(GroundEstimatorTest, DoesNotAllocate) {
   Walk walk;
   walk.Stand({});
-  walk.rig().Fix(walk.rig().system().state, test::Standing(walk.robot()));
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
-  AllocationGuard guard;
-  walk.rig().Tick();
-  EXPECT_EQ(guard.count(), 0);
+  walk.rig().Fix(walk.rig()->state, test::Standing(walk.robot()));
+  EXPECT_EQ(AllocationsOf([&] { walk.rig().Tick(); }), 0);
 }
 
-TEST(GroundEstimatorTest, RefusesWhatMakesNoSense) {
-  const auto with = [](auto member, double value) {
-    GroundEstimatorParams params{.robot = test::DogBot(), .belief = {}};
-    params.belief.*member = value;
-    return GroundEstimator(params);
+TEST(GroundEstimatorTest, RefusesNonsense) {
+  EXPECT_TRUE(Refuses<GroundEstimator>({}, "robot"));
+  const auto refuses = [](const GroundBelief& belief, const char* key) {
+    return Refuses<GroundEstimator>({.robot = test::DogBot(), .belief = belief}, key);
   };
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { with(&GroundBelief::roughness, 0); }, "roughness = 0 m must be positive"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { with(&GroundBelief::start_roughness, 0); },
-                                     "start_roughness = 0 m must be positive"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { with(&GroundBelief::doubt, -1); }, "doubt = -1 must be finite"));
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { with(&GroundBelief::level_walk, -1); }, "level_walk = -1 must be finite"));
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { with(&GroundBelief::slope_walk, -1); }, "slope_walk = -1 must be finite"));
-  EXPECT_TRUE(Throws<ParameterError>(
-      [&] { with(&GroundBelief::start_slope, std::numeric_limits<double>::infinity()); },
-      "start_slope = inf must be finite"));
-  EXPECT_TRUE(Throws<ParameterError>([] { GroundEstimatorParams().Validate(); }, "the robot has no mass"));
+  EXPECT_TRUE(refuses({.roughness = 0}, "roughness"));
+  EXPECT_TRUE(refuses({.start_roughness = 0}, "start_roughness"));
+  EXPECT_TRUE(refuses({.doubt = -1}, "doubt"));
+  EXPECT_TRUE(refuses({.level_walk = -1}, "level_walk"));
+  EXPECT_TRUE(refuses({.slope_walk = -1}, "slope_walk"));
+  EXPECT_TRUE(refuses({.start_slope = INFINITY}, "start_slope"));
 }
 
 }  // namespace

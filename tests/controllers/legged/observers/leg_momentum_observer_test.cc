@@ -1,15 +1,8 @@
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/controllers/legged/quadruped_bench.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <complex>
 #include <numbers>
 
@@ -51,7 +44,7 @@ LegMomentumObserverParams Params(const QuadrupedDescription& robot, std::vector<
   return params;
 }
 
-/// Of a step through a Butterworth filter, by partial fractions.
+/// The step response of a Butterworth filter, by partial fractions.
 double StepResponse(int order, double bandwidth, double t) {
   using Complex = std::complex<double>;
   std::vector<Complex> poles;
@@ -88,23 +81,6 @@ TEST(LegMomentumObserverTest, StepGivesTheTransferFunctionOfEveryOrder) {
   }
 }
 
-TEST(LegMomentumObserverTest, LinearCombinationsSuperpose) {
-  RandomStream random(5);
-  const Vec<12> a = test::RandomVector<12>(random, 4), b = test::RandomVector<12>(random, 4);
-  const auto run = [&](double of_a, double of_b) {
-    QuadrupedBench bench = Flying(A1());
-    bench.external = [=](const LeggedState&, const QuadrupedDynamics&, double t) {
-      Vec<18> force = Vec<18>::Zero();
-      force.tail<12>() = of_a * std::sin(30 * t) * a + of_b * std::cos(20 * t) * b;
-      return force;
-    };
-    return Observed(bench, Params(A1(), ButterworthGains(3, 40))).RunTo(0.15).joint_torque;
-  };
-  const Vec<12> of_a = run(1, 0), of_b = run(0, 1);
-  EXPECT_THAT(run(2, -0.5), IsNear(2 * of_a - 0.5 * of_b, 1e-3 * of_a.norm()));
-  EXPECT_GT(of_a.norm(), 1);
-}
-
 TEST(LegMomentumObserverTest, ForceOnTheTrunkDoesNotReachTheLegs) {
   for (const LegDynamics form : {LegDynamics::kExact, LegDynamics::kThesis}) {
     LegMomentumObserverParams params = Params(DogBot());
@@ -139,7 +115,7 @@ TEST(LegMomentumObserverTest, ForceOnALegAppearsThereOnly) {
   for (int pushed = 0; pushed < kNumLegs; ++pushed) {
     QuadrupedBench bench = Flying(robot);
     bench.external = [=](const LeggedState&, const QuadrupedDynamics& dynamics, double) -> Vec<18> {
-      const Vec<3> centre = dynamics.feet[static_cast<std::size_t>(pushed)].p_W;
+      const Vec<3> centre = dynamics.feet[pushed].p_W;
       return QuadrupedBench::PointJacobian(dynamics, pushed, centre).transpose() * force;
     };
     Observed run(bench, Params(robot));
@@ -163,7 +139,7 @@ TEST(LegMomentumObserverTest, StartsOnAMovingRobotWithoutTransient) {
   }
 }
 
-// A straight leg carries a force along itself without torques: that part of the force cannot be known.
+// A straight leg carries a force along itself without torques, so this part of the force is not observable.
 TEST(LegMomentumObserverTest, FootForceStaysSmallNearASingularLeg) {
   const QuadrupedDescription robot = DogBot();
   LeggedState x;
@@ -186,11 +162,9 @@ TEST(LegMomentumObserverTest, FootForceStaysSmallNearASingularLeg) {
     posture.q = robot.stance;
     posture.q[2] = knee;
     TestRig<LegMomentumObserver> rig(params);
-    rig.Fix(rig.system().state, posture)
-        .Fix(rig.system().torque, Vec<12>::Constant(-3))
-        .Fix(rig.system().foot_forces, FootForces());
+    rig.Fix(rig->state, posture).Fix(rig->torque, Vec<12>::Constant(-3)).Fix(rig->foot_forces, FootForces());
     for (int n = 0; n < 30; ++n) rig.Tick();
-    return rig[rig.system().estimate];
+    return rig[rig->estimate];
   };
   Vec<3> last = estimate(straight - 0.15).foot_force.front_left;
   for (double knee = straight - 0.15; knee < straight + 0.15; knee += 2e-3) {
@@ -209,15 +183,12 @@ TEST(LegMomentumObserverTest, FootForceStaysSmallNearASingularLeg) {
 }
 
 TEST(LegMomentumObserverTest, DoesNotAllocate) {
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   for (const LegDynamics form : {LegDynamics::kExact, LegDynamics::kThesis}) {
     LegMomentumObserverParams params = Params(DogBot(), ButterworthGains(5, 40));
     params.gains.dynamics = form;
     Observed run(Flying(params.robot), params);
     run.Tick();
-    const AllocationGuard guard;
-    run.rig.Tick();
-    EXPECT_EQ(guard.count(), 0);
+    EXPECT_EQ(AllocationsOf([&] { run.rig.Tick(); }), 0);
   }
 }
 
@@ -231,25 +202,20 @@ TEST(LegMomentumObserverTest, TakesGainsADesignOrItsDefault) {
   EXPECT_EQ(gains.Gains(), std::vector<double>{7});
 }
 
-TEST(LegMomentumObserverTest, RefusesWhatMakesNoSense) {
-  const auto refuses = [](const LegMomentumObserverParams& params, const auto&... parts) {
-    return Throws<ParameterError>([&] { LegMomentumObserver observer(params); }, parts...);
-  };
-  EXPECT_TRUE(refuses({}, "the robot has no mass", "LoadQuadruped"));
+TEST(LegMomentumObserverTest, RefusesNonsense) {
+  EXPECT_TRUE(Refuses<LegMomentumObserver>({}, "robot"));
   LegMomentumObserverParams params = Params(DogBot());
   params.gains.min_singular_value = 0;
-  EXPECT_TRUE(refuses(params, "min_singular_value_m = 0 must be positive"));
+  EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "min_singular_value_m"));
   params = Params(DogBot());
   params.gains.butterworth = ButterworthDesign{3, 100};
-  EXPECT_TRUE(
-      refuses(params, "gains_per_s and butterworth are both given", "leave one away", "gains_per_s to []"));
+  EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "gains_per_s", "butterworth"));
   params = Params(DogBot(), {});
   params.gains.butterworth = ButterworthDesign{0, 100};
-  EXPECT_TRUE(refuses(params, "an estimator of order 0: give 1 to 12"));
-  // As the thesis prints its gains.
+  EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "order 0"));
+  // The order in which the thesis prints its gains.
   params = Params(DogBot(), {17.5, 6.28, 2.25});
-  EXPECT_TRUE(refuses(params, "with the gains 17.5, 6.28, 2.25 the estimate diverges", "2.01 ± 5.95i, -6.28",
-                      "in reverse order, K_1 first, have: -6.23, -5.63 ± 2.82i"));
+  EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "17.5, 6.28, 2.25", "-6.23, -5.63 ± 2.82i"));
 }
 
 TEST(LegMomentumObserverTest, GainsAreSetInARun) {
@@ -267,10 +233,10 @@ TEST(LegMomentumObserverTest, GainsAreSetInARun) {
   LegObserverGains wrong = changed.gains;
   wrong.butterworth = {};
   wrong.gains = {100, -1};
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig.Set(set.rig->gains, wrong); }, "the estimate diverges"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig.Set(set.rig->gains, wrong); }, "100, -1"));
 }
 
-// A disturbance that stays is estimated on, whatever order and dynamics before and after.
+// A constant disturbance stays estimated when order and dynamics change.
 TEST(LegMomentumObserverTest, OtherGainsGoOnFromTheEstimate) {
   const Vec<12> torque = Vec<12>::Constant(2);
   QuadrupedBench bench = Flying(DogBot());

@@ -1,15 +1,8 @@
 #include <tenon/controllers/legged/planning/com_planner.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gmock/gmock.h>
-
-#include <cmath>
 
 namespace tenon::com_planner_test {
 namespace {
@@ -42,7 +35,7 @@ class Walk {
     command_.yaw_rate = yaw_rate;
   }
   GroundPlane& ground() { return ground_; }
-  /// The clock waits from now on, or does not.
+  /// Stops or continues the gait clock.
   void Wait(bool waits) { waits_ = waits; }
 
   const BodyReference& Tick() {
@@ -55,18 +48,18 @@ class Walk {
     }
     schedule_.step_time = std::min(duration, 1e-3 * static_cast<double>(step_ticks_++));
     ++ticks_;
-    rig_.Fix(rig_.system().schedule, schedule_).Fix(rig_.system().command, command_);
-    rig_.Fix(rig_.system().ground, ground_).Tick();
-    return reference_ = rig_[rig_.system().reference];
+    rig_.Fix(rig_->schedule, schedule_).Fix(rig_->command, command_);
+    rig_.Fix(rig_->ground, ground_).Tick();
+    return reference_ = rig_[rig_->reference];
   }
   void Run(double seconds) {
     for (int n = 0; n < std::lround(1000 * seconds); ++n) Tick();
   }
   const BodyReference& reference() const { return reference_; }
-  const PlanarPath& path() { return rig_[rig_.system().path]; }
-  const ComPlan& plan() { return rig_[rig_.system().plan]; }
+  const PlanarPath& path() { return rig_[rig_->path]; }
+  const ComPlan& plan() { return rig_[rig_->plan]; }
   const ContactSchedule& schedule() const { return schedule_; }
-  const NominalStance& stance() { return rig_.system().stance; }
+  const NominalStance& stance() { return rig_->stance; }
   TestRig<ComPlanner>& rig() { return rig_; }
   /// (2.4) and (2.5) with L' = 0.
   Eigen::Vector2d Zmp() {
@@ -102,8 +95,7 @@ TEST(NominalStanceTest, IsTheRobotsOwn) {
 TEST(NominalStanceTest, RefusesStraightLegs) {
   QuadrupedDescription robot = test::DogBot();
   robot.stance.setZero();
-  EXPECT_TRUE(Throws<ParameterError>([&] { NominalStance stance(robot); }, "front_left", "dogbot",
-                                     "bend the knees of nominal_stance"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { NominalStance stance(robot); }, "front_left", "dogbot"));
 }
 
 TEST(ComPlannerTest, StandsOverTheCenterOfTheFeet) {
@@ -123,32 +115,23 @@ TEST(ComPlannerTest, StandsOverTheCenterOfTheFeet) {
   EXPECT_THAT(walk.reference().q_WB, IsNear(Vec<4>(std::cos(0.25), 0, 0, std::sin(0.25)), 1e-15));
 }
 
-TEST(ComPlannerTest, ZmpOfATrotIsWhereThePathIsInTheMiddleOfTheSwing) {
-  Walk walk;
-  walk.Tick();
-  walk.Change(Gait::kTrot, kTrot);
-  walk.Command(0.3, 0.05, 0.2);
-  walk.Run(15 * 0.53);
-  for (int n = 0; n < 530; ++n) {
+// In the middle of the swing the ZMP is on the path in a trot, and beside it, between the standing feet, in a
+// pace.
+TEST(ComPlannerTest, ZmpIsOnTheLineOfTheStandingFeet) {
+  for (const Gait gait : {Gait::kTrot, Gait::kPace}) {
+    Walk walk;
     walk.Tick();
-    const double t = walk.schedule().step_time;
-    if (t < 0.151 || t > 0.264) continue;
-    EXPECT_THAT(walk.Zmp(), IsNear(walk.path().At(0.2075 - t).position_W, 1e-6)) << t;
-  }
-}
-
-TEST(ComPlannerTest, ZmpOfAPaceIsBesideIt) {
-  Walk walk;
-  walk.Tick();
-  walk.Change(Gait::kPace, kPace);
-  walk.Command(0.2, 0, 0);
-  walk.Run(15 * 0.53);
-  for (int n = 0; n < 530; ++n) {
-    walk.Tick();
-    const double t = walk.schedule().step_time;
-    if (t < 0.151 || t > 0.264) continue;
-    const double y = walk.stance().foot[walk.schedule().step == 0 ? kFrontRight : kFrontLeft][1];
-    EXPECT_THAT(walk.Zmp(), IsNear(walk.path().At(0.2075 - t).position_W + Eigen::Vector2d(0, y), 1e-6)) << t;
+    walk.Change(gait, gait == Gait::kTrot ? kTrot : kPace);
+    gait == Gait::kTrot ? walk.Command(0.3, 0.05, 0.2) : walk.Command(0.2, 0, 0);
+    walk.Run(15 * 0.53);
+    for (int n = 0; n < 530; ++n) {
+      walk.Tick();
+      const double t = walk.schedule().step_time;
+      if (t < 0.151 || t > 0.264) continue;
+      const double beside = walk.stance().foot[walk.schedule().step == 0 ? kFrontRight : kFrontLeft][1];
+      const Eigen::Vector2d offset(0, gait == Gait::kTrot ? 0 : beside);
+      EXPECT_THAT(walk.Zmp(), IsNear(walk.path().At(0.2075 - t).position_W + offset, 1e-6)) << t;
+    }
   }
 }
 
@@ -188,7 +171,7 @@ void ExpectIntegrals(const BodyReference& last, const BodyReference& now, int n)
       << n;
 }
 
-/// Whatever is commanded, positions are integrals of velocities and these of bounded accelerations.
+/// For all commands, positions are integrals of velocities and velocities of bounded accelerations.
 TEST(ComPlannerTest, NothingJumps) {
   Walk walk;
   BodyReference last = walk.Tick();
@@ -216,8 +199,8 @@ TEST(ComPlannerTest, NothingJumps) {
   EXPECT_NEAR(last.com_W[2], walk.stance().com_height + 0.03, 1e-6);
 }
 
-// Up the slope and along it: CoM at its height straight above the plane, trunk parallel, without a jump where
-// the slope comes or goes.
+// Up and along a slope the CoM keeps its vertical height above the plane and the trunk is parallel to it,
+// without a jump when the slope changes.
 TEST(ComPlannerTest, GoesAlongTheSlope) {
   Walk walk;
   walk.Tick();
@@ -276,23 +259,20 @@ TEST(ComPlannerTest, PathIsTheCircleThatIsCommanded) {
 }
 
 TEST(ComPlannerTest, DoesNotAllocate) {
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   Walk walk;
   walk.Tick();
   walk.Change(Gait::kTrot, kTrot);
   walk.Tick();
-  AllocationGuard guard;
-  walk.Run(1);
-  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(AllocationsOf([&] { walk.Run(1); }), 0);
 }
 
 TEST(ComPlannerTest, RefusesNonsense) {
   ComPlannerParams params = Params();
   params.blend = 0;
-  EXPECT_TRUE(Throws<ParameterError>([&] { ComPlanner block(params); }, "within 0 s", "positive"));
+  EXPECT_TRUE(Refuses<ComPlanner>(params, "0 s"));
   params = Params();
   params.gravity = 0;
-  EXPECT_TRUE(Throws<ParameterError>([&] { ComPlanner block(params); }, "gravity is 0", "positive"));
+  EXPECT_TRUE(Refuses<ComPlanner>(params, "gravity"));
 }
 
 TEST(ComPlannerTest, TheBlendIsSetInARun) {
@@ -311,7 +291,7 @@ TEST(ComPlannerTest, TheBlendIsSetInARun) {
   EXPECT_EQ(found.com_W, expected.com_W);
   EXPECT_EQ(found.com_acceleration_W, expected.com_acceleration_W);
   EXPECT_NE(walk_off(plain).com_W, expected.com_W);
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->blend, 0); }, "blended in within 0 s"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->blend, 0); }, "0 s"));
 }
 
 }  // namespace

@@ -1,13 +1,7 @@
 #include <tenon/controllers/legged/planning/foot_scheduler.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
-#include <gmock/gmock.h>
-
-#include <cmath>
 #include <functional>
 #include <map>
 #include <set>
@@ -25,34 +19,36 @@ FootSchedulerParams Standard() {
       .For(208.52136);  // DogBot's weight: 4 N
 }
 
+/// The fraction of a gait's cycle in which a foot stands.
+double Duty(const ContactSchedule& schedule) {
+  return schedule.timing.leg_stance() / schedule.timing.cycle();
+}
+
 /// A scheduler with feet that carry weight whenever they are not in the air, unless a test says otherwise.
 class Walk {
  public:
   explicit Walk(Gait gait, FootSchedulerParams params = Standard()) : rig_(std::move(params)) {
     Command(gait);
   }
-  void Command(Gait gait) {
-    rig_.Fix(rig_.system().command, {.gait = gait, .forward = 0, .left = 0, .yaw_rate = 0});
-  }
+  void Command(Gait gait) { rig_.Fix(rig_->command, {.gait = gait, .forward = 0, .left = 0, .yaw_rate = 0}); }
   /// Force on a leg from now on, until `Free`.
   void Force(Leg leg, double newton) { forced_[leg] = newton; }
   void Free(Leg leg) { forced_[leg] = -1; }
   const ContactSchedule& Tick() {
     FootForces forces;
     for (int i = 0; i < kNumLegs; ++i) {
-      const auto& leg = schedule_.legs[static_cast<std::size_t>(i)];
+      const auto& leg = schedule_.legs[i];
       const bool in_air = leg.state == kSwing && leg.time_to_touchdown > 1.5e-3;
-      const double forced = forced_[static_cast<std::size_t>(i)];
+      const double forced = forced_[i];
       forces[i][2] = forced >= 0 ? forced : in_air ? 0 : 50;
     }
-    rig_.Fix(rig_.system().foot_forces, forces).Tick();
-    return schedule_ = rig_[rig_.system().schedule];
+    rig_.Fix(rig_->foot_forces, forces).Tick();
+    return schedule_ = rig_[rig_->schedule];
   }
   /// Ticks until it holds; the number of ticks, or -1 after 3 s.
   int Until(const std::function<bool(const ContactSchedule&)>& condition) {
-    for (int n = 1; n <= 3000; ++n) {
+    for (int n = 1; n <= 3000; ++n)
       if (condition(Tick())) return n;
-    }
     return -1;
   }
   const ContactSchedule& schedule() const { return schedule_; }
@@ -68,9 +64,8 @@ class Walk {
 
 std::set<int> LegsIn(const ContactSchedule& schedule, ContactState state) {
   std::set<int> legs;
-  for (std::size_t i = 0; i < kNumLegs; ++i) {
+  for (std::size_t i = 0; i < kNumLegs; ++i)
     if (schedule.legs[i].state == state) legs.insert(static_cast<int>(i));
-  }
   return legs;
 }
 
@@ -119,9 +114,9 @@ TEST(FootSchedulerTest, EveryGaitSwingsItsGroupsInTurn) {
     const auto steps = static_cast<int>(expected.size());
     ASSERT_EQ(swings.size(), 2 * expected.size()) << EnumName(gait);
     for (std::size_t k = 0; k < swings.size(); ++k) EXPECT_EQ(swings[k], expected[k % expected.size()]);
-    for (const int count : stance_ticks) {
-      EXPECT_NEAR(count, ticks * walk.schedule().timing.duty(), 2.0) << EnumName(gait);
-    }
+    for (const int count : stance_ticks)
+      EXPECT_NEAR(count, ticks * walk.schedule().timing.leg_stance() / walk.schedule().timing.cycle(), 2.0)
+          << EnumName(gait);
     EXPECT_EQ(walk.schedule().footsteps, 2 * steps - 1);
     walk.Tick();
     EXPECT_EQ(walk.schedule().footsteps, 2 * steps);
@@ -134,7 +129,7 @@ TEST(FootSchedulerTest, TrotHasTheTimingOfTheThesis) {
   EXPECT_EQ(walk.schedule().num_stance(), 4);
   EXPECT_EQ(walk.Until([](const auto& s) { return s.num_stance() == 2; }), 150);
   EXPECT_EQ(walk.Until([](const auto& s) { return s.num_stance() == 4; }), 115);
-  EXPECT_NEAR(walk.schedule().timing.duty(), 1 - 0.115 / 0.53, 1e-12);
+  EXPECT_NEAR(Duty(walk.schedule()), 1 - 0.115 / 0.53, 1e-12);
 }
 
 TEST(FootSchedulerTest, PlannedTimesAreTheTimesAtWhichEventsCome) {
@@ -246,7 +241,7 @@ TEST(FootSchedulerTest, StanceFootWithoutForceSearches) {
   }
 }
 
-// The front right foot would carry the robot alone with the rear left one.
+// While the front right foot searches for ground, its diagonal partner would carry the robot alone.
 TEST(FootSchedulerTest, NoLegLiftsOffWhileOneThatStaysSearches) {
   const auto lifts_off = [](const ContactSchedule& s) { return s.legs[kFrontLeft].state == kSwing; };
   const auto searches = [](const ContactSchedule& s) { return s.legs[kFrontRight].state == kSearching; };
@@ -301,12 +296,11 @@ TEST(FootSchedulerTest, WithoutStanceTheGroupsFollowAtOnce) {
   params.gaits.trot.stance = 0;
   Walk walk(Gait::kTrot, params);
   for (int n = 0; n < 400; ++n) ASSERT_EQ(walk.Tick().num_stance(), 2) << n;
-  EXPECT_EQ(walk.schedule().timing.duty(), 0.5);
+  EXPECT_EQ(Duty(walk.schedule()), 0.5);
   EXPECT_EQ(walk.schedule().footsteps, 3);
 }
 
 TEST(FootSchedulerTest, DoesNotAllocate) {
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   Walk walk(Gait::kTrot);
   walk.Tick();
   AllocationGuard guard;
@@ -315,28 +309,26 @@ TEST(FootSchedulerTest, DoesNotAllocate) {
 }
 
 TEST(FootSchedulerTest, RefusesNonsense) {
-  const auto refuses = [](const std::function<void(FootSchedulerParams&)>& change, const std::string& a,
-                          const std::string& b) {
+  const auto refuses = [](const auto& change, const auto&... keys) {
     FootSchedulerParams params = Standard();
     change(params);
-    return Throws<ParameterError>([&] { FootScheduler block(params); }, a, b);
+    return Refuses<FootScheduler>(params, keys...);
   };
-  EXPECT_TRUE(refuses([](auto& p) { p.gaits.trot.stance = -1; }, "gaits.trot", "stance_s = -1"));
-  EXPECT_TRUE(refuses([](auto& p) { p.gaits.pace.swing = 0; }, "gaits.pace", "swing_s = 0"));
-  EXPECT_TRUE(refuses([](auto& p) { p.gaits.crawl.swing_groups.pop_back(); }, "gaits.crawl",
-                      "'front_right' stands there 0 times"));
-  EXPECT_TRUE(refuses([](auto& p) { p.gaits.gallop.swing_groups[0].clear(); }, "gaits.gallop",
-                      "empty group: leave it out"));
+  EXPECT_TRUE(refuses([](auto& p) { p.gaits.trot.stance = -1; }, "gaits.trot", "stance_s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.gaits.pace.swing = 0; }, "gaits.pace", "swing_s"));
+  EXPECT_TRUE(
+      refuses([](auto& p) { p.gaits.crawl.swing_groups.pop_back(); }, "gaits.crawl", "'front_right'"));
+  EXPECT_TRUE(refuses([](auto& p) { p.gaits.gallop.swing_groups[0].clear(); }, "gaits.gallop"));
   EXPECT_TRUE(refuses(
       [](auto& p) {
         p.gaits.trot.swing_groups = {{kFrontLeft, kFrontRight, kRearLeft, kRearRight}};
       },
-      "must be two at least", "in the air at once"));
-  EXPECT_TRUE(refuses([](auto& p) { p.touchdown_force = 0; }, "touchdown_force_N is 0 N", "positive"));
-  EXPECT_TRUE(refuses([](auto& p) { p.early_touchdown_phase = 2; }, "early_touchdown_phase is 2", "0 to 1"));
-  EXPECT_TRUE(refuses([](auto& p) { p.late_wait = -1; }, "late_wait_s is -1 s", "not be negative"));
-  EXPECT_TRUE(refuses([](auto& p) { p.search_after = 0; }, "search_after_s is 0 s", "positive"));
-  EXPECT_TRUE(Throws<Error>([] { GaitTable()[Gait::kStand]; }, "standing has no steps", "that walks"));
+      "gaits.trot"));
+  EXPECT_TRUE(refuses([](auto& p) { p.touchdown_force = 0; }, "touchdown_force_N"));
+  EXPECT_TRUE(refuses([](auto& p) { p.early_touchdown_phase = 2; }, "early_touchdown_phase"));
+  EXPECT_TRUE(refuses([](auto& p) { p.late_wait = -1; }, "late_wait_s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.search_after = 0; }, "search_after_s"));
+  EXPECT_TRUE(Throws<Error>([] { GaitTable()[Gait::kStand]; }, "stand"));
 }
 
 TEST(FootSchedulerTest, FileErrorsNameThePlace) {
@@ -345,11 +337,10 @@ TEST(FootSchedulerTest, FileErrorsNameThePlace) {
   EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<GaitFile>(); }, "gaits.trot.swing_groups",
                                      "rear_rigth", "rear_right"));
   document.Set("gaits.trot.swing_groups", "[[front_left], [front_right, rear_left]]");
-  EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<GaitFile>(); }, "gaits.trot",
-                                     "'rear_right' stands there 0 times"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { document.Read<GaitFile>(); }, "gaits.trot", "'rear_right'"));
   auto heavy = YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml");
   heavy.Set("touchdown_force_mg", "4");
-  EXPECT_TRUE(Throws<ParameterError>([&] { heavy.Read<GaitFile>(); }, "touchdown_force_mg is 4", "0.25"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { heavy.Read<GaitFile>(); }, "touchdown_force_mg"));
 }
 
 TEST(FootSchedulerTest, LimitsAndGaitsAreSetInARun) {
@@ -379,12 +370,11 @@ TEST(FootSchedulerTest, LimitsAndGaitsAreSetInARun) {
   EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(block.touchdown_force, 0); }, "touchdown_force_N"));
   GaitTable wrong = changed.gaits;
   wrong.pace.swing = 0;
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { set.rig().Set(block.gaits, wrong); }, "gaits.pace", "swing_s = 0"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(block.gaits, wrong); }, "gaits.pace", "swing_s"));
 }
 
-// A gait goes on as it began.
-TEST(FootSchedulerTest, AGaitThatIsSetCountsFromItsNextBeginning) {
+// A gait keeps its timing until it begins the next time.
+TEST(FootSchedulerTest, ANewTimingCountsFromTheNextBeginningOfTheGait) {
   Walk walk(Gait::kTrot);
   const double swing = walk.Tick().timing.swing;
   GaitTable gaits = Standard().gaits;

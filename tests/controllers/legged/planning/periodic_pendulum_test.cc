@@ -1,12 +1,7 @@
 #include <tenon/controllers/legged/planning/periodic_pendulum.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gmock/gmock.h>
-
-#include <cmath>
 
 namespace tenon::periodic_pendulum_test {
 namespace {
@@ -106,7 +101,7 @@ TEST(PeriodicPendulumTest, WithoutPhasesItRests) {
 TEST(PeriodicPendulumTest, RefusesTooManyPhases) {
   PeriodicPendulum pendulum;
   for (int k = 0; k < 8; ++k) pendulum.Add(0.1, {0, 0});
-  EXPECT_TRUE(Throws<RunError>([&] { pendulum.Add(0.1, {0, 0}); }, "more than 8 phases", "swing together"));
+  EXPECT_TRUE(Throws<RunError>([&] { pendulum.Add(0.1, {0, 0}); }, "8 phases"));
 }
 
 TEST(PlanarPathTest, GoesInCirclesAndLines) {

@@ -1,12 +1,5 @@
 #include <tenon/controllers/legged/planning/walk_drive.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gmock/gmock.h>
-
-#include <cmath>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::walk_drive_test {
 namespace {
@@ -15,7 +8,7 @@ WalkCommand Planned() {
   return {Gait::kCrawl, 0.2, -0.05, 0.1, Vec<3>(0.01, 0, 0)};
 }
 
-TEST(WalkDriveTest, HandsThePlanOnUntilItIsActive) {
+TEST(WalkDriveTest, PassesThePlanUntilItIsActive) {
   TestRig<WalkDrive> rig(WalkDriveParams{});
   rig.Fix(rig->planned, Planned());
   for (int i = 0; i < 5; ++i) rig.Tick();
@@ -28,7 +21,8 @@ TEST(WalkDriveTest, FollowsOrdersFromWhereThePlanWasWithinTheAccelerations) {
   TestRig<WalkDrive> rig(WalkDriveParams{});
   rig.Fix(rig->planned, Planned()).Tick();
   rig.Set(rig->active, true).Set(rig->velocity, Vec<3>(0.5, 0.35, -0.4)).Set(rig->gait, Gait::kPace);
-  // By 0.5 m/s along a straight line at 0.5 m/s^2: 1 s; by 0.5 rad/s at 1 rad/s^2: 0.5 s.
+  // The velocity changes by 0.5 m/s at 0.5 m/s^2 within 1 s, the yaw rate by 0.5 rad/s at 1 rad/s^2 within
+  // 0.5 s.
   const Vec<3> from(0.2, -0.05, 0.1);
   for (int n = 1; n <= 150; ++n) {
     rig.Tick();
@@ -56,8 +50,8 @@ TEST(WalkDriveTest, StandsOnceItHasSlowedDown) {
   EXPECT_NEAR(walking, std::hypot(0.2, 0.05) / 0.5 / 0.01, 1);
 }
 
-// What differs from the plan goes to zero within the same accelerations; then the plan is handed on as it is.
-TEST(WalkDriveTest, GivesTheWheelBackWithoutAJump) {
+// The difference from the plan decreases within the acceleration limits; then the plan passes unchanged.
+TEST(WalkDriveTest, ReturnsToThePlanWithoutAJump) {
   TestRig<WalkDrive> rig(WalkDriveParams{});
   rig.Fix(rig->planned, Planned()).Tick();
   rig.Set(rig->active, true).Set(rig->velocity, Vec<3>(-0.3, 0.2, -0.4)).Set(rig->height, -0.08);
@@ -113,17 +107,11 @@ TEST(WalkDriveTest, ChangesItsHeightWithoutOvershoot) {
   }
 }
 
-TEST(WalkDriveTest, RefusesWhatMakesNoSense) {
-  const auto refuses = [](auto change, const char* why) {
-    WalkDriveParams params;
-    change(params);
-    EXPECT_THAT([&] { TestRig<WalkDrive> rig(params); },
-                testing::ThrowsMessage<ParameterError>(testing::HasSubstr(why)));
-  };
-  refuses([](WalkDriveParams& p) { p.acceleration = 0; }, "acceleration_m_per_s2 = 0");
-  refuses([](WalkDriveParams& p) { p.yaw_acceleration = -1; }, "yaw_acceleration_rad_per_s2 = -1");
-  refuses([](WalkDriveParams& p) { p.height_bandwidth = 60; }, "below 50 rad/s");
-  refuses([](WalkDriveParams& p) { p.gait = Gait::kStand; }, "set `stands` instead");
+TEST(WalkDriveTest, RefusesNonsense) {
+  EXPECT_TRUE(Refuses<WalkDrive>({.acceleration = 0}, "acceleration_m_per_s2"));
+  EXPECT_TRUE(Refuses<WalkDrive>({.yaw_acceleration = -1}, "yaw_acceleration_rad_per_s2"));
+  EXPECT_TRUE(Refuses<WalkDrive>({.height_bandwidth = 60}, "50 rad/s"));
+  EXPECT_TRUE(Refuses<WalkDrive>({.gait = Gait::kStand}, "`stands`"));
 }
 
 }  // namespace

@@ -1,18 +1,10 @@
 #include <tenon/controllers/legged/planning/zmp_spline.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
-#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <Eigen/Core>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <vector>
 
@@ -113,15 +105,14 @@ TEST_P(ZmpSplineTest, KeepsTheZmpInThePolygons) {
   EXPECT_FALSE(optimizer_.solver().active().empty());
   double begin = 0, least = 1;
   for (const SupportPhase& phase : pace.phases) {
-    for (double t = 1e-6; t < phase.duration; t += 1e-3) {
+    for (double t = 1e-6; t < phase.duration; t += 1e-3)
       least = std::min(least, phase.polygon.Depth(Zmp(spline_.At(begin + t))));
-    }
     begin += phase.duration;
   }
   EXPECT_GT(least, -1e-3);
   EXPECT_LT(least, 1e-4);  // the constraints are met with equality somewhere
 
-  // Without them the robot would stay where it is, which is not in the polygons.
+  // Without the constraints the optimum is to stay at the start, which is outside the polygons.
   std::vector<SupportPhase> free;
   for (const SupportPhase& phase : pace.phases) free.push_back({phase.duration, SupportPolygon()});
   ZmpSplineProblem problem = pace.problem();
@@ -130,8 +121,8 @@ TEST_P(ZmpSplineTest, KeepsTheZmpInThePolygons) {
   EXPECT_LT(Cost(spline_, problem, params_), 1e-20);
 }
 
-/// Coefficients of all segments are the variables, junctions and ends are equalities: another way to the
-/// same minimum, by one linear solve, as long as no polygon matters.
+/// Without active polygons the minimum also follows from one linear solve for the coefficients of all
+/// segments, with junctions and ends as equalities.
 TEST_P(ZmpSplineTest, IsTheMinimumOfTheUnconstrainedProblem) {
   Pace pace;
   for (SupportPhase& phase : pace.phases) phase.polygon = SupportPolygon();
@@ -202,28 +193,8 @@ TEST_P(ZmpSplineTest, IsTheMinimumOfTheUnconstrainedProblem) {
   }
 }
 
-/// x'' integrated twice against x'''' = 0: the cubic is the minimum of the smoothness alone.
-TEST(ZmpSpline, OfSmoothnessAloneIsTheSplineThatBeamsMake) {
-  // Begin and end at rest with no acceleration demanded at the end: with the acceleration at the beginning
-  // that the cubic between the ends has, that cubic is the solution.
-  const double T = 0.6;
-  const Eigen::Vector2d way(0.3, -0.1);
-  const std::vector<SupportPhase> phases(3, {T / 3, SupportPolygon()});
-  for (const SplineOrder order : {SplineOrder::kCubic, SplineOrder::kQuintic}) {
-    ZmpSpline optimizer;
-    PlanarSpline spline;
-    ZmpSplineProblem problem{.phases = phases, .height = {.rest = kHeight}};
-    problem.begin.acceleration = 6 / (T * T) * way;
-    problem.end.position = way;
-    ASSERT_TRUE(optimizer.Solve(problem, {.order = order, .path_weight = 0, .end_weight = 0}, &spline).ok());
-    for (double s = 0; s <= 1; s += 0.1) {
-      EXPECT_THAT(spline.At(s * T).position, IsNear(s * s * (3 - 2 * s) * way, 1e-12)) << s;
-    }
-  }
-}
-
 /// Near the optimum, in any feasible direction, the cost rises; measured from the splines alone.
-TEST_P(ZmpSplineTest, CostIsWhatTheProgrammeMinimises) {
+TEST_P(ZmpSplineTest, MinimisesTheCost) {
   Pace pace;
   pace.begin = {{0.02, 0.01}, {0.1, 0.1}, {0.2, -0.1}};
   pace.path.velocity << 0.2, 0;
@@ -278,34 +249,23 @@ TEST_P(ZmpSplineTest, FarFromTheOriginNothingChanges) {
   const Eigen::Vector2d far(2e3, -1e3);
   const Feet all{kFrontLeftFoot + far, kFrontRightFoot + far, kRearLeftFoot + far, kRearRightFoot + far};
   const std::array<Feet, 2> pairs{Feet{all[0], all[2]}, Feet{all[1], all[3]}};
-  for (std::size_t k = 0; k < there.phases.size(); ++k) {
+  for (std::size_t k = 0; k < there.phases.size(); ++k)
     there.phases[k].polygon = SupportPolygon(k % 2 == 0 ? all : pairs[k / 2], 0.03, 0.01);
-  }
   there.begin.position = there.end.position = there.path.position_W = far;
   PlanarSpline moved;
   ASSERT_TRUE(optimizer_.Solve(here.problem(), params_, &spline_).ok());
   ASSERT_TRUE(optimizer_.Solve(there.problem(), params_, &moved).ok());
-  for (double t = 0; t < spline_.duration; t += 0.01) {
+  for (double t = 0; t < spline_.duration; t += 0.01)
     EXPECT_THAT(moved.At(t).position - far, IsNear(spline_.At(t).position, 1e-9)) << t;
-  }
 }
 
-TEST_P(ZmpSplineTest, WhatIsImpossibleIsReportedAndLeavesTheSpline) {
+TEST_P(ZmpSplineTest, AnInfeasibleProblemKeepsTheSpline) {
   Pace pace;
   ASSERT_TRUE(optimizer_.Solve(pace.problem(), params_, &spline_).ok());
   const Eigen::Vector2d before = spline_.At(0.2).position;
   pace.begin.velocity << 0, 3;  // out of the feet's reach before it can be stopped
   EXPECT_EQ(optimizer_.Solve(pace.problem(), params_, &spline_).status, QpStatus::kInfeasible);
   EXPECT_EQ(spline_.At(0.2).position, before);
-}
-
-TEST_P(ZmpSplineTest, DoesNotAllocate) {
-  if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
-  const Pace pace;
-  const ZmpSplineProblem problem = pace.problem();
-  const AllocationGuard guard;
-  ASSERT_TRUE(optimizer_.Solve(problem, params_, &spline_).ok());
-  EXPECT_EQ(guard.count(), 0);
 }
 
 TEST(PlanarSpline, DerivativesAreThoseOfThePosition) {
@@ -329,14 +289,12 @@ TEST(PlanarSpline, DerivativesAreThoseOfThePosition) {
 }
 
 TEST(ZmpSpline, RefusesNonsense) {
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { ZmpSplineParams{.path_weight = -1}.Validate(); }, "path_weight is -1"));
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { ZmpSplineParams{.end_weight = -2}.Validate(); }, "end_weight is -2"));
+  EXPECT_TRUE(Throws<ParameterError>([] { ZmpSplineParams{.path_weight = -1}.Validate(); }, "path_weight"));
+  EXPECT_TRUE(Throws<ParameterError>([] { ZmpSplineParams{.end_weight = -2}.Validate(); }, "end_weight"));
   ZmpSpline optimizer;
   PlanarSpline spline;
   const std::vector<SupportPhase> many(10, {0.1, SupportPolygon()});
-  EXPECT_TRUE(Throws<RunError>([&] { optimizer.Solve({}, {}, &spline); }, "0 support phases", "one to 9"));
+  EXPECT_TRUE(Throws<RunError>([&] { optimizer.Solve({}, {}, &spline); }, "0 support phases"));
   EXPECT_TRUE(Throws<RunError>([&] { optimizer.Solve({.phases = many}, {}, &spline); }, "10 support phases"));
 }
 

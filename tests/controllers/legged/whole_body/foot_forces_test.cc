@@ -1,12 +1,10 @@
 #include <tenon/controllers/legged/whole_body/foot_forces.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/SVD>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tenon::foot_forces_test {
 namespace {
@@ -32,7 +30,7 @@ TEST(FootForcesTest, AreTheLeastOfTheirPenalisedSquares) {
   const QuadrupedModel model(DogBot());
   RandomStream random(31);
   int regular = 0;
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 50; ++i) {
     const LeggedState x = RandomState(random);
     const Vec<12> torque = RandomVector<12>(random, 20);
     QuadrupedDynamics dynamics;
@@ -45,7 +43,7 @@ TEST(FootForcesTest, AreTheLeastOfTheirPenalisedSquares) {
     double largest = 0;
     Vec<12> stacked;
     for (int leg = 0; leg < kNumLegs; ++leg) {
-      const Eigen::Matrix3d& J = dynamics.feet[static_cast<std::size_t>(leg)].J_leg;
+      const Eigen::Matrix3d& J = dynamics.feet[leg].J_leg;
       const double penalty = Penalty(J, kMinSingularValue);
       const Vec<3> tau = torque.segment<3>(3 * leg);
       EXPECT_LT(Gradient(J, tau, penalty, alone[leg]).norm(), 1e-9) << i;
@@ -58,8 +56,8 @@ TEST(FootForcesTest, AreTheLeastOfTheirPenalisedSquares) {
     }
     EXPECT_LT(Gradient(decoupled.J_q, torque, largest, stacked).norm(), 1e-9) << i;
   }
-  EXPECT_GT(regular, 100);
-  EXPECT_LT(regular, 300);
+  EXPECT_GT(regular, 50);
+  EXPECT_LT(regular, 150);
 }
 
 }  // namespace

@@ -1,12 +1,7 @@
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::joint_pd_test {
 namespace {
@@ -32,8 +27,7 @@ TEST(StandingTorqueTest, DoesTheWorkThatLiftsTheRobot) {
       for (int leg = 0; leg < kNumLegs; ++leg) x.q.segment<2>(3 * leg + 1) += s * Vec<2>(1, -2);
       double depth = 0;
       for (int leg = 0; leg < kNumLegs; ++leg) depth -= robot.FootPosition(leg, x.q)[2] / kNumLegs;
-      QuadrupedDynamics dynamics;
-      QuadrupedModel(robot).Calc(x, &dynamics);
+      const QuadrupedDynamics dynamics = test::DynamicsOf(QuadrupedModel(robot), x);
       return robot.mass() * 9.81 * (dynamics.com_W[2] + depth);
     };
     // Legs alike in front and rear, so that the trunk stays level.
@@ -41,7 +35,7 @@ TEST(StandingTorqueTest, DoesTheWorkThatLiftsTheRobot) {
     double work = 0;
     for (int leg = 0; leg < kNumLegs; ++leg) work += torque.segment<2>(3 * leg + 1).dot(Vec<2>(1, -2));
     const double h = 1e-5;
-    // The feet also move forth and back, which costs nothing: the forces are vertical.
+    // The feet also move horizontally, which takes no work because the forces are vertical.
     EXPECT_NEAR(work, (potential(h) - potential(-h)) / (2 * h), 1e-6 * std::abs(work)) << robot.name;
     EXPECT_GT(std::abs(work), 1);
   }
@@ -53,8 +47,7 @@ TEST(StandingTorqueTest, RefusesFeetInALine) {
     for (JointDescription& joint : leg.joints) joint.p_PJ[1] = 0;
     leg.foot_J[1] = 0;
   }
-  EXPECT_TRUE(Throws<ParameterError>([&] { StandingTorque(robot, 9.81); },
-                                     "the feet of 'dogbot' are in a line", "spread them"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { StandingTorque(robot, 9.81); }, "dogbot"));
 }
 
 TEST(JointPdTest, IsTheEquationWithinTheLimits) {
@@ -64,36 +57,27 @@ TEST(JointPdTest, IsTheEquationWithinTheLimits) {
   joints.q[2] -= 0.1;
   joints.qd[4] = 0.5;
   joints.q[8] += 100;
-  rig.Fix(rig.system().joints, joints).Tick();
+  rig.Fix(rig->joints, joints).Tick();
   Vec<12> expected = StandingTorque(params.robot, 9.81);
   expected[2] += 40 * 0.1;
   expected[4] -= 2 * 0.5;
   expected[8] = -60;
-  EXPECT_THAT(rig[rig.system().torque], IsNear(expected, 1e-12));
+  EXPECT_THAT(rig[rig->torque], IsNear(expected, 1e-12));
 }
 
 TEST(JointPdTest, FollowsItsReferenceWithoutGravityCompensation) {
   JointPdParams params = Params(A1());
   params.gravity_compensation = false;
   TestRig<JointPd> rig(params);
-  rig.Fix(rig.system().joints, JointMotion{}).Fix(rig.system().reference, Vec<12>::Constant(0.2)).Tick();
-  EXPECT_THAT(rig[rig.system().torque], IsNear(Vec<12>::Constant(8), 1e-12));
+  rig.Fix(rig->joints, JointMotion{}).Fix(rig->reference, Vec<12>::Constant(0.2)).Tick();
+  EXPECT_THAT(rig[rig->torque], IsNear(Vec<12>::Constant(8), 1e-12));
 }
 
-TEST(JointPdTest, RefusesParametersThatMakeNoSense) {
-  const auto refuses = [](const JointPdParams& params, const auto&... parts) {
-    return Throws<ParameterError>([&] { JointPd pd(params); }, parts...);
-  };
-  EXPECT_TRUE(refuses(JointPdParams{}, "the robot has no mass", "LoadQuadruped"));
-  JointPdParams params = Params(DogBot());
-  params.stiffness = 0;
-  EXPECT_TRUE(refuses(params, "stiffness = 0 must be positive"));
-  params = Params(DogBot());
-  params.damping = -1;
-  EXPECT_TRUE(refuses(params, "damping = -1 must not be negative"));
-  params = Params(DogBot());
-  params.gravity = INFINITY;
-  EXPECT_TRUE(refuses(params, "gravity is inf"));
+TEST(JointPdTest, RefusesNonsense) {
+  EXPECT_TRUE(Refuses<JointPd>({}, "robot"));
+  EXPECT_TRUE(Refuses<JointPd>({.robot = DogBot(), .stiffness = 0}, "stiffness"));
+  EXPECT_TRUE(Refuses<JointPd>({.robot = DogBot(), .stiffness = 40, .damping = -1}, "damping"));
+  EXPECT_TRUE(Refuses<JointPd>({.robot = DogBot(), .stiffness = 40, .gravity = INFINITY}, "gravity"));
 }
 
 TEST(JointPdTest, GainsAreSetInARun) {
@@ -109,8 +93,8 @@ TEST(JointPdTest, GainsAreSetInARun) {
   EXPECT_NE(rig[rig->torque], built[built->torque]);
   rig.Set(rig->stiffness, 55).Set(rig->damping, 3).Tick();
   EXPECT_EQ(rig[rig->torque], built[built->torque]);
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->stiffness, 0); }, "stiffness = 0", "positive"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->damping, -1); }, "damping = -1", "negative"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->stiffness, 0); }, "stiffness"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->damping, -1); }, "damping"));
 }
 
 }  // namespace

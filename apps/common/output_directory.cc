@@ -1,0 +1,82 @@
+#include <tenon/apps/common/output_directory.h>
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace tenon::apps {
+
+namespace fs = std::filesystem;
+
+OutputLock::OutputLock(fs::path path) : path_(std::move(path)) {
+  std::error_code error;
+  fs::create_directories(path_, error);
+  lock_ = error ? -1 : ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock_ < 0) {
+    throw OutputError(fmt::format("cannot create the output directory '{}' ({}): choose another --out",
+                                  path_.string(), error ? error.message() : std::strerror(errno)));
+  }
+  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    ::close(lock_);
+    throw ParameterError(
+        fmt::format("another run writes into the output directory '{}': wait for it, or choose another --out",
+                    path_.string()));
+  }
+}
+
+OutputLock::~OutputLock() {
+  ::close(lock_);
+}
+
+namespace {
+
+/// Names of the variants that an earlier run left in a directory.
+std::vector<std::string> VariantsIn(const fs::path& directory) {
+  std::ifstream in(directory / "summary.json");
+  const auto summary = nlohmann::json::parse(in, nullptr, false);
+  std::vector<std::string> names;
+  if (!summary.is_object()) return names;
+  for (const auto& [name, figures] : summary.items())
+    if (figures.is_object() && figures.contains("end_reason") && IsVariantName(name)) names.push_back(name);
+  return names;
+}
+
+}  // namespace
+
+bool IsVariantName(std::string_view name) {
+  constexpr std::size_t kLongest = 200;  // [bytes]; file systems allow 255
+  return !name.empty() && name.size() <= kLongest && name.front() != '.' &&
+         name.find_first_of(std::string_view("/\0", 2)) == name.npos;
+}
+
+OutputDirectory::OutputDirectory(fs::path path) : OutputLock(std::move(path)) {
+  std::error_code error;
+  for (const std::string& variant : VariantsIn(this->path())) {
+    const fs::path directory = this->path() / variant;
+    if (!fs::is_directory(directory, error)) continue;
+    OutputDirectory{directory};
+    fs::remove(directory, error);  // fails if it holds other files
+  }
+  std::vector<fs::path> left;
+  for (const auto& entry : fs::directory_iterator(this->path(), error)) {
+    const std::string file = entry.path().filename().string();
+    for (const std::string name : {"scenario.yaml", "signals.csv", "summary.json", "report.html"})
+      if (file == name || (file.starts_with("." + name + ".") && file.ends_with(".part")))  // of a killed run
+        left.push_back(entry.path());
+  }
+  for (const fs::path& file : left) fs::remove(file, error);
+}
+
+}  // namespace tenon::apps

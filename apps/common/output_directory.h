@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace tenon::apps {
+
+/// Creates a directory if necessary and locks it for this process during the lifetime of the object.
+class OutputLock {
+ public:
+  /// Throws OutputError if the directory cannot be created, and ParameterError if another run has locked it.
+  explicit OutputLock(std::filesystem::path path);
+  ~OutputLock();
+  OutputLock(const OutputLock&) = delete;
+  OutputLock& operator=(const OutputLock&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  int lock_;  ///< file descriptor; the system releases the lock when the process ends
+};
+
+/// Returns whether a variant of a run may have this name, which is also its subdirectory: it has no '/', does
+/// not begin with '.', and has at most 200 bytes.
+bool IsVariantName(std::string_view name);
+
+/// The locked output directory of a run. The constructor removes the files that an earlier run and its
+/// variants left, so that files of two runs never stand side by side. It keeps `files` and live.jsonl,
+/// because the run may repeat one of them; the code that writes these removes them first.
+class OutputDirectory : public OutputLock {
+ public:
+  /// Throws as OutputLock does.
+  explicit OutputDirectory(std::filesystem::path path);
+};
+
+}  // namespace tenon::apps

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <tenon/apps/common/blame.h>
+#include <tenon/systems/report/report.h>
+
+#include <string>
+#include <vector>
+
+namespace tenon::apps {
+
+/// The key `report` of a scenario: the contents of its report.
+struct ReportScenario {
+  std::vector<Plot> plots;          ///< signals are named as in signals.csv
+  std::vector<std::string> events;  ///< signals whose changes are marked
+  std::vector<Band> bands;          ///< signals whose values are shown as coloured bands: modes
+
+  static FieldList Fields() {
+    return {{"plots", &ReportScenario::plots},
+            {"events", &ReportScenario::events},
+            {"bands", &ReportScenario::bands}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Makes a report with the title, plots, events and bands of a scenario.
+Report ScenarioReport(const auto& scenario, const std::string& description,
+                      const std::vector<SignalLimits>& limits = {}) {
+  return Blame("report", [&] {
+    return Report({.title = scenario.case_name + ": " + scenario.description,
+                   .description = description,
+                   .plots = scenario.report.plots,
+                   .events = scenario.report.events,
+                   .bands = scenario.report.bands,
+                   .limits = limits,
+                   .signal_rate = Hz(scenario.log_rate_hz)});
+  });
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/graph_file.h>
+#include <tenon/apps/common/live_session.h>
+#include <tenon/apps/common/output_directory.h>
+#include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/report_scenario.h>
+#include <tenon/apps/common/run_options.h>
+#include <tenon/apps/common/scenario_file.h>
+#include <tenon/apps/common/summary.h>
+#include <tenon/systems/report/report.h>
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace tenon::apps {
+
+/// The results of a run; without a report if the run writes no files.
+struct RunResult {
+  Summary summary;
+  std::optional<Report> report;
+};
+
+/// Prints the path of report.html if the directory holds one.
+void PrintReportPath(const std::filesystem::path& directory);
+
+/// Prints the figures of a run and the path of its report. Returns its exit code.
+int PrintResult(const Summary& summary, const RunOptions& options);
+
+/// Sets Parameters of a diagram by their paths. Throws KeyError with the key `parameters.PATH` if there is no
+/// such Parameter or it refuses the values.
+void SetParameters(Context& context, const std::map<std::string, std::vector<double>>& values);
+
+/// Runs the sink in its own thread, see BackgroundLog.
+std::shared_ptr<LogSink> InBackground(std::shared_ptr<LogSink> sink);
+
+/// Calls `write`, prints its error on stderr and returns kRan or the exit code of the error.
+int TryToWrite(const std::function<void()>& write);
+
+/// Adds the summary to the report and writes both into a directory. If a file cannot be written, the error is
+/// printed on stderr and becomes the summary's exit code, so that the figures can still be printed.
+void WriteResults(const std::filesystem::path& directory, Summary& summary, Report& report);
+
+/// Prints the remarks on a scenario on stderr, with the name of the run.
+void PrintNotes(const RunOptions& options, const std::vector<std::string>& notes);
+
+/// Runs a scenario for `duration` [s]; `judge` sets the figures of the summary. Writes all files into the
+/// output directory of the options, if there is one; it writes scenario.yaml first, so that even a killed run
+/// can be identified. `signals` are written to signals.csv and, with `shapes` and `limits`, to the report. A
+/// live session keeps the run in real time, and browsers can use `controls`. Sets `parameters` of the
+/// scenario before the run, if it has that key. If a function `Notes(scenario, duration)` exists, its remarks
+/// are printed before the run and added to the results.
+RunResult RunScenario(const RunOptions& options, const auto& scenario, const std::string& description,
+                      double duration, Simulator& simulator, const std::vector<const Source*>& signals,
+                      const std::vector<const OutputPort<Geometry>*>& shapes,
+                      const std::vector<SignalLimits>& limits, const auto& judge,
+                      const LiveControls& controls = {}) {
+  if constexpr (requires { scenario.parameters; }) SetParameters(simulator.context(), scenario.parameters);
+  const auto run = [&] {
+    if (!options.live) return Advance(simulator, duration, options.wall_limit);
+    LiveView view{.signals = signals,
+                  .shapes = shapes,
+                  .controls = controls,
+                  .title = scenario.case_name + ": " + scenario.description,
+                  .description = description,
+                  .plots = scenario.report.plots,
+                  .bands = scenario.report.bands,
+                  .limits = limits};
+    if constexpr (requires { scenario.parameters; }) {
+      view.save = [&](const LiveSets& sets) {
+        auto tuned = scenario;
+        for (const LiveSet& set : sets) tuned.parameters[set.path] = set.values;
+        return WriteYaml(tuned);
+      };
+    }
+    return options.live->Advance(simulator, view, duration, options.out);
+  };
+  std::vector<std::string> notes;
+  if constexpr (requires { Notes(scenario, duration); }) notes = Notes(scenario, duration);
+  const auto advance = [&] {
+    Summary summary(scenario.case_name, scenario.seed, run());
+    judge(summary);
+    for (const std::string& note : notes) summary.Note(note);
+    return summary;
+  };
+  if (options.out.empty()) return {advance(), std::nullopt};
+
+  Report report = ScenarioReport(scenario, description, limits);
+  Blame("report", [&] { report.Log(simulator, signals, shapes); });
+  const SignalGuard guard;              // a signal does not interrupt the writing of files
+  const ScenarioFiles files(scenario);  // may be the files of an earlier run, which are removed next
+  const OutputDirectory out(options.out);
+  std::error_code ignored;
+  if (!options.live) std::filesystem::remove(out.path() / "live.jsonl", ignored);
+  files.Write(out.path());
+  PrintNotes(options, notes);
+  WriteGraph(simulator.context().diagram(), options.graph);
+  const auto csv = std::make_shared<CsvLog>(out.path() / "signals.csv");
+  std::vector<std::shared_ptr<LogSink>> sinks{InBackground(csv)};
+  if (!options.live) sinks.push_back(std::make_shared<ProgressSink>(duration, options.name));
+  simulator.AddLog(Hz(scenario.log_rate_hz), signals, sinks);
+  Summary summary = advance();
+  WriteResults(out.path(), summary, report);
+  return {std::move(summary), std::move(report)};
+}
+
+}  // namespace tenon::apps

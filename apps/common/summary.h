@@ -1,0 +1,75 @@
+#pragma once
+
+#include <tenon/apps/common/progress.h>
+#include <tenon/systems/report/report.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tenon::apps {
+
+/// The figures of a run as in summary.json, in SI units, which the keys name. The constructor sets the
+/// figures that all apps have.
+class Summary {
+ public:
+  Summary(const std::string& case_name, std::uint64_t seed, const RunOutcome& outcome);
+  /// Reads the file that Write left of a run with the given exit code. Throws RunError if it is no summary.
+  static Summary Load(const std::filesystem::path& file, int exit_code);
+  Summary(Summary&&) noexcept;
+  ~Summary();
+  /// Sets a figure, null if `value` is empty.
+  void Set(const std::string& key, std::optional<double> value);
+  void Set(const std::string& key, std::optional<double> value, const Limits& limits) {
+    Set(key, value);
+    Limit(key, limits);
+  }
+  void Set(const std::string& key, const std::string& value);
+  /// Sets a figure with one value for each name, of legs or axes, say.
+  void Set(const std::string& key, const std::vector<std::pair<std::string, std::optional<double>>>& values);
+
+  /// Sets `followed`: whether the robot followed its path, null without a path.
+  void SetFollowed(std::optional<bool> followed);
+  /// Adds a remark on a part of the scenario that has no effect, under `notes` in summary.json and the
+  /// report.
+  void Note(const std::string& text) { notes_.push_back(text); }
+
+  /// Sets the limits of a figure and all figures nested in it. They are shown beside the figure and written
+  /// under `limits` in summary.json.
+  void Limit(const std::string& key, const Limits& limits) { limits_.emplace_back(key, limits); }
+  /// Records a physically impossible event at `time` [s]: the run is not finished and has the exit code
+  /// kLimitBroken. The earliest such event becomes the end reason, unless something else ended the run.
+  void Break(double time, const std::string& reason);
+  /// Overrides the end reason and the exit code.
+  void EndedBy(const std::string& reason, int exit_code);
+
+  void Write(const std::filesystem::path& file) const;  ///< throws OutputError
+  void Print() const;                                   ///< on stdout, see FigureLines
+  void AddTo(Report& report) const;                     ///< adds the figures and the verdict
+  /// Figures by key as text that reads back as the same value, "" for null. Nested figures have dotted keys.
+  std::vector<std::pair<std::string, std::string>> Flat() const;
+  bool finished() const;
+  int exit_code() const { return exit_code_; }
+  void set_exit_code(int code) { exit_code_ = code; }
+
+  using Named = std::vector<std::pair<std::string, Summary>>;
+  /// Writes the figures of several runs by the names of the runs. Throws OutputError.
+  static void WriteComparison(const Named& runs, const std::filesystem::path& file);
+  static void PrintComparison(const Named& runs);  ///< on stdout, see FigureColumns
+
+ private:
+  struct Json;
+  Summary(std::unique_ptr<Json> json, int exit_code);
+  std::unique_ptr<Json> json_;
+  std::vector<std::pair<std::string, Limits>> limits_;
+  std::vector<std::string> notes_;
+  std::vector<std::pair<double, std::string>> breaches_;  ///< times [s] and reasons, ascending
+  bool judged_ = false;  ///< the run reached its end and failed only because of a breach
+  int exit_code_;
+};
+
+}  // namespace tenon::apps

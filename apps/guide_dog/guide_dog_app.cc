@@ -1,0 +1,105 @@
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/faults.h>
+#include <tenon/apps/guide_dog/guide_dog_app.h>
+#include <tenon/apps/guide_dog/guide_dog_figures.h>
+#include <tenon/apps/guide_dog/guide_dog_scenario.h>
+#include <tenon/apps/quadruped/drive_limits.h>
+#include <tenon/apps/quadruped/limit_figures.h>
+#include <tenon/apps/quadruped/quadruped_live.h>
+#include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/apps/quadruped/walk_figures.h>
+#include <tenon/diagrams/evaluation/walk_view.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/yaml/resources.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tenon::apps {
+namespace {
+
+/// Lets a browser drag the person to a goal, to which the person walks at kSpeed.
+LiveControls::Goal PersonGoalOf(const Person& person) {
+  constexpr double kReach = 20;   // largest distance of the goal from the start, along each axis [m]
+  constexpr double kSpeed = 0.5;  // [m/s]
+  const Vec<2>& start = person.params.start;
+  return {"person",
+          {Vec<3>(start[0] - kReach, start[1] - kReach, 0), Vec<3>(start[0] + kReach, start[1] + kReach, 0)},
+          [&person](Context&, const Vec<3>& place) {
+            return LiveSets{SetTo(person.goal, {true, place.head<2>(), kSpeed})};
+          }};
+}
+
+RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& options) {
+  const double duration = Duration(scenario);
+  if (!options.live && !options.out.empty()) CheckJudged(scenario.walk.judged_from_s, duration, true);
+
+  DiagramBuilder builder;
+  auto& loop = BlameBlocks(kKeysOfLegged, [&]() -> GuideDog& {
+    return builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario));
+  });
+  const std::vector<const Source*> faults =
+      BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });
+  std::optional<QuadrupedLive> live;
+  if (options.live) Blame("forces", [&] { live.emplace(builder, loop.world, &loop.walk, scenario.live); });
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
+  std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
+  // The parameters of the loop, unlike those of the scenario, are scaled to the robot.
+  const auto leash = std::make_shared<GuideDogFigures>(loop.admittance.params.gains.desired_tension,
+                                                       loop.supervisor.params.gains.threshold);
+  const auto walk =
+      std::make_shared<WalkFigures>(scenario.walk.judged_from_s, scenario.observer != ObserverKind::kNone,
+                                    MakePathVerdict(scenario.walk, options.live != nullptr));
+  std::vector<const Source*> judged = signals;
+  judged.push_back(WalkFigures::Solves(loop.locomotion));
+  simulator.AddLog(Hz(1000), judged, {leash, walk});
+  const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
+  simulator.AddLog(Hz(1000), LimitFigures::Signals(loop.world.plant), {InBackground(limits)});
+  signals.insert(signals.end(), faults.begin(), faults.end());
+
+  const auto judge = [&](Summary& summary) {
+    summary.Set("robot", ResourceName(scenario.robot));
+    summary.Set("observer", std::string(EnumName(scenario.observer)));
+    leash->AddTo(summary);
+    walk->AddTo(summary);
+    limits->AddTo(summary);
+  };
+  std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry, &loop.view.geometry,
+                                                  &loop.person.geometry, &loop.leash.geometry,
+                                                  &loop.obstacles.geometry};
+  LiveControls controls;
+  if (live) {
+    live->AddTo(signals, shapes);
+    controls = live->Controls();
+    controls.goal = PersonGoalOf(loop.person);
+  }
+  return RunScenario(options, scenario, Describe(scenario, duration), duration, simulator, signals, shapes,
+                     DriveLimits(loop.world.plant), judge, controls);
+}
+
+}  // namespace
+
+ScenarioApp GuideDogApp() {
+  ScenarioApp app = MakeScenarioApp(
+      "tenon-guide-dog", "Lets a quadruped lead a person on a leash and reports how well it did.",
+      [](const YamlDocument& document) {
+        auto scenario = document.Read<GuideDogScenario>();
+        CheckJudged(scenario.walk.judged_from_s, Duration(scenario));
+        return scenario;
+      },
+      MakeGuideDogParams, RunGuideDog);
+  app.files = LeggedFiles();
+  app.warnings = [](const YamlDocument& document) {
+    return RunBlaming(document, [&] {
+      const auto scenario = document.Read<GuideDogScenario>();
+      return Blame("robot", [&] { return QuadrupedWarnings(scenario.robot); });
+    });
+  };
+  return app;
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,108 @@
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/faults.h>
+#include <tenon/apps/quadruped/legged_scenario.h>
+#include <tenon/systems/yaml/resources.h>
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace tenon::apps {
+
+void WalkScenario::Validate() const {
+  if (friction) DemandPositive("friction", *friction);
+  DemandNotNegative("judged_from_s", judged_from_s);
+  DemandPositive("path_tolerance", path_tolerance);
+  Demand(
+      std::isfinite(mass_error_ratio) && mass_error_ratio > -1,
+      fmt::format("mass_error_ratio = {} must be above -1: at -1 the model has no mass", mass_error_ratio));
+}
+
+void LiveScenario::Validate() const {
+  const auto range = [](const char* key, const Vec<2>& limits) {
+    Demand(limits.allFinite() && limits[0] <= 0 && limits[1] >= 0,
+           fmt::format("{} = [{}, {}] must contain 0: give the least value, then the largest one", key,
+                       limits[0], limits[1]));
+  };
+  range("forward_m_per_s", forward_m_per_s);
+  range("sideways_m_per_s", sideways_m_per_s);
+  range("yaw_rad_per_s", yaw_rad_per_s);
+  DemandNotNegative("squat_m", squat_m);
+  DemandPositive("load_ratio", load_ratio);
+}
+
+void FallScenario::Validate() const {
+  Demand(min_height_ratio >= 0 && min_height_ratio < 1,
+         fmt::format("min_height_ratio = {} must be at least 0 and below 1: at 1 the nominal stance would "
+                     "count as a fall",
+                     min_height_ratio));
+  DemandBetween("max_tilt_rad", max_tilt_rad, 1e-3, std::numbers::pi);
+  DemandPositive("max_height_m", max_height_m);
+}
+
+void ForceScenario::Validate() const {
+  DemandBetween("height", height, 0, 1);
+  DemandNotNegative("duration_s", duration_s);
+  DemandNotNegative("frequency_rad_per_s", frequency_rad_per_s);
+}
+
+FieldList LeggedScenario::Fields() {
+  using S = LeggedScenario;
+  return {Required("app", &S::app),
+          {"description", &S::description},
+          Required("case", &S::case_name),
+          {"robot", &S::robot},
+          {"duration_s", &S::duration_s},
+          {"seed", &S::seed},
+          {"profile", &S::profile},
+          {"terrain", &S::terrain},
+          {"forces", &S::forces},
+          {"faults", &S::faults},
+          {"hardware", &S::hardware},
+          {"sensors", &S::sensors},
+          {"fall", &S::fall},
+          {"live", &S::live},
+          {"limit_speed", &S::limit_speed},
+          {"integrator", &S::integrator},
+          {"scale_forces", &S::scale_forces},
+          {"report", &S::report},
+          {"parameters", &S::parameters}};
+}
+
+void LeggedScenario::Validate() const {
+  if (duration_s) DemandPositive("duration_s", *duration_s);
+}
+
+PathVerdict MakePathVerdict(const WalkScenario& walk, bool live) {
+  if (live) return {};
+  const WalkSchedule::Extent extent = WalkSchedule(walk.path).extent();
+  if (extent.length == 0 && extent.turn == 0) return {};
+  return {walk.path_tolerance, extent.length};
+}
+
+void AddNotes(const std::vector<ForceScenario>& forces, double duration, std::vector<std::string>& notes) {
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const ForceScenario& force = forces[i];
+    const bool none = force.factor == 0 || (force.force_N.isZero(0) && force.torque_N_m.isZero(0));
+    AddIdle(fmt::format("forces.{}", i), {.start = force.start_s, .length = force.duration_s}, duration,
+            none ? "force_N and torque_N_m, times factor, are 0" : "", notes);
+  }
+}
+
+double EndOfWalk(const WalkScenario& walk) {
+  return Blame("walk.path", [&] { return WalkSchedule(walk.path).end_time(); });
+}
+
+SimulatorOptions MakeSimulatorOptions(const LeggedScenario& scenario) {
+  SimulatorOptions options = scenario.integrator.Options("loop.world.plant");
+  options.seed = scenario.seed;
+  return options;
+}
+
+std::string Describe(const LeggedScenario& scenario, double duration) {
+  return fmt::format("{}, {:.4g} s, seed {}", ResourceName(scenario.robot), duration, scenario.seed);
+}
+
+}  // namespace tenon::apps

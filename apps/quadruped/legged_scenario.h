@@ -1,0 +1,179 @@
+#pragma once
+
+#include <tenon/apps/common/path_verdict.h>
+#include <tenon/apps/common/report_scenario.h>
+#include <tenon/apps/quadruped/quadruped_hardware.h>
+#include <tenon/controllers/legged/planning/com_planner.h>
+#include <tenon/controllers/legged/planning/swing_planner.h>
+#include <tenon/controllers/legged/planning/walk_schedule.h>
+#include <tenon/diagrams/faults/legged_faults.h>
+#include <tenon/diagrams/legged/quadruped_world.h>
+#include <tenon/diagrams/recommended_options.h>
+#include <tenon/plants/model/model_error.h>
+#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/yaml/yaml.h>
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tenon::apps {
+
+/// The state that the walking controller reads.
+enum class StateSource { kTrue, kEstimated };
+constexpr auto EnumNames(StateSource) {
+  return std::array{Named{StateSource::kTrue, "true"}, Named{StateSource::kEstimated, "estimated"}};
+}
+
+/// The commanded walk, and the settings of the walking controller that a scenario may change.
+struct WalkScenario {
+  WalkScheduleParams path;     ///< commanded path and gaits
+  YamlFile gaits{"standard"};  ///< a shipped table, a file, or one with changes
+  ComReference com_reference = ComPlannerParams().reference;  ///< planner of the CoM's path
+  ZmpPlanParams zmp;                                          ///< parameters of ComReference::kZmpSpline
+  StepProperties step;                                        ///< swing of the feet
+  /// State that the controller reads; estimated: output of a LeggedStateEstimator that knows the noise of the
+  /// sensors.
+  StateSource state = StateSource::kTrue;
+  /// Friction coefficient that the controller assumes; empty: that of the profile, 1 by default.
+  std::optional<double> friction;
+  double mass_error_ratio = 0;   ///< relative error of the masses in the controller's model: 0.3 is 30 % more
+  ModelErrorParams model_error;  ///< random errors of each body in the controller's model, drawn by the seed
+  double judged_from_s = 0;      ///< begin of the time over which figures are computed
+  /// Tolerance of the path: deviations in position may reach this part of the path's length, deviations in
+  /// heading this part of half a turn. A run that exceeds it counts as not finished.
+  double path_tolerance = 0.2;
+
+  static FieldList Fields() {
+    return {Required("path", &WalkScenario::path),
+            {"gaits", &WalkScenario::gaits},
+            {"com_reference", &WalkScenario::com_reference},
+            {"zmp", &WalkScenario::zmp},
+            {"step", &WalkScenario::step},
+            {"state", &WalkScenario::state},
+            {"friction", &WalkScenario::friction},
+            {"mass_error_ratio", &WalkScenario::mass_error_ratio},
+            {"model_error", &WalkScenario::model_error},
+            {"judged_from_s", &WalkScenario::judged_from_s},
+            {"path_tolerance", &WalkScenario::path_tolerance}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Limits of the trunk's pose beyond which a robot counts as fallen.
+struct FallScenario {
+  /// Least height of the trunk above the ground, relative to that in the nominal stance.
+  double min_height_ratio = kFallHeightRatio;
+  double max_tilt_rad = QuadrupedWorldParams().max_tilt;  ///< largest tilt of the trunk
+  /// Largest height of the trunk above the ground; a robot above it was thrown.
+  double max_height_m = QuadrupedWorldParams().max_height;
+
+  static FieldList Fields() {
+    return {{"min_height_ratio", &FallScenario::min_height_ratio},
+            {"max_tilt_rad", &FallScenario::max_tilt_rad},
+            {"max_height_m", &FallScenario::max_height_m}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Ranges of the commands in a live run. The defaults are speeds of the shipped scenarios at the standard
+/// gait.
+struct LiveScenario {
+  Vec<2> forward_m_per_s{-0.3, 0.4};     ///< least and largest speed forward
+  Vec<2> sideways_m_per_s{-0.15, 0.15};  ///< least and largest speed to the left
+  Vec<2> yaw_rad_per_s{-0.5, 0.5};       ///< least and largest rate of turn
+  double squat_m = 0.08;                 ///< depth of a squat
+  double load_ratio = 0.4;               ///< largest load on the trunk, relative to the robot's mass
+
+  static FieldList Fields() {
+    return {{"forward_m_per_s", &LiveScenario::forward_m_per_s},
+            {"sideways_m_per_s", &LiveScenario::sideways_m_per_s},
+            {"yaw_rad_per_s", &LiveScenario::yaw_rad_per_s},
+            {"squat_m", &LiveScenario::squat_m},
+            {"load_ratio", &LiveScenario::load_ratio}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+enum class Part { kTrunk, kFrontLeft, kFrontRight, kRearLeft, kRearRight };
+constexpr auto EnumNames(Part) {
+  return std::array{Named{Part::kTrunk, "trunk"}, Named{Part::kFrontLeft, "front_left"},
+                    Named{Part::kFrontRight, "front_right"}, Named{Part::kRearLeft, "rear_left"},
+                    Named{Part::kRearRight, "rear_right"}};
+}
+
+/// A force on the robot for some time: constant, or a sine of the time since its start if a frequency is
+/// given.
+struct ForceScenario {
+  Part on = Part::kTrunk;                             ///< body on which the force acts
+  double height = 0.5;                                ///< point on a leg: 0 the foot, 0.5 the knee, 1 the hip
+  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  ///< force in W
+  Eigen::Vector3d torque_N_m = Eigen::Vector3d::Zero();  ///< torque in W
+  double factor = 1;                                     ///< multiplies force and torque
+  double turn_rad = 0;                                   ///< turns force and torque about the vertical
+  double start_s = 0;                                    ///< time at which the force sets in
+  double duration_s = 0;                                 ///< duration of the force
+  double frequency_rad_per_s = 0;                        ///< frequency of a sine; 0: constant
+
+  static FieldList Fields() {
+    return {{"on", &ForceScenario::on},
+            {"height", &ForceScenario::height},
+            {"force_N", &ForceScenario::force_N},
+            {"torque_N_m", &ForceScenario::torque_N_m},
+            {"factor", &ForceScenario::factor},
+            {"turn_rad", &ForceScenario::turn_rad},
+            {"start_s", &ForceScenario::start_s},
+            Required("duration_s", &ForceScenario::duration_s),
+            {"frequency_rad_per_s", &ForceScenario::frequency_rad_per_s}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// The keys that tenon-quadruped and tenon-guide-dog share.
+struct LeggedScenario {
+  std::string app;                   ///< name of the app that runs the scenario
+  std::string description;           ///< one line
+  std::string case_name;             ///< name of the run
+  YamlFile robot{"dogbot"};          ///< a shipped robot, a file, or one with changes
+  std::optional<double> duration_s;  ///< simulated time; empty: one second more than the walk, standing 10 s
+  std::uint64_t seed = kRecommendedSeed;  ///< seed of all random streams
+  /// Gains of the walking controller: a shipped profile, a YAML file, or {file: standard, …} with changes.
+  YamlFile profile{"standard"};
+  TerrainParams terrain;              ///< the ground
+  std::vector<ForceScenario> forces;  ///< forces on trunk and legs
+  std::vector<LeggedFault> faults;    ///< faults of signals and joints
+  /// Drives, sensors and the connection between them: shipped hardware, a YAML file, or {file: standard, …}
+  /// with changes.
+  YamlFile hardware{"ideal"};
+  SensorScenario sensors;  ///< overrides the sensors of `hardware`
+  FallScenario fall;
+  LiveScenario live;
+  /// Drives give less torque at higher speed. Without this, runs that need more torque than that count as not
+  /// finished.
+  bool limit_speed = QuadrupedPlantParams().limit_speed;
+  LeggedIntegration integrator;
+  bool scale_forces = false;  ///< forces, loads, steps and blocks are given for DogBot, see ScaledToRobot
+  ReportScenario report;      ///< contents of the report
+  std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
+
+  static FieldList Fields();
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Judges whether a walk follows its path. A live run is not judged.
+PathVerdict MakePathVerdict(const WalkScenario& walk, bool live);
+/// Adds a note for each force that never acts in a run of `duration` [s].
+void AddNotes(const std::vector<ForceScenario>& forces, double duration, std::vector<std::string>& notes);
+/// Time at which the walk ends [s]. Throws KeyError for a path that cannot be walked.
+double EndOfWalk(const WalkScenario& walk);
+/// Options for a diagram that holds a QuadrupedWorld named "loop.world".
+SimulatorOptions MakeSimulatorOptions(const LeggedScenario& scenario);
+/// Robot, duration and seed in one line.
+std::string Describe(const LeggedScenario& scenario, double duration);
+
+}  // namespace tenon::apps

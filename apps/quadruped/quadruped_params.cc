@@ -1,0 +1,235 @@
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/plants/model/robot_scale.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/plants/sensors/sensor_noise.h>
+#include <tenon/systems/framework/block/random_stream.h>
+
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+
+namespace tenon::apps {
+namespace {
+
+// Files that a scenario names, as read.
+
+struct RobotFiles {
+  QuadrupedDescription robot;
+  SizeRatio ratio;  ///< size relative to DogBot, if the scenario scales its forces
+  HardwareScenario hardware;
+};
+
+struct WalkFiles : RobotFiles {
+  LocomotionProfile profile;
+  FootSchedulerParams gaits;
+};
+
+QuadrupedDescription ReadRobot(const LeggedScenario& scenario) {
+  return Blame("robot", [&] { return LoadQuadruped(scenario.robot); });
+}
+
+SizeRatio ReadRatio(const LeggedScenario& scenario, const QuadrupedDescription& robot) {
+  if (!scenario.scale_forces) return {};
+  const RobotScale scale = ScaleOf(robot), dogbot = ScaleOf(LoadQuadruped(YamlFile{"dogbot"}));
+  return {scale.mass / dogbot.mass, scale.length / dogbot.length};
+}
+
+RobotFiles ReadRobotFiles(const LeggedScenario& scenario) {
+  RobotFiles files;
+  files.robot = ReadRobot(scenario);
+  files.ratio = ReadRatio(scenario, files.robot);
+  files.hardware =
+      WithSensors(Blame("hardware", [&] { return LoadHardware(scenario.hardware); }), scenario.sensors);
+  return files;
+}
+
+WalkFiles ReadWalkFiles(const QuadrupedScenario& scenario) {
+  WalkFiles files{ReadRobotFiles(scenario), {}, {}};
+  // Profile and gaits are scaled to the true robot, whatever model of it the controller has.
+  const RobotScale scale = ScaleOf(files.robot);
+  files.profile = Blame("profile", [&] { return LoadLocomotionProfile(scenario.profile, scale); });
+  files.gaits = Blame("walk.gaits", [&] { return LoadGaits(scenario.walk->gaits, scale); });
+  return files;
+}
+
+// Translation into parameters of diagrams.
+
+/// The point of the robot on which a force acts, with a force of zero.
+ExternalForce PointOf(const QuadrupedDescription& robot, const ForceScenario& force) {
+  if (force.on == Part::kTrunk) return {};
+  return PointOnLeg(robot, static_cast<int>(force.on) - static_cast<int>(Part::kFrontLeft), force.height);
+}
+
+void AddForce(const ForceScenario& force, QuadrupedWorldParams& world) {
+  ExternalForce push = PointOf(world.plant.robot, force);
+  push.force_W = force.force_N;
+  push.torque_W = force.torque_N_m;
+  if (force.factor != 1 || force.turn_rad != 0) {
+    const Eigen::Matrix3d turn =
+        force.factor * Eigen::AngleAxisd(force.turn_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    push.force_W = turn * push.force_W;
+    push.torque_W = turn * push.torque_W;
+  }
+  if (force.frequency_rad_per_s > 0)
+    world.sines.push_back({push, force.frequency_rad_per_s, force.start_s, force.start_s + force.duration_s});
+  else
+    world.pulses.push_back({push, force.start_s, force.duration_s});
+}
+
+void SetPayload(const TrunkLoadScenario& payload, double stance_height, QuadrupedWorldParams& world) {
+  const double lowest = payload.position_m.z() - payload.edges_m.z() / 2;
+  if (payload.mass_kg > 0 && lowest < -stance_height)
+    throw KeyError("payload.position_m",
+                   fmt::format("the payload reaches {:.3g} m below the trunk, which stands only {:.3g} m "
+                               "above the ground: lift it",
+                               -lowest, stance_height));
+  if (payload.slides && payload.mass_kg > 0)
+    world.sliding_load = SlidingLoadParams{.mass = payload.mass_kg,
+                                           .position_B = payload.position_m,
+                                           .reach = payload.slides->reach_m,
+                                           .friction = payload.slides->friction};
+  else
+    world.plant.payload = payload.Make();
+}
+
+void SetFall(const FallScenario& fall, double stance_height, QuadrupedWorldParams& world) {
+  world.min_height = fall.min_height_ratio * stance_height;
+  world.max_tilt = fall.max_tilt_rad;
+  world.max_height = fall.max_height_m;
+  if (world.max_height <= world.min_height)
+    throw KeyError("fall.max_height_m",
+                   fmt::format("{} must be above {:.3g}, the height below which the robot has fallen",
+                               world.max_height, world.min_height));
+}
+
+QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const RobotFiles& files, Rate rate) {
+  const QuadrupedDescription& robot = files.robot;
+  TerrainParams terrain = scenario.terrain;
+  if (terrain.field) terrain.field->seed += scenario.seed;  // so that the layout depends on the run's seed
+  QuadrupedWorldParams world = Blame("terrain", [&] { return MakeQuadrupedWorld(robot, terrain); });
+  world.plant.limit_speed = scenario.limit_speed;
+  world.plant.initial.p_WB[2] += scenario.start_height_m;
+  SetPayload(scenario.payload, robot.StanceHeight(), world);
+  SetHardware(files.hardware, rate, world);
+  for (const ForceScenario& force : scenario.forces) AddForce(force, world);
+  for (const RandomForceScenario& force : scenario.random_forces)
+    world.random.push_back({robot, force.on_trunk, force.lower_N, force.upper_N, Seconds(force.period_s)});
+  SetFall(scenario.fall, robot.StanceHeight(), world);
+  return world;
+}
+
+/// The controller's model of the robot.
+QuadrupedDescription MakeModel(const WalkScenario& walk, const QuadrupedDescription& robot,
+                               const DriveProperties& drive, std::uint64_t seed) {
+  RandomStream errors(seed, "walk.model_error");
+  QuadrupedDescription model =
+      WithModelError(WithMassFactor(robot, 1 + walk.mass_error_ratio), walk.model_error, errors);
+  // A rotor inertia from the data sheet of the hardware is known to the controller.
+  if (drive.rotor_inertia != robot.drive.rotor_inertia) model.drive.rotor_inertia = drive.rotor_inertia;
+  return model;
+}
+
+/// The filter has the controller's model and the noise of the sensors, but not their biases. Its initial
+/// state differs from the true one by a random error with the filter's own initial deviations.
+LeggedStateEstimatorParams MakeEstimator(const HardwareScenario& hardware, const QuadrupedDescription& model,
+                                         const QuadrupedPlantParams& plant, std::uint64_t seed) {
+  LeggedStateEstimatorParams params;
+  params.robot = model;
+  params.initial = plant.initial;
+  params.gravity = plant.gravity;
+  params.noise = BelievedNoise(hardware);
+  RandomStream random(seed, "walk.state");
+  const LeggedStartDeviation& start = params.start;
+  const Vec<3> turn = NormalVector(random, Vec<3>::Constant(start.attitude));
+  params.initial.q_WB = QuaternionProduct(QuaternionFromRotationVector(turn), params.initial.q_WB);
+  params.initial.p_WB += NormalVector(random, Vec<3>::Constant(start.position));
+  params.initial.v_W += NormalVector(random, Vec<3>::Constant(start.velocity));
+  return params;
+}
+
+QuadrupedStandParams TranslateStand(const QuadrupedScenario& scenario, const RobotFiles& files) {
+  QuadrupedStandParams params;
+  params.world = MakeWorldParams(scenario, files, Hz(scenario.pd->rate_hz));
+  params.pd = scenario.pd->For(files.robot);
+  params.pd.gravity = params.world.plant.gravity;
+  return params;
+}
+
+QuadrupedWalkParams TranslateWalk(const QuadrupedScenario& scenario, const WalkFiles& files) {
+  const WalkScenario& walk = *scenario.walk;
+  EndOfWalk(walk);  // throws for a path that cannot be walked
+  const QuadrupedWorldParams world = MakeWorldParams(scenario, files, WholeBodyParams().rate);
+  const QuadrupedDescription model = MakeModel(walk, files.robot, world.plant.robot.drive, scenario.seed);
+  QuadrupedWalkParams params = MakeQuadrupedWalk(world, model, files.profile, files.gaits);
+  params.walk = walk.path;
+  params.locomotion.com_planner.reference = walk.com_reference;
+  params.locomotion.com_planner.zmp = walk.zmp;
+  params.locomotion.swing_planner.step = walk.step;
+  if (walk.friction) params.locomotion.whole_body.gains.qp.friction = *walk.friction;
+  if (scenario.observer) params.observer.kind = *scenario.observer;
+  if (walk.state == StateSource::kEstimated)
+    params.estimator = MakeEstimator(files.hardware, model, world.plant, scenario.seed);
+  return params;
+}
+
+}  // namespace
+
+JointPdParams JointPdScenario::For(const QuadrupedDescription& robot) const {
+  JointPdParams params = MakeJointPd(robot);
+  params.stiffness = stiffness_N_m_per_rad.value_or(params.stiffness);
+  params.damping = damping_N_m_s_per_rad.value_or(params.damping);
+  params.gravity_compensation = gravity_compensation;
+  params.rate = Hz(rate_hz);
+  return params;
+}
+
+SizeRatio RatioOf(const LeggedScenario& scenario) {
+  return scenario.scale_forces ? ReadRatio(scenario, ReadRobot(scenario)) : SizeRatio();
+}
+
+QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario, const SizeRatio& ratio) {
+  const auto [weight, length] = ratio;
+  for (ForceScenario& force : scenario.forces) {
+    force.force_N *= weight;
+    force.torque_N_m *= weight * length;
+  }
+  for (RandomForceScenario& force : scenario.random_forces) {
+    force.lower_N *= weight;
+    force.upper_N *= weight;
+  }
+  TrunkLoadScenario& payload = scenario.payload;
+  payload.mass_kg *= weight;
+  payload.position_m *= length;
+  payload.edges_m *= length;
+  if (payload.slides) payload.slides->reach_m *= length;
+  for (TerrainBox& box : scenario.terrain.boxes) {
+    box.size *= length;
+    box.height *= length;
+  }
+  if (scenario.terrain.field) {
+    BoxField& field = *scenario.terrain.field;
+    field.size *= length;
+    field.gap *= length;
+    for (BoxKind& kind : field.kinds) kind.height *= length;
+  }
+  if (scenario.walk) {
+    StepProperties& step = scenario.walk->step;
+    for (double* const part :
+         {&step.height, &step.touchdown_speed, &step.search_depth, &step.free_shift, &step.free_offset,
+          &step.largest_shift, &step.reflex.lag, &step.reflex.retreat, &step.reflex.height})
+      *part *= length;
+  }
+  return scenario;
+}
+
+QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
+  const RobotFiles files = ReadRobotFiles(scenario);
+  return TranslateStand(ScaledToRobot(scenario, files.ratio), files);
+}
+
+QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
+  const WalkFiles files = ReadWalkFiles(scenario);
+  return TranslateWalk(ScaledToRobot(scenario, files.ratio), files);
+}
+
+}  // namespace tenon::apps

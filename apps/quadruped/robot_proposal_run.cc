@@ -1,0 +1,102 @@
+#include <tenon/apps/common/figure_text.h>
+#include <tenon/apps/common/read_text.h>
+#include <tenon/apps/common/run_scenario.h>
+#include <tenon/apps/common/summary.h>
+#include <tenon/apps/quadruped/quadruped_app.h>
+#include <tenon/apps/quadruped/quadruped_proposal.h>
+#include <tenon/apps/quadruped/robot_drawing.h>
+#include <tenon/apps/quadruped/robot_proposal_run.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/plants/robots/mesh_file.h>
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/yaml/mesh_paths.h>
+#include <tenon/systems/yaml/resources.h>
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <string>
+
+namespace tenon::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kStand = 3;  // duration of the trial on the spot [s]
+constexpr double kTrot = 10;  // duration of the trial trot [s]
+
+std::map<std::string, double, std::less<>> LockedJoints(const std::vector<std::string>& locks) {
+  std::map<std::string, double, std::less<>> angles;
+  for (const std::string& lock : locks) {
+    const std::size_t equals = lock.find('=');
+    const std::string text = equals == std::string::npos ? "" : lock.substr(equals + 1);
+    const auto angle = internal::NumberIn<double>(internal::WithoutPlus(text));
+    if (!angle || !std::isfinite(*angle))
+      throw ParameterError(fmt::format("--lock {}: write JOINT=ANGLE, the angle in rad", lock));
+    angles[lock.substr(0, equals)] = *angle;
+  }
+  return angles;
+}
+
+/// Runs a shipped scenario with this robot, and writes its outputs to `out`.
+Summary Try(const char* scenario, const fs::path& yaml, double duration, const fs::path& out) {
+  const YamlDocument document = LoadScenario(scenario, {"robot=" + yaml.string()}, "tenon-quadruped");
+  return QuadrupedApp().run(document, duration, {.out = out}).summary;
+}
+
+/// The verdict of a trial in words. There is none if it was stopped or its files could not be written.
+std::string Shown(const Summary& trial, const char* name) {
+  const int code = trial.exit_code();
+  if (code == kRan) return "yes";
+  if (code >= kOutputFailed)
+    return fmt::format("unknown: the trial {}",
+                       code == kOutputFailed ? "could not be written" : "was stopped");
+  return fmt::format("no, see {}/report.html", name);
+}
+
+}  // namespace
+
+int ProposeRobot(const RobotArguments& arguments) {
+  const fs::path urdf = arguments.urdf;
+  const std::string name = urdf.stem().string();
+  const fs::path out = arguments.out.empty() ? fs::path("out") / name : fs::path(arguments.out);
+  const QuadrupedProposal proposal = ProposeQuadruped(urdf, LockedJoints(arguments.locks));
+
+  const OutputLock lock(out);
+  std::error_code error;
+  const fs::path beside = out / urdf.filename(), yaml = out / (name + ".yaml");
+  if (!fs::equivalent(urdf, beside, error)) {
+    WriteFile(beside, WithMeshesFound(ReadText(urdf), urdf));
+  }
+  WriteFile(yaml, proposal.yaml);
+  const QuadrupedDescription robot = LoadQuadruped(yaml.string());
+  WriteFile(out / (name + ".svg"), DrawQuadruped(robot));
+
+  fmt::print("{:<28} {}\n", "robot", yaml.string());
+  fmt::print("{:<28} {}\n", "picture", (out / (name + ".svg")).string());
+  fmt::print("{:<28} {:.4g}\n", "mass_kg", robot.mass());
+  fmt::print("{:<28} {:.4g}\n", "leg_length_m", robot.LegLength(kFrontLeft));
+  fmt::print("{:<28} {:.4g}\n", "stance_height_m", robot.StanceHeight());
+  for (const std::string& note : proposal.notes) fmt::print("note: {}\n", note);
+  std::fflush(stdout);
+
+  const Summary stand = Try("stand", yaml, kStand, out / "stand");
+  fmt::print("{:<28} {}\n", "stands", Shown(stand, "stand"));
+  std::fflush(stdout);
+  if (stand.exit_code() >= kOutputFailed) return stand.exit_code();
+  const Summary trot = Try("flat", yaml, kTrot, out / "trot");
+  fmt::print("{:<28} {}\n", "trots", Shown(trot, "trot"));
+  NamedTexts figures;
+  for (const auto& [key, value] : trot.Flat())
+    if (key == "end_reason" || key == "com_error_max_m" || key.starts_with("foot_error_max_m"))
+      figures.emplace_back(key, value);
+  fmt::print("{}", FigureLines(FigureTexts(figures)));
+  for (const char* trial : {"stand", "trot"}) PrintReportPath(out / trial);
+  return trot.exit_code();
+}
+
+}  // namespace tenon::apps

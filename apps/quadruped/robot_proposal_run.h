@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tenon::apps {
+
+/// The command line of tenon-robot.
+struct RobotArguments {
+  std::string urdf;                ///< URDF file of a quadruped
+  std::string out;                 ///< output directory; empty: out/NAME
+  std::vector<std::string> locks;  ///< fixed joints as JOINT=ANGLE [rad]
+};
+
+/// Writes YAML file and picture of the robot of a URDF, and lets it stand and trot. Returns the exit code of
+/// the last trial. Throws ParameterError, and the errors of the outputs.
+int ProposeRobot(const RobotArguments& arguments);
+
+}  // namespace tenon::apps

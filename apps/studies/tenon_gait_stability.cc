@@ -1,0 +1,29 @@
+// tenon-gait-stability: the Floquet multipliers of a walking robot.
+
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/quadruped/quadruped_app.h>
+#include <tenon/apps/studies/gait_stability_study.h>
+
+int main(int argc, char** argv) {
+  using namespace tenon::apps;
+  CLI::App line("Linearises the stride of a walking quadruped and prints its Floquet multipliers.",
+                "tenon-gait-stability");
+  CommonArguments arguments;
+  AddScenarioArguments(line, arguments);
+  line.footer(
+      "Writes no files: all results are printed. The last segment of the walk is extended without end, and\n"
+      "disturbances are left out.\n"
+      "Exit codes: 0 analysed; 2 bad usage or scenario; 4 the robot fell, or numerical failure.");
+  GaitStabilityOptions options;
+  line.add_option("--settle", options.settle, "strides before the one that is linearised")
+      ->check(CLI::NonNegativeNumber);
+  line.add_option("--strides", options.strides, "strides over which the decay of a push is compared")
+      ->check(PositiveInteger());
+  line.add_option("--push", options.push, "change of the trunk's velocity to the left [m/s]");
+  line.add_option("--steps", options.steps, "step sizes of the finite differences");
+  return RunMain(line, argc, argv, [&]() -> int {
+    const ScenarioApp app = QuadrupedApp();
+    if (PrintsInstead(arguments, app)) return kRan;
+    return StudyGaitStability(LoadScenario(arguments, app.name), arguments.scenario, options);
+  });
+}

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <tenon/controllers/cdpr/cable_pd.h>
+#include <tenon/controllers/cdpr/reference_balancer.h>
+#include <tenon/controllers/cdpr/reference_generator.h>
+#include <tenon/diagrams/cdpr/cdpr_observer.h>
+
+namespace tenon {
+
+/// The controller of a cable robot: an MPC, which knows the path, or a PD of the cable lengths.
+///
+///     estimate, load, broken cables ──► mpc ──► command
+///
+///     reference, load, broken cables ──► balancer ──► pd ──► command
+///                               measured cables ──────▲
+///
+/// Without feedforward there is no balancer and the PD follows the reference itself. The constructor adds the
+/// blocks to `loop` itself, so that their names are those of the loop.
+struct CdprControl {
+  CdprControl(Subdiagram& loop, const CdprLoopParams& params, const ReferenceGenerator& reference,
+              const CdprWorld& world, const CdprObserver& observer);
+
+  CdprMpc* mpc = nullptr;                 ///< null if the controller is a PD
+  CablePd* pd = nullptr;                  ///< null if the controller is an MPC
+  ReferenceBalancer* balancer = nullptr;  ///< for a PD with feedforward
+
+  const OutputPort<CableVector>& command() const { return mpc != nullptr ? mpc->command : pd->command; }
+  Rate rate() const { return mpc != nullptr ? mpc->params.command_rate : pd->params.rate; }
+};
+
+}  // namespace tenon

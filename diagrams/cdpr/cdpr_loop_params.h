@@ -1,0 +1,67 @@
+#pragma once
+
+#include <tenon/controllers/cdpr/cdpr_estimator.h>
+#include <tenon/controllers/cdpr/cdpr_mpc.h>
+#include <tenon/controllers/cdpr/equilibrium_path.h>
+#include <tenon/controllers/cdpr/load_estimator.h>
+#include <tenon/plants/cdpr/gusts.h>
+#include <tenon/plants/cdpr/hanging_load.h>
+#include <tenon/plants/cdpr/payload_schedule.h>
+#include <tenon/plants/cdpr/winch_errors.h>
+#include <tenon/plants/sensors/cable_sensors.h>
+#include <tenon/plants/sensors/imu.h>
+#include <tenon/plants/sensors/imu_errors.h>
+#include <tenon/plants/sensors/pose_sensor.h>
+#include <tenon/systems/primitives/jittered_delay.h>
+
+#include <memory>
+#include <optional>
+
+namespace tenon {
+
+/// Imperfections of drives, links and sensors. Each optional part that has no value is ideal.
+struct CdprHardwareParams {
+  std::optional<JitteredDelayParams<CableVector>> command_delay;  ///< of the computer and the field bus
+  std::optional<WinchErrorsParams> winch_errors;
+  std::optional<CableSensorsParams> cable_sensors;
+  std::optional<ImuErrorsParams> imu_errors;
+  int cable_delay = 0;  ///< latency of `cable_sensors` [samples]
+  int pose_delay = 0;   ///< latency of the pose sensor [samples]
+  int imu_delay = 0;    ///< latency of the inertial unit [samples]
+};
+
+struct CdprLoopParams {
+  CdprDescription robot;  ///< of the plant; the controller uses the robot of `path` as its model
+  /// The path to follow. The platform starts at rest at the equilibrium of its start.
+  std::shared_ptr<const EquilibriumPath> path;
+  Rate control_rate = Hz(1000);  ///< of the reference and the PD
+  double pd_stiffness_N_per_m = 0;
+  double pd_damping_N_s_per_m = 0;
+  std::optional<CdprMpcParams> mpc;  ///< if it has a value, the MPC replaces the PD
+  bool feedforward = false;          ///< the PD follows a reference that is balanced for its acceleration
+  /// Whether a LoadEstimator gives PD or MPC the load; implies feedforward. Without a value, true for an MPC
+  /// with equilibrium input and false for all others.
+  std::optional<bool> offset_free;
+  /// Parameters of the load estimator; its robot and rate are replaced by those of `path` and `estimator`.
+  /// Without a value, those of MakeLoadEstimator().
+  std::optional<LoadEstimatorParams> load;
+  CdprEstimatorParams estimator;
+  Vec<3> start_offset = Vec<3>::Zero();  ///< of the platform from the start of the path [m]
+  Vec<3> start_turn = Vec<3>::Zero();    ///< added to roll, pitch, yaw there [rad]
+  PayloadScheduleParams payload;
+  GustsParams gusts;
+  std::optional<HangingLoadParams> hanging_load;  ///< a load that swings under the platform
+  /// Initial horizontal displacement of the hanging load from below its attachment, shorter than the rope
+  /// [m].
+  Vec<3> swing = Vec<3>::Zero();
+  PoseSensorParams pose_sensor;
+  ImuParams imu{.rate = Hz(200)};
+  CdprHardwareParams hardware;
+  bool forbid_slack = true;        ///< a slack cable ends the run
+  double max_tension_ratio = 1.1;  ///< a tension above this times the winches' maximum ends the run
+
+  /// The value of `offset_free`, or its default.
+  bool IsOffsetFree() const { return offset_free.value_or(mpc && mpc->equilibrium_input); }
+};
+
+}  // namespace tenon

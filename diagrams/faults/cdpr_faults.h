@@ -1,0 +1,36 @@
+#pragma once
+
+#include <tenon/diagrams/faults/faults.h>
+
+#include <array>
+#include <vector>
+
+namespace tenon {
+
+class CdprLoop;
+
+/// A place where a cable robot can fail.
+enum class CdprFaultPlace {
+  kCommand,    ///< command of the controller to the winches [N], one element per cable
+  kWinch,      ///< the winches themselves: stuck
+  kCable,      ///< the cables: broken
+  kLengths,    ///< CableSignals, to the PD controller and the estimators of pose, load and broken cables
+  kReference,  ///< CdprReference, to the PD controller
+  kPose,       ///< PoseMeasurement, to the estimator
+  kImu,        ///< ImuMeasurement, to the estimators
+  kEstimate,   ///< PlatformEstimate, to the MPC and the load estimator
+};
+constexpr auto EnumNames(CdprFaultPlace) {
+  using enum CdprFaultPlace;
+  return std::array{Named{kCommand, "command"}, Named{kWinch, "winch"},         Named{kCable, "cable"},
+                    Named{kLengths, "lengths"}, Named{kReference, "reference"}, Named{kPose, "pose"},
+                    Named{kImu, "imu"},         Named{kEstimate, "estimate"}};
+}
+using CdprFault = FaultAt<CdprFaultPlace>;
+
+/// Adds faults to a diagram before it is built. Returns the signals of the faults to log. Throws FaultError
+/// for a fault that is not possible in this diagram, and ParameterError for too many faults.
+std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
+                                        const std::vector<CdprFault>& faults);
+
+}  // namespace tenon
