@@ -1,11 +1,10 @@
-// What a run can change of the shipped diagrams.
+// The parameters of the shipped diagrams, which a run can change.
 
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/simulation/simulator.h>
-#include <tenon/systems/yaml/resources.h>
+#include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/allocation_guard.h>
 
@@ -21,10 +20,7 @@ namespace {
 
 QuadrupedWalkParams Walk() {
   QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
-  WalkSegment& segment = params.walk.segments.emplace_back();
-  segment.gait = Gait::kTrot;
-  segment.forward = 0.1;
-  segment.duration = 5;
+  params.walk.segments = {{.gait = Gait::kTrot, .forward = 0.1, .duration = 5}};
   params.world.pulses.push_back({});
   params.world.sines.push_back({});
   params.estimator.emplace();
@@ -44,23 +40,7 @@ GuideDogParams Dog() {
   return params;
 }
 
-CdprLoopParams Cables(bool mpc) {
-  CdprLoopParams params;
-  params.robot = LoadCdpr(FindResource("robots", "cdpr_4"));
-  params.path = std::make_shared<EquilibriumPath>(params.robot, Path::Hold({0, 0, 2}));
-  params.pd_stiffness_N_per_m = 1000;
-  params.pd_damping_N_s_per_m = 50;
-  if (!mpc) return params;
-  params.mpc.emplace();
-  params.mpc->path = params.path;
-  params.mpc->horizon = 1.2;
-  params.mpc->num_steps = 25;
-  params.mpc->weights = {
-      .position = 1000, .velocity = 20, .attitude = 20, .angular_velocity = 1, .tension = 3e-3};
-  return params;
-}
-
-/// All can be listed, read and set by a program that knows nothing of the blocks.
+/// Lists, reads and sets all parameters without knowledge of the blocks, and returns their paths.
 template <class Loop, class Params>
 std::set<std::string> CheckParameters(const Params& params) {
   DiagramBuilder builder;
@@ -77,29 +57,21 @@ std::set<std::string> CheckParameters(const Params& params) {
   return paths;
 }
 
-TEST(ParametersTest, OfTheWalkAreSetToWhatTheyAre) {
-  const auto paths = CheckParameters<QuadrupedWalk>(Walk());
-  for (const char* path : {"loop.locomotion.whole_body.gains", "loop.locomotion.swing_planner.step",
-                           "loop.locomotion.scheduler.gaits", "loop.observer.legs.gains",
-                           "loop.observer.com.gains", "loop.estimator.noise"})
-    EXPECT_TRUE(paths.contains(path)) << path << " is none of " << ::testing::PrintToString(paths);
+TEST(ParametersTest, AllCanBeListedReadAndSet) {
+  using ::testing::IsSupersetOf;
+  EXPECT_THAT(CheckParameters<QuadrupedWalk>(Walk()),
+              IsSupersetOf({"loop.locomotion.whole_body.gains", "loop.locomotion.swing_planner.step",
+                            "loop.locomotion.scheduler.gaits", "loop.observer.legs.gains",
+                            "loop.observer.com.gains", "loop.estimator.noise"}));
+  EXPECT_THAT(CheckParameters<GuideDog>(Dog()),
+              IsSupersetOf({"loop.supervisor.gains", "loop.admittance.gains", "loop.leash.stiffness",
+                            "loop.person.phases"}));
+  EXPECT_TRUE(CheckParameters<CdprLoop>(test::CircleWithPd()).contains("loop.pd.stiffness"));
+  EXPECT_THAT(CheckParameters<CdprLoop>(test::CircleWithMpc()),
+              IsSupersetOf({"loop.mpc.weights", "loop.estimator.noise", "loop.imu.specific_force_bias"}));
 }
 
-TEST(ParametersTest, OfTheGuideDogAreSetToWhatTheyAre) {
-  const auto paths = CheckParameters<GuideDog>(Dog());
-  for (const char* path :
-       {"loop.supervisor.gains", "loop.admittance.gains", "loop.leash.stiffness", "loop.person.phases"})
-    EXPECT_TRUE(paths.contains(path)) << path << " is none of " << ::testing::PrintToString(paths);
-}
-
-TEST(ParametersTest, OfTheCableRobotAreSetToWhatTheyAre) {
-  EXPECT_TRUE(CheckParameters<CdprLoop>(Cables(false)).contains("loop.pd.stiffness"));
-  const auto paths = CheckParameters<CdprLoop>(Cables(true));
-  for (const char* path : {"loop.mpc.weights", "loop.estimator.noise", "loop.imu.specific_force_bias"})
-    EXPECT_TRUE(paths.contains(path)) << path << " is none of " << ::testing::PrintToString(paths);
-}
-
-// The trunk is to be held less stiffly from now on: the same torques until then, others after.
+// New gains act from the next tick of the controller on.
 TEST(ParametersTest, AWalkGoesOnWithOtherGains) {
   const auto torque = [](bool changes) {
     DiagramBuilder builder;
