@@ -13,7 +13,7 @@ foreach(cables 4 8 -1)
 endforeach()
 foreach(function
     "DualActiveSet::Run<int>" "DualActiveSet::Run<std::integral_constant<int, 12> >" "DualActiveSet::Join<int>"
-    "DualActiveSet::AddViolated<int>" "WholeBodyQp::MakeReduced")
+    "DualActiveSet::AddViolated<int>" "WholeBodyQp::MakeProblem")
   if(NOT symbols MATCHES "tenon::${function}\\([^\n]*\\[clone \\.arch_x86_64_v3\\]")
     message(SEND_ERROR "no clone of ${function} in ${LIBRARY}")
   endif()
