@@ -18,7 +18,7 @@ enum class ShapeKind {
   kCylinder,  ///< centred at p_W, along its z axis; size: radius, length [m]
   kCapsule,   ///< like a cylinder with round ends; length is that of the cylindrical part
   kSegment,   ///< a straight rod from p_W to p_W + vector_W [m]; size: radius [m]
-  kArrow,     ///< from p_W along scale * vector_W, for forces and velocities
+  kArrow,     ///< arrow from p_W along scale * vector_W, for forces and velocities
   kMesh,      ///< triangles, in coordinates of its frame
   kTrace,     ///< path of p_W during the whole run; size: radius of a ball at p_W, or 0 [m]
 };
@@ -64,14 +64,14 @@ struct Shape {
   std::string name{};
   Vec<3> size = Vec<3>::Zero();  ///< see ShapeKind [m]
   double scale = 1;              ///< length of an arrow [m] per unit of vector_W, for example in m/N
-  std::string unit{};            ///< of `value`; if not empty, the value sets the colour
+  std::string unit{};            ///< unit of `value`; if not empty, the value sets the colour
 
   Vec<3> p_W = Vec<3>::Zero();       ///< [m]
   Vec<4> q_W{1, 0, 0, 0};            ///< attitude (w, x, y, z)
-  Vec<3> vector_W = Vec<3>::Zero();  ///< for a segment [m], for an arrow in its own unit
+  Vec<3> vector_W = Vec<3>::Zero();  ///< vector of a segment [m], or of an arrow in its own unit
   double value = 0;
   bool visible = true;
-  std::shared_ptr<const TriangleMesh> mesh{};  ///< for a kMesh
+  std::shared_ptr<const TriangleMesh> mesh{};  ///< triangles of a kMesh
 
   static Shape Box(ShapeRole role, std::string name, const Vec<3>& edges) {
     return {ShapeKind::kBox, role, std::move(name), edges};

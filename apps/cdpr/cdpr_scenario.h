@@ -31,7 +31,7 @@ constexpr auto EnumNames(PathKind) {
 struct WaypointScenario {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< position of the CoM
   std::optional<Eigen::Vector3d> attitude_rad;           ///< roll, pitch, yaw; without: as before
-  std::optional<double> travel_s;                        ///< from the waypoint before; this
+  std::optional<double> travel_s;                        ///< time from the waypoint before; this
   std::optional<double> speed_m_per_s;                   ///< or this: on average, along a straight line
   double dwell_s = 0;                                    ///< how long it rests there
 
@@ -66,7 +66,7 @@ struct PathScenario {
   std::vector<Eigen::Vector3d> attitudes_rad;
   std::vector<WaypointScenario> waypoints;  ///< waypoints, for kind waypoints
   std::optional<YamlFile>
-      file;  ///< for kind file: CSV with columns t,x,y,z or t,x,y,z,roll,pitch,yaw in s, m, rad
+      file;  ///< CSV, for kind file, with columns t,x,y,z or t,x,y,z,roll,pitch,yaw in s, m, rad
   double tension_aim_N = 0;  ///< with an attitude: of the tensions that hold it, those nearest to this
 
   static FieldList Fields() {
@@ -106,7 +106,7 @@ struct MpcScenario {
   double rate_hz = CdprMpcParams().rate.hz();                  ///< rate of the solves
   double command_rate_hz = CdprMpcParams().command_rate.hz();  ///< rate of the feedback along a plan
   CdprMpcWeights weights;
-  StepMethod method = SlqOptions().method;               ///< by which the model is integrated
+  StepMethod method = SlqOptions().method;               ///< method that integrates the model
   SlqBounds bounds = SlqOptions().bounds;                ///< handling of the tension bounds in the solver
   TerminalCost final_weight = CdprMpcParams().terminal;  ///< diagonal: `weights` times a second
   double mass_error = 0;  ///< relative error of the model's mass: 0.3 is 30 % too heavy
@@ -150,7 +150,7 @@ struct PayloadScenario {
 struct GustScenario {
   Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  ///< at its peak
   double start_s = 0;                                 ///< when it begins
-  double duration_s = 1;                              ///< from its beginning to its end
+  double duration_s = 1;                              ///< time from its beginning to its end
 
   static FieldList Fields() {
     return {Required("force_N", &GustScenario::force_N), Required("start_s", &GustScenario::start_s),

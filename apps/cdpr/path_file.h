@@ -10,7 +10,7 @@ namespace tenon::apps {
 /// The points of a path with their times.
 struct PathTable {
   std::vector<double> times;               ///< [s]
-  std::vector<Eigen::Vector3d> points;     ///< of the CoM in W [m]
+  std::vector<Eigen::Vector3d> points;     ///< positions of the CoM in W [m]
   std::vector<Eigen::Vector3d> attitudes;  ///< roll, pitch, yaw [rad]; none, or one per point
 };
 

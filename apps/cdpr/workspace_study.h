@@ -15,13 +15,13 @@ namespace tenon::apps {
 
 /// A study of a cable robot's workspaces: positions at one attitude, and attitudes at one position.
 struct WorkspaceStudyParams {
-  PlatformDemand demand;                               ///< of the loaded workspace
+  PlatformDemand demand;                               ///< demand of the loaded workspace
   Eigen::Vector3d euler = Eigen::Vector3d::Zero();     ///< ZYX angles of all positions [rad]
-  std::optional<Eigen::Vector3d> low = {}, high = {};  ///< of positions [m]; the anchors' box if empty
+  std::optional<Eigen::Vector3d> low = {}, high = {};  ///< limits of positions [m]; the anchors' box if empty
   std::optional<double> cell = {};                     ///< [m]; 1/48 of the longest edge if empty
   std::optional<Eigen::Vector3d> position =
-      {};                         ///< of all attitudes [m]; the middle of the workspace if empty
-  double turn = 0.8;              ///< of attitudes, about each axis either way [rad]
+      {};                         ///< position of all attitudes [m]; the middle of the workspace if empty
+  double turn = 0.8;              ///< range of attitudes, about each axis either way [rad]
   double cable_diameter = 0.006;  ///< [m]
 };
 

@@ -11,7 +11,7 @@ using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 
 /// A figure formatted for a terminal.
 struct FigureText {
-  std::string key;  ///< as in summary.json: foot_error_max_m
+  std::string key;  ///< key in summary.json: foot_error_max_m
   /// Values by name, of legs or axes, say; a single value has an empty name.
   NamedTexts values;
   std::string unit = {};   ///< printed after the values; empty for a text

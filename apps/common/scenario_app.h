@@ -30,8 +30,8 @@ struct AppScenario {
   std::string description;  ///< one line
   std::string case_name;    ///< title of the run
   double duration_s = 10;
-  std::uint64_t seed = 1;    ///< of all random streams
-  double log_rate_hz = 100;  ///< of signals.csv
+  std::uint64_t seed = 1;    ///< seed of all random streams
+  double log_rate_hz = 100;  ///< rate of signals.csv
   ReportScenario report;     ///< contents of the report; default: all signals
   std::map<std::string, std::vector<double>>
       parameters;  ///< Parameters of the diagram by path, set at the start

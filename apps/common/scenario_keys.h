@@ -12,7 +12,7 @@ namespace tenon::apps {
 struct ScenarioKey {
   std::string key;      ///< dotted, with [] for items of a list: forces[].duration_s
   std::string type;     ///< number, integer, text, list of 3 numbers, one of on, off, …
-  std::string unit;     ///< from the key's suffix: m/s
+  std::string unit;     ///< unit from the key's suffix: m/s
   std::string initial;  ///< the default; "required" without one
   std::string meaning;  ///< may be empty
 };

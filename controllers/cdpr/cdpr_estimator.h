@@ -27,7 +27,7 @@ struct CdprNoise {
   double attitude = 0.01;           ///< [rad]
   double angular_velocity = 0.005;  ///< [rad/s]
   double specific_force = 0.05;     ///< [m/s^2]
-  double length_rate = 0.005;       ///< of a cable length, mean between samples: 2 % of 0.25 m/s [m/s]
+  double length_rate = 0.005;       ///< rate of a cable length, mean between samples: 2 % of 0.25 m/s [m/s]
 
   static FieldList Fields() {
     return {{"position", &CdprNoise::position, "m"},
@@ -40,7 +40,7 @@ struct CdprNoise {
 
 struct CdprEstimatorParams {
   CdprDescription robot{};  ///< model of the controller; used only with `cables`
-  Rate rate = Hz(200);      ///< of pose, IMU and filter
+  Rate rate = Hz(200);      ///< rate of pose, IMU and filter
   CdprNoise noise{};
   double initial_velocity = 0.02;  ///< deviation of the velocity at the start from rest [m/s]
   double gravity = kGravity;       ///< [m/s^2]

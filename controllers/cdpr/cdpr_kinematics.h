@@ -32,7 +32,7 @@ struct CableKinematics {
   CableMatrix3 exit_W;      ///< where it leaves its pulley, or the anchor [m]
   CableMatrix3 direction;   ///< lambda, from the attachment towards the exit
   CableVector length;       ///< [m]
-  CableVector free_length;  ///< from the exit on [m]
+  CableVector free_length;  ///< length from the exit on [m]
   CableMatrix3 swivel;      ///< see CableLine; no columns without pulleys
   CableMatrix6 structure;   ///< W: tensions [N] to wrench [N, N m]
 

@@ -12,7 +12,7 @@ struct CdprMpcDiagnostics {
   long solves = 0;     ///< since the start of the run
   long fallbacks = 0;  ///< solves that failed, after which the last policy stayed in use
   long fallbacks_in_a_row = 0;
-  double cost = 0;        ///< of the nominal trajectory
+  double cost = 0;        ///< cost of the nominal trajectory
   double solve_time = 0;  ///< wall-clock time of the last solve [s]; does not affect the run
 
   static FieldList Fields() {
@@ -27,7 +27,7 @@ struct CdprMpcDiagnostics {
 /// The policy of the cable robot's MPC: u(t, x) = u_bar(t) + K(t) (x - x_bar(t)), eq. (3.18).
 struct CdprPlan {
   struct Node {
-    double time = 0;              ///< from `start` [s]
+    double time = 0;              ///< time from `start` [s]
     Vec<12> x = Vec<12>::Zero();  ///< nominal state, see CentroidalState
     CableVector u;                ///< nominal tensions [N]
     Eigen::Matrix<double, Eigen::Dynamic, 12, Eigen::DontAlign> K;
@@ -40,9 +40,9 @@ struct CdprPlan {
   double start = 0;  ///< time of the first node [s]
   std::vector<Node> nodes;
   Payload payload;             ///< in the model of the policy; states are about the common CoM
-  ReferenceShift shift;        ///< of the reference by the load, at the start
+  ReferenceShift shift;        ///< shift of the reference by the load, at the start
   long unheld_in_a_row = 0;    ///< solves at which the intact cables could not hold the platform
-  CableVector reference_rate;  ///< of the equilibrium's tensions at the start [N/s]
+  CableVector reference_rate;  ///< rate of the equilibrium's tensions at the start [N/s]
   CdprMpcDiagnostics diagnostics;
 
   static FieldList Fields() {

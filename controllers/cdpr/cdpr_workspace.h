@@ -40,15 +40,15 @@ struct WorkspaceCell {
 
 /// Meaning of the three coordinates of a grid.
 enum class WorkspaceKind {
-  kPosition,  ///< of the CoM in W [m], at one attitude: the constant-orientation workspace
+  kPosition,  ///< position of the CoM in W [m], at one attitude: the constant-orientation workspace
   kAttitude,  ///< a rotation vector in W [rad] from one attitude, at one position: the orientation workspace
 };
 
 struct WorkspaceOptions {
   WorkspaceKind kind = WorkspaceKind::kPosition;
   WorkspaceGrid grid;
-  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();      ///< of kAttitude [m]
-  Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();  ///< of kPosition; of kAttitude that of the zero vector
+  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();      ///< position of kAttitude [m]
+  Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();  ///< attitude of kPosition; of kAttitude's zero vector
   double cable_diameter = 0;                           ///< [m]
   /// Called repeatedly with the share of the box that is done; may throw to cancel.
   std::function<void(double)> progress = {};
@@ -66,9 +66,9 @@ std::vector<WorkspaceCell> MapWorkspace(PoseFeasibility& robot, const WorkspaceO
 
 /// A volume, in the coordinates of the grid cubed, between two bounds.
 struct WorkspaceVolume {
-  double proven = 0;    ///< of cells that are feasible as a whole
-  double possible = 0;  ///< of cells that are not proven to be infeasible
-  double centres = 0;   ///< of cells with a feasible centre: an estimate, without proof
+  double proven = 0;    ///< volume of cells that are feasible as a whole
+  double possible = 0;  ///< volume of cells that are not proven to be infeasible
+  double centres = 0;   ///< volume of cells with a feasible centre: an estimate, without proof
 };
 WorkspaceVolume WrenchFeasibleVolume(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid);
 /// Volume of the cells that are wrench-feasible and free of interference.

@@ -73,13 +73,13 @@ class Path {
 
 /// The quasi-static reference at a time.
 struct CdprReference {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< of the CoM, in W [m]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< position of the CoM, in W [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< [m/s]
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< [m/s^2]
   Eigen::Vector3d euler = Eigen::Vector3d::Zero();         ///< ZYX [rad]
   Eigen::Vector3d euler_rate = Eigen::Vector3d::Zero();    ///< [rad/s]
-  CableVector length, length_rate;                         ///< of the pose and the twist above [m, m/s]
-  CableVector tension;                                     ///< of the equilibrium at `position` [N]
+  CableVector length, length_rate;                         ///< lengths and rates at pose and twist [m, m/s]
+  CableVector tension;                                     ///< tensions of the equilibrium at `position` [N]
 
   static FieldList Fields() {
     return {{"position", &CdprReference::position, "m"},

@@ -13,11 +13,11 @@ namespace tenon {
 struct PlatformGoal {
   bool on = false;
   double start = 0;     ///< time of departure [s]
-  double duration = 1;  ///< of the motion [s]
+  double duration = 1;  ///< duration of the motion [s]
   Vec<3> position = Vec<3>::Zero(), velocity = Vec<3>::Zero(),
          acceleration = Vec<3>::Zero();                        ///< at the start, in W [m, m/s, m/s^2]
   Vec<3> euler = Vec<3>::Zero(), euler_rate = Vec<3>::Zero();  ///< likewise, ZYX [rad, rad/s]
-  Vec<3> goal = Vec<3>::Zero();                                ///< of the CoM, in W [m]
+  Vec<3> goal = Vec<3>::Zero();                                ///< goal of the CoM, in W [m]
 
   static FieldList Fields() {
     return {{"on", &PlatformGoal::on},

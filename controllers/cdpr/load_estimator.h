@@ -13,7 +13,7 @@ namespace tenon {
 
 struct LoadEstimatorParams {
   CdprDescription robot;          ///< model of the controller
-  Rate rate = Hz(200);            ///< of the estimate and of the inertial unit
+  Rate rate = Hz(200);            ///< rate of the estimate and of the inertial unit
   double bandwidth = 20;          ///< b, of force and torque [rad/s]
   double rest_bandwidth = 5;      ///< b_r, of the rest [rad/s]
   double mass_bandwidth = 100;    ///< b_m, of the payload's mass [rad/s]

@@ -13,7 +13,7 @@ namespace tenon {
 /// A distribution of tensions, or the reason why there is none.
 struct TensionDistribution {
   bool feasible = false;
-  CableVector tension;         ///< of least norm within the bounds, or without bounds if not feasible [N]
+  CableVector tension;  ///< least-norm tensions within the bounds, or without bounds if not feasible [N]
   double residual_force = 0;   ///< force that no tensions produce, |b - W u| in its first three rows [N]
   double residual_torque = 0;  ///< torque that no tensions produce, in the last three rows [N m]
   std::string reason;          ///< empty if feasible; allocates only if not

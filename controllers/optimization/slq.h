@@ -48,7 +48,7 @@ concept SlqProblem = requires(const P& p, int k, Eigen::Matrix<double, P::kState
 /// The policy of Slq at one node: u = u_bar + K (x - x_bar).
 template <int n, int m>
 struct SlqNode {
-  double time = 0;                ///< from the start of the horizon [s]
+  double time = 0;                ///< time from the start of the horizon [s]
   Eigen::Matrix<double, n, 1> x;  ///< nominal state
   Eigen::Matrix<double, m, 1> u;  ///< nominal input
   Eigen::Matrix<double, m, n> K;  ///< feedback

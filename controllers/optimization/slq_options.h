@@ -29,8 +29,8 @@ constexpr auto EnumNames(SlqBounds) {
 struct SlqOptions {
   StepMethod method = StepMethod::kRungeKutta4;
   SlqBounds bounds = SlqBounds::kProjectedNewton;
-  int max_iterations = 1;   ///< per Solve(); 1 is the real-time iteration
-  double tolerance = 1e-9;  ///< of the expected decrease of the cost, relative to 1 + cost
+  int max_iterations = 1;   ///< most iterations per Solve(); 1 is the real-time iteration
+  double tolerance = 1e-9;  ///< tolerance of the expected decrease of the cost, relative to 1 + cost
 };
 
 enum class SlqStatus {
@@ -43,9 +43,9 @@ enum class SlqStatus {
 struct SlqReport {
   SlqStatus status = SlqStatus::kConverged;
   int iterations = 0;
-  double initial_cost = 0;        ///< of the roll-out of the initial policy
-  double cost = 0;                ///< of the final policy
-  double expected_reduction = 0;  ///< of a full step, by the last quadratic model
+  double initial_cost = 0;        ///< cost of the roll-out of the initial policy
+  double cost = 0;                ///< cost of the final policy
+  double expected_reduction = 0;  ///< cost reduction of a full step, by the last quadratic model
   double step_length = 0;         ///< alpha of the last line search
   double regularisation = 0;      ///< mu of the last backward pass
 

@@ -22,7 +22,7 @@ struct CdprControl {
 
   CdprMpc* mpc = nullptr;                 ///< null if the controller is a PD
   CablePd* pd = nullptr;                  ///< null if the controller is an MPC
-  ReferenceBalancer* balancer = nullptr;  ///< for a PD with feedforward
+  ReferenceBalancer* balancer = nullptr;  ///< balancer for a PD with feedforward
 
   const OutputPort<CableVector>& command() const { return mpc != nullptr ? mpc->command : pd->command; }
   Rate rate() const { return mpc != nullptr ? mpc->params.command_rate : pd->params.rate; }

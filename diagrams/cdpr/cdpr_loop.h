@@ -35,11 +35,11 @@ class CdprLoop final : public Subdiagram {
   CdprObserver observer;
   CdprControl control;
 
-  OutputPort<CableVector> command{this, {"command", "N"}};  ///< of the controller
+  OutputPort<CableVector> command{this, {"command", "N"}};  ///< command of the controller
   OutputPort<PlatformState> platform{this, {"platform"}};   ///< the true one
   OutputPort<CableSignals> cables{this, {"cables"}};        ///< the true ones
-  OutputPort<PoseMeasurement> pose{this, {"pose"}};         ///< as measured, with its latency
-  OutputPort<ImuMeasurement> inertial{this, {"inertial"}};  ///< as measured, with its latency
+  OutputPort<PoseMeasurement> pose{this, {"pose"}};         ///< measured pose, with its latency
+  OutputPort<ImuMeasurement> inertial{this, {"inertial"}};  ///< measurement of the IMU, with its latency
 };
 
 }  // namespace tenon

@@ -21,7 +21,7 @@ namespace tenon {
 
 /// Imperfections of drives, links and sensors. Each optional part that has no value is ideal.
 struct CdprHardwareParams {
-  std::optional<JitteredDelayParams<CableVector>> command_delay;  ///< of the computer and the field bus
+  std::optional<JitteredDelayParams<CableVector>> command_delay;  ///< delay of the computer and the field bus
   std::optional<WinchErrorsParams> winch_errors;
   std::optional<CableSensorsParams> cable_sensors;
   std::optional<ImuErrorsParams> imu_errors;
@@ -31,10 +31,10 @@ struct CdprHardwareParams {
 };
 
 struct CdprLoopParams {
-  CdprDescription robot;  ///< of the plant; the controller uses the robot of `path` as its model
+  CdprDescription robot;  ///< robot of the plant; the controller uses the robot of `path` as its model
   /// The path to follow. The platform starts at rest at the equilibrium of its start.
   std::shared_ptr<const EquilibriumPath> path;
-  Rate control_rate = Hz(1000);  ///< of the reference and the PD
+  Rate control_rate = Hz(1000);  ///< rate of the reference and the PD
   double pd_stiffness_N_per_m = 0;
   double pd_damping_N_s_per_m = 0;
   std::optional<CdprMpcParams> mpc;  ///< if it has a value, the MPC replaces the PD
@@ -46,7 +46,7 @@ struct CdprLoopParams {
   /// Without a value, those of MakeLoadEstimator().
   std::optional<LoadEstimatorParams> load;
   CdprEstimatorParams estimator;
-  Vec<3> start_offset = Vec<3>::Zero();  ///< of the platform from the start of the path [m]
+  Vec<3> start_offset = Vec<3>::Zero();  ///< offset of the platform from the start of the path [m]
   Vec<3> start_turn = Vec<3>::Zero();    ///< added to roll, pitch, yaw there [rad]
   PayloadScheduleParams payload;
   GustsParams gusts;

@@ -16,9 +16,9 @@ namespace tenon {
 struct CdprObserver {
   CdprObserver(Subdiagram& loop, const CdprLoopParams& params, const CdprWorld& world);
 
-  CdprEstimator* estimator = nullptr;            ///< for the MPC and the load estimator
-  LoadEstimator* load = nullptr;                 ///< for offset-free control
-  BrokenCableDetector* broken_cables = nullptr;  ///< for all controllers except a PD without feedforward
+  CdprEstimator* estimator = nullptr;            ///< estimator for the MPC and the load estimator
+  LoadEstimator* load = nullptr;                 ///< load estimator for offset-free control
+  BrokenCableDetector* broken_cables = nullptr;  ///< detector for all but a PD without feedforward
 };
 
 /// The load estimator of an MPC has the defaults of LoadEstimatorParams. The one of a PD has bandwidths of

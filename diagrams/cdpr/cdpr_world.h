@@ -27,10 +27,10 @@ struct CdprWorld {
   Gusts* gusts = nullptr;               ///< null without gusts
   HangingLoad* hanging_load = nullptr;  ///< null without a hanging load
 
-  InputPort<CableVector>& command;             ///< to connect with the controller's command [N]
-  const OutputPort<CableSignals>& cables;      ///< as measured, with their latency
-  const OutputPort<PoseMeasurement>& pose;     ///< as measured, with its latency
-  const OutputPort<ImuMeasurement>& inertial;  ///< as measured, with its latency
+  InputPort<CableVector>& command;             ///< input to connect with the controller's command [N]
+  const OutputPort<CableSignals>& cables;      ///< measured cable signals, with their latency
+  const OutputPort<PoseMeasurement>& pose;     ///< measured pose, with its latency
+  const OutputPort<ImuMeasurement>& inertial;  ///< measurement of the IMU, with its latency
 
  private:
   void AddDisturbances(Subdiagram& loop, const CdprLoopParams& params);

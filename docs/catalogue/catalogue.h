@@ -11,7 +11,7 @@ namespace tenon::docs {
 
 /// One public block or diagram, created with the shipped parameters.
 struct Entry {
-  std::string title;  ///< as in source code: "Gain<T>", "TrunkImu"
+  std::string title;  ///< name as in source code: "Gain<T>", "TrunkImu"
   std::string name;   ///< name of the class
   std::unique_ptr<System> block;
   /// Types that come from a template's argument, and the names to show instead: {"Vec<7>", "T"}.

@@ -22,7 +22,7 @@ constexpr auto EnumNames(CableFaultKind) {
 
 struct CableFaultParams {
   CableFaultKind kind = CableFaultKind::kStuck;
-  int num_cables = 0;            ///< of the robot
+  int num_cables = 0;            ///< number of the robot's cables
   std::vector<int> cables = {};  ///< that fail, from 0; empty: all
   FaultSchedule schedule = {};   ///< default: the whole run; broken cables stay broken
   Rate rate = Hz(1000);

@@ -25,11 +25,11 @@ struct CableStatics {
   double elastic_length =
       0;  ///< EA over the stiffness along direction_W at the attachment; l0 if straight [m]
   double elastic_energy = 0;        ///< [J]
-  double potential_energy = 0;      ///< of its weight, 0 at z = 0 [J]
+  double potential_energy = 0;      ///< energy of its weight, 0 at z = 0 [J]
   Vec<3> plane_W = Vec<3>::Zero();  ///< horizontal unit vector from the anchor to the attachment, of a pulley
   Vec<3> exit_W = Vec<3>::Zero();   ///< where it leaves the pulley, or the anchor [m]
   Vec<3> toward_W = Vec<3>::Zero();  ///< horizontal unit vector in which the catenary runs to there
-  ElasticCatenary catenary{};        ///< from the attachment to there, if it has weight
+  ElasticCatenary catenary{};        ///< shape from the attachment to there, if it has weight
 };
 
 /// Statics of cable `index` of `robot`, with `span_W` from its attachment to its anchor [m] and the gravity

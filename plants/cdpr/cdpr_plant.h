@@ -90,15 +90,15 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
     CableSignals signals;
     std::vector<CableStatics> statics{};
     CableVector reeling{};    ///< radius on the drum over that at the start
-    PlatformWrench wrench{};  ///< of all cables, about the CoM
+    PlatformWrench wrench{};  ///< wrench of all cables, about the CoM
     double energy = 0;        ///< elastic [J]
-    double potential = 0;     ///< of the cables' weight [J]
+    double potential = 0;     ///< potential energy of the cables' weight [J]
   };
   /// Cables and encoder offsets at the start, after homing.
   struct Start {
     Eigen::VectorXd rest_length;                  ///< [m]
     Eigen::VectorXd length_offset;                ///< true minus measured length, and rest length [m]
-    std::vector<double> drum_angle, drum_radius;  ///< of drums with layers [rad, m]
+    std::vector<double> drum_angle, drum_radius;  ///< angles and radii of drums with layers [rad, m]
     std::vector<int> partner;                     ///< at a differential; -1: none
   };
   const Start start = StartOf(params);

@@ -35,7 +35,7 @@ struct ElasticCatenary {
   double tension_end = 0;       ///< T_e [N]
   double length = 0;            ///< along the cable, under strain [m]
   double elastic_energy = 0;    ///< [J]
-  double potential_energy = 0;  ///< of its weight, above the middle between its ends [J]
+  double potential_energy = 0;  ///< energy of its weight, above the middle between its ends [J]
   Eigen::Matrix2d stiffness =
       Eigen::Matrix2d::Zero();  ///< d(H, V_m) / d(x, z), symmetric, positive definite [N/m]
   int iterations = 0;

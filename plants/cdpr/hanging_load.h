@@ -12,10 +12,10 @@ namespace tenon {
 struct HangingLoadParams {
   double mass = 1;                       ///< m [kg]
   double length = 1;                     ///< l_0, rest length of the rope [m]
-  Vec<3> attachment_B = Vec<3>::Zero();  ///< of the rope at the platform, from its CoM [m]
+  Vec<3> attachment_B = Vec<3>::Zero();  ///< attachment of the rope at the platform, from its CoM [m]
   double axial_stiffness = 27000;        ///< EA of the rope [N]; default: a polymer rope of 5 mm
   double axial_damping = 135;            ///< EA times the material's damping time [N s]
-  Vec<3> p_W = Vec<3>::Zero();           ///< of the load at the start, when it is at rest [m]
+  Vec<3> p_W = Vec<3>::Zero();           ///< position of the load at the start, when it is at rest [m]
   double gravity = kGravity;             ///< [m/s^2]
   void Validate() const;                 ///< throws ParameterError
 };
@@ -53,7 +53,7 @@ class HangingLoad final : public LeafSystem<HangingLoadParams> {
 
   /// State of the rope.
   struct Rope {
-    Vec<3> arm_W = Vec<3>::Zero();    ///< from the platform's CoM to the attachment [m]
+    Vec<3> arm_W = Vec<3>::Zero();    ///< vector from the platform's CoM to the attachment [m]
     Vec<3> force_W = Vec<3>::Zero();  ///< on the platform [N]
   };
   Shared<Rope> rope{this, "rope", Uses(platform, state), &HangingLoad::CalcRope};

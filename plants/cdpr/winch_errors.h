@@ -10,7 +10,7 @@ namespace tenon {
 /// Parameters of WinchErrors; the defaults have no errors.
 struct WinchErrorsParams {
   int num_cables = 4;
-  Rate rate = Hz(1000);           ///< of the commands
+  Rate rate = Hz(1000);           ///< rate of the commands
   double gain_deviation = 0;      ///< relative standard deviation of the winches' torque constants
   double ripple = 0;              ///< relative standard deviation of the tension
   double friction = 0;            ///< mu, coefficient of dry friction

@@ -9,7 +9,7 @@ namespace tenon {
 
 /// By default there are no errors.
 struct DriveErrorsParams {
-  Rate rate = Hz(1000);       ///< of the commands
+  Rate rate = Hz(1000);       ///< rate of the commands
   double gain_deviation = 0;  ///< relative standard deviation of each drive's torque constant
   double ripple = 0;          ///< relative standard deviation of the torque
 

@@ -19,7 +19,7 @@ struct FootContact {
   Vec<2> bristle_rate;  ///< z' [m/s]
   Vec<3> slip_W;        ///< tangential velocity of the contact point; 0 without contact [m/s]
   double normal_force;  ///< [N]
-  double depth;         ///< of the deepest contact; 0 without contact [m]
+  double depth;         ///< depth of the deepest contact; 0 without contact [m]
 };
 
 /// The force of the terrain on a spherical foot: a compliant, dissipative normal force, and friction with

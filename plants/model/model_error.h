@@ -9,10 +9,10 @@ namespace tenon {
 /// Bounds of random errors in a model of a robot. Each error is drawn for each of the 13 bodies
 /// independently, from a uniform distribution symmetric about 0.
 struct ModelErrorParams {
-  double mass_ratio = 0;     ///< of a body's mass, which scales its inertia
-  double com_ratio = 0;      ///< of a body's CoM along each axis, over the body's length
-  double inertia_ratio = 0;  ///< of a body's inertia about its CoM, in addition to the mass error
-  double length_ratio = 0;   ///< of the length of each link of a leg
+  double mass_ratio = 0;     ///< error of a body's mass, which scales its inertia
+  double com_ratio = 0;      ///< error of a body's CoM along each axis, over the body's length
+  double inertia_ratio = 0;  ///< error of a body's inertia about its CoM, in addition to the mass error
+  double length_ratio = 0;   ///< error of the length of each link of a leg
 
   static FieldList Fields() {
     return {{"mass_ratio", &ModelErrorParams::mass_ratio},

@@ -46,7 +46,7 @@ struct DriveProperties {
   double damping = 0;                  ///< viscous friction [N m s/rad]
   double friction = 0;                 ///< Coulomb friction [N m]
   double full_torque_speed_ratio = 0;  ///< fraction of the speed limit with full torque, see QuadrupedPlant
-  double stop_stiffness = 0;           ///< of the end stops [N m/rad]
+  double stop_stiffness = 0;           ///< stiffness of the end stops [N m/rad]
   double stop_dissipation = 0;         ///< see QuadrupedPlant [s/rad]
 
   static FieldList Fields() {

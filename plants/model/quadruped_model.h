@@ -35,7 +35,7 @@ struct QuadrupedDynamics {
   Eigen::Vector3d com_W;                    ///< centre of mass x [m]
   Eigen::Vector3d com_velocity_W;           ///< [m/s]
   Eigen::Vector3d com_bias_W;               ///< x'' = M.topRows(3) nu' / m + com_bias [m/s^2]
-  Eigen::Matrix3d centroidal_inertia_W;     ///< of the locked robot about its CoM [kg m^2]
+  Eigen::Matrix3d centroidal_inertia_W;     ///< inertia of the locked robot about its CoM [kg m^2]
   DynamicsMatrix<3, 18> angular_map;        ///< A: angular momentum about the CoM, L = A nu
   Eigen::Vector3d angular_momentum_W;       ///< L [kg m^2/s]
   Eigen::Vector3d angular_momentum_bias_W;  ///< A' nu: L' = A nu' + bias [N m]

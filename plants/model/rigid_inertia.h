@@ -7,7 +7,7 @@ namespace tenon {
 /// Mass, centre of mass and inertia of a rigid body in some frame.
 struct RigidInertia {
   double mass = 0;                                    ///< [kg]
-  Eigen::Vector3d com = Eigen::Vector3d::Zero();      ///< from the frame's origin [m]
+  Eigen::Vector3d com = Eigen::Vector3d::Zero();      ///< position of the CoM from the frame's origin [m]
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the CoM, in the frame's axes [kg m^2]
 
   /// This body expressed in a frame in which the present frame has origin p and axes R.

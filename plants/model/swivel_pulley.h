@@ -37,7 +37,7 @@ Vec<2> ExitPoint(double radius, double wrap);  ///< [m]
 struct StraightLead {
   PulleyContact contact;
   Vec<3> outwards_W;   ///< x: horizontal unit vector from the axis towards the attachment
-  Vec<3> exit_W;       ///< from the anchor [m]
+  Vec<3> exit_W;       ///< position of the exit from the anchor [m]
   Vec<3> direction_W;  ///< unit vector from the attachment towards the exit
   double length = 0;   ///< [m]
 };

@@ -9,8 +9,8 @@ namespace tenon {
 
 /// Standard deviations per axis. By default there are no errors.
 struct ImuErrorsParams {
-  Rate rate = Hz(1000);              ///< of the samples
-  double misalignment = 0;           ///< of the mounting, about each axis of B [rad]
+  Rate rate = Hz(1000);              ///< rate of the samples
+  double misalignment = 0;           ///< error of the mounting, about each axis of B [rad]
   double angular_velocity_bias = 0;  ///< initial bias [rad/s]
   double specific_force_bias = 0;    ///< initial bias [m/s^2]
   double angular_velocity_walk = 0;  ///< random walk of the bias [rad/s/sqrt(s)]

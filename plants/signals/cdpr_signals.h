@@ -29,7 +29,7 @@ struct PlatformState {
 
 /// Acceleration of the platform.
 struct PlatformAcceleration {
-  Vec<3> a_W = Vec<3>::Zero();      ///< of the CoM [m/s^2]
+  Vec<3> a_W = Vec<3>::Zero();      ///< acceleration of the CoM [m/s^2]
   Vec<3> alpha_W = Vec<3>::Zero();  ///< angular [rad/s^2]
 
   static FieldList Fields() {

@@ -31,7 +31,7 @@ constexpr auto EnumNames(ContactState) {
 /// Contact state and timing of a leg.
 struct LegContact {
   ContactState state = ContactState::kStance;
-  double phase = 0;             ///< of the present stance or swing, 0 to 1
+  double phase = 0;             ///< phase of the present stance or swing, 0 to 1
   double time_to_lift_off = 0;  ///< until the next planned lift-off; 0 if none is planned [s]
   double time_to_touchdown =
       0;  ///< until the next planned touchdown; 0 while late or searching, or if none is planned [s]
@@ -96,7 +96,7 @@ struct WalkCommand {
   double forward = 0;              ///< [m/s]
   double left = 0;                 ///< [m/s]
   double yaw_rate = 0;             ///< [rad/s]
-  Vec<3> height = Vec<3>::Zero();  ///< of the CoM above the nominal one, with its rates [m, m/s, m/s^2]
+  Vec<3> height = Vec<3>::Zero();  ///< CoM height above the nominal one, with its rates [m, m/s, m/s^2]
 
   static FieldList Fields() {
     return {{"gait", &WalkCommand::gait},

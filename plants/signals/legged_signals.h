@@ -35,9 +35,9 @@ struct LeggedState {
 
 /// The rates of LeggedState's velocities: nu' with nu = (v_W, w_W, qd).
 struct LeggedAcceleration {
-  Vec<3> a_W = Vec<3>::Zero();      ///< of B's origin [m/s^2]
+  Vec<3> a_W = Vec<3>::Zero();      ///< acceleration of B's origin [m/s^2]
   Vec<3> alpha_W = Vec<3>::Zero();  ///< angular, of B [rad/s^2]
-  Vec<12> qdd = Vec<12>::Zero();    ///< of the joints [rad/s^2]
+  Vec<12> qdd = Vec<12>::Zero();    ///< accelerations of the joints [rad/s^2]
 
   static FieldList Fields() {
     return {{"a_W", &LeggedAcceleration::a_W, "m/s^2"},

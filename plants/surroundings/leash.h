@@ -12,7 +12,7 @@ namespace tenon {
 /// Defaults: a light elastic leash in a hanging arm, see docs/guide_dog.md.
 struct LeashParams {
   double nominal_length = 1.5;         ///< l0, length above which the leash is taut [m]
-  double stiffness = 200;              ///< of leash and arm in series [N/m]
+  double stiffness = 200;              ///< stiffness of leash and arm in series [N/m]
   double dissipation = 0.33;           ///< damping over tension [s/m]
   Vec<3> attachment_B{-0.25, 0, 0.1};  ///< attachment on the trunk, in B [m]
 

@@ -12,9 +12,9 @@ namespace tenon {
 
 /// Box on the ground with sides along x and y.
 struct TerrainBox {
-  Vec<2> centre = Vec<2>::Zero();  ///< of its footprint [m]
-  Vec<2> size = Vec<2>::Zero();    ///< of its footprint [m]
-  double height = 0;               ///< of its top above the plane [m]
+  Vec<2> centre = Vec<2>::Zero();  ///< centre of its footprint [m]
+  Vec<2> size = Vec<2>::Zero();    ///< edges of its footprint [m]
+  double height = 0;               ///< height of its top above the plane [m]
   double friction = 0;             ///< coefficient of its faces, 0 to 10
 
   static FieldList Fields() {
@@ -26,7 +26,7 @@ struct TerrainBox {
 
 /// Kind of boxes in a field.
 struct BoxKind {
-  double height = 0;    ///< of its top above the plane [m]
+  double height = 0;    ///< height of its top above the plane [m]
   double friction = 0;  ///< coefficient, 0 to 10
 
   static FieldList Fields() {
@@ -38,7 +38,7 @@ struct BoxKind {
 /// of a random kind. Equal seeds yield equal boxes.
 struct BoxField {
   Vec<2> lower = Vec<2>::Zero(), upper = Vec<2>::Zero();  ///< corners of the field [m]
-  Vec<2> size{0.3, 0.3};                                  ///< of a box [m]
+  Vec<2> size{0.3, 0.3};                                  ///< edges of a box [m]
   double gap = 0.1;       ///< between neighbours; feet get stuck in gaps narrower than a foot [m]
   double coverage = 0.5;  ///< probability of a box in a cell, 0 to 1
   std::vector<BoxKind> kinds;
@@ -85,7 +85,7 @@ class Terrain {
   /// Contact of a sphere with a solid.
   struct Contact {
     Vec<3> normal_W;  ///< unit normal of the surface, towards the sphere's centre
-    double depth;     ///< of the sphere in the surface [m]
+    double depth;     ///< depth of the sphere in the surface [m]
     double friction;
   };
   static constexpr int kMaxContacts = 4;

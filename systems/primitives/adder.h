@@ -11,7 +11,7 @@ namespace tenon {
 
 struct AdderParams {
   internal::Weights weights = {1, 1};  ///< one per input, for example {1, -1}
-  std::string unit = "";               ///< of inputs and output
+  std::string unit = "";               ///< unit of inputs and output
   std::string elements = "";           ///< names of the elements
   void Validate() const {
     Demand(!weights.empty(), "weights must not be empty: give one weight per input");

@@ -10,10 +10,10 @@
 namespace tenon {
 
 struct DiscreteDerivativeParams {
-  double time_constant = 0;  ///< of the low-pass filter [s]; 0 for no filter
+  double time_constant = 0;  ///< time constant of the low-pass filter [s]; 0 for no filter
   Rate rate = Hz(1000);
-  std::string u_unit = "";    ///< of the input
-  std::string y_unit = "";    ///< of the output: u_unit per second
+  std::string u_unit = "";    ///< unit of the input
+  std::string y_unit = "";    ///< unit of the output: u_unit per second
   std::string elements = "";  ///< names of the elements of u and y
   void Validate() const {
     Demand(time_constant >= 0 && std::isfinite(time_constant),

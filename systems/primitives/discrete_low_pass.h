@@ -14,7 +14,7 @@ struct DiscreteLowPassParams {
   double time_constant = 0.1;          ///< [s]
   T initial = internal::Filled<T>(0);  ///< y at the first tick [unit]
   Rate rate = Hz(1000);
-  std::string unit = "";      ///< of input and output
+  std::string unit = "";      ///< unit of input and output
   std::string elements = "";  ///< names of the elements
   void Validate() const {
     Demand(time_constant > 0, "time_constant must be positive");

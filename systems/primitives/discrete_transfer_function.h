@@ -12,8 +12,8 @@ struct DiscreteTransferFunctionParams {
   std::vector<double> numerator = {1};   ///< coefficients of powers of z, highest first
   std::vector<double> denominator = {};  ///< like `numerator`; at least two, the first not zero
   Rate rate = Hz(1000);
-  std::string u_unit = "";  ///< of the input
-  std::string y_unit = "";  ///< of the output
+  std::string u_unit = "";  ///< unit of the input
+  std::string y_unit = "";  ///< unit of the output
   void Validate() const {
     TransferFunctionParams{.numerator = numerator, .denominator = denominator}.Validate();
     Demand(denominator.size() >= 2,

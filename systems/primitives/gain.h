@@ -11,8 +11,8 @@ namespace tenon {
 
 struct GainParams {
   double gain = 1;            ///< [unit of y / unit of u]
-  std::string u_unit = "";    ///< of the input
-  std::string y_unit = "";    ///< of the output
+  std::string u_unit = "";    ///< unit of the input
+  std::string y_unit = "";    ///< unit of the output
   std::string elements = "";  ///< names of the elements of u and y
   void Validate() const { Demand(std::isfinite(gain), "gain must be finite"); }
 };

@@ -11,7 +11,7 @@ namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>
 struct GaussMarkovParams {
-  T standard_deviation = internal::Filled<T>(1);  ///< of y [unit], 0 or more
+  T standard_deviation = internal::Filled<T>(1);  ///< standard deviation of y [unit], 0 or more
   double time_constant = 1;                       ///< time in which the correlation falls to 1/e [s]
   Rate rate = Hz(1000);
   std::string unit = "";

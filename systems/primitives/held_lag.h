@@ -15,8 +15,8 @@ template <class T = double>
 struct HeldLagParams {
   double time_constant = 0.004;       ///< [s]; the cut-off frequency is 1 / (2 pi time_constant) Hz
   T initial = internal::Zeroed<T>();  ///< y at t = 0 [unit]
-  Rate rate = Hz(1000);               ///< at which u is sampled
-  std::string unit = "";              ///< of input and output
+  Rate rate = Hz(1000);               ///< rate at which u is sampled
+  std::string unit = "";              ///< unit of input and output
   std::string elements = "";          ///< names of the elements
   void Validate() const {
     Demand(std::isfinite(time_constant) && time_constant > 0, "time_constant must be finite and positive");

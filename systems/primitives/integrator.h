@@ -10,8 +10,8 @@ namespace tenon {
 template <internal::DoubleOrMatrix T = double>
 struct IntegratorParams {
   T initial = internal::Filled<T>(0);  ///< y at t = 0 [y_unit]
-  std::string u_unit = "";             ///< of the input: y_unit per second
-  std::string y_unit = "";             ///< of the output
+  std::string u_unit = "";             ///< unit of the input: y_unit per second
+  std::string y_unit = "";             ///< unit of the output
   std::string elements = "";           ///< names of the elements of u and y
   void Validate() const { Demand(internal::IsFinite(initial), "initial must be finite"); }
 };

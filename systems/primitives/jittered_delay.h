@@ -17,8 +17,8 @@ struct JitteredDelayParams {
   double delay = 0.001;               ///< mean delay [s]
   double jitter = 0;                  ///< delays are uniform in delay ± jitter [s]
   T initial = internal::Zeroed<T>();  ///< y before the first message arrives [unit]
-  Rate rate = Hz(1000);               ///< of the messages
-  std::string unit = "";              ///< of input and output
+  Rate rate = Hz(1000);               ///< rate of the messages
+  std::string unit = "";              ///< unit of input and output
   std::string elements = "";          ///< names of the elements
   void Validate() const {
     Demand(std::isfinite(delay) && jitter >= 0 && delay >= jitter,

@@ -12,7 +12,7 @@ template <internal::DoubleOrMatrix T = double>
 struct LowPassFilterParams {
   double time_constant = 0.1;          ///< [s]; the cut-off frequency is 1 / (2 pi time_constant) Hz
   T initial = internal::Filled<T>(0);  ///< y at t = 0 [unit]
-  std::string unit = "";               ///< of input and output
+  std::string unit = "";               ///< unit of input and output
   std::string elements = "";           ///< names of the elements
   void Validate() const {
     Demand(time_constant > 0, "time_constant must be positive");

@@ -15,8 +15,8 @@ struct MatrixGainParams {
   /// Eigen::MatrixXd, or like Vec<N> a matrix of fixed size that is never over-aligned.
   using Matrix = Eigen::Matrix<double, Rows, Cols, kOrder | (kDynamic ? 0 : Eigen::DontAlign)>;
   Matrix gain = internal::Zeroed<Matrix>();  ///< [y_unit / u_unit]
-  std::string u_unit = "";                   ///< of the input
-  std::string y_unit = "";                   ///< of the output
+  std::string u_unit = "";                   ///< unit of the input
+  std::string y_unit = "";                   ///< unit of the output
   std::string u_elements = "";               ///< names of the input's elements
   std::string y_elements = "";               ///< names of the output's elements
   void Validate() const {

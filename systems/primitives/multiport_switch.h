@@ -9,7 +9,7 @@ namespace tenon {
 
 struct MultiportSwitchParams {
   int count = 2;              ///< number of signals
-  std::string unit = "";      ///< of the signals and of the output
+  std::string unit = "";      ///< unit of the signals and of the output
   std::string elements = "";  ///< names of the elements
   void Validate() const { Demand(count >= 1, "count must be 1 or more: it is " + std::to_string(count)); }
 };

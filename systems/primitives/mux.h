@@ -8,7 +8,7 @@
 namespace tenon {
 
 struct MuxParams {
-  std::string units = "";     ///< of the vector's elements, comma-separated: one for all, or one each
+  std::string units = "";     ///< units of the vector's elements, comma-separated: one for all, or one each
   std::string elements = "";  ///< names of the elements, comma-separated; indices if empty
 };
 

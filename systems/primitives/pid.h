@@ -18,11 +18,11 @@ struct PidParams {
   T kd = internal::Filled<T>(0);  ///< [u_unit s / y_unit]
   double filter_time = 0.01;      ///< time constant of the derivative filter [s]; 0 for no filter
   double ref_weight = 1;          ///< weight of ref in the derivative, 0 to 1
-  T lower = internal::Filled<T>(-std::numeric_limits<double>::infinity());  ///< of the output [u_unit]
-  T upper = internal::Filled<T>(std::numeric_limits<double>::infinity());   ///< of the output [u_unit]
+  T lower = internal::Filled<T>(-std::numeric_limits<double>::infinity());  ///< lower limit of u [u_unit]
+  T upper = internal::Filled<T>(std::numeric_limits<double>::infinity());   ///< upper limit of u [u_unit]
   Rate rate = Hz(1000);
-  std::string y_unit = "";    ///< of ref and y
-  std::string u_unit = "";    ///< of the output
+  std::string y_unit = "";    ///< unit of ref and y
+  std::string u_unit = "";    ///< unit of the output
   std::string elements = "";  ///< names of the elements of ref, y and u
   void Validate() const {
     Demand(internal::IsFinite(kp) && internal::IsFinite(ki) && internal::IsFinite(kd),

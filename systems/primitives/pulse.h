@@ -13,10 +13,10 @@ template <internal::DoubleOrMatrix T = double>
 struct PulseParams {
   T low = internal::Filled<T>(0);                           ///< y between pulses [unit]
   T high = internal::Filled<T>(1);                          ///< y during a pulse [unit]
-  double start = 0;                                         ///< of the first pulse [s]
-  double width = std::numeric_limits<double>::infinity();   ///< of a pulse [s]; infinity for a step
+  double start = 0;                                         ///< time of the first pulse [s]
+  double width = std::numeric_limits<double>::infinity();   ///< width of a pulse [s]; infinity for a step
   double period = std::numeric_limits<double>::infinity();  ///< [s], more than width; infinity for one pulse
-  std::string unit = "";                                    ///< of the output and its levels
+  std::string unit = "";                                    ///< unit of the output and its levels
   std::string elements = "";                                ///< names of the elements
   void Validate() const {
     Demand(internal::IsFinite(low) && internal::IsFinite(high), "low and high must be finite");

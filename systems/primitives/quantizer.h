@@ -13,7 +13,7 @@ namespace tenon {
 template <internal::DoubleOrMatrix T = double>
 struct QuantizerParams {
   T step = internal::Filled<T>(1);  ///< [unit]
-  std::string unit = "";            ///< of input and output
+  std::string unit = "";            ///< unit of input and output
   std::string elements = "";        ///< names of the elements
   void Validate() const {
     Demand(internal::IsFinite(step) && internal::Everywhere([](double step) { return step > 0; }, step),

@@ -17,7 +17,7 @@ struct RateLimiterParams {
   T rising = internal::Filled<T>(std::numeric_limits<double>::infinity());    ///< [unit/s], 0 or more
   T initial = internal::Filled<T>(0);  ///< y before the first tick [unit]
   Rate rate = Hz(1000);
-  std::string unit = "";      ///< of input and output
+  std::string unit = "";      ///< unit of input and output
   std::string elements = "";  ///< names of the elements
   void Validate() const {
     Demand(internal::Everywhere([](double falling, double rising) { return falling <= 0 && rising >= 0; },

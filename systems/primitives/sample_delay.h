@@ -14,7 +14,7 @@ struct SampleDelayParams {
   int samples = 1;                    ///< length of the delay in periods, at least 1
   T initial = internal::Zeroed<T>();  ///< y before the first sample arrives [unit]
   Rate rate = Hz(1000);
-  std::string unit = "";      ///< of input and output
+  std::string unit = "";      ///< unit of input and output
   std::string elements = "";  ///< names of the elements
   void Validate() const {
     Demand(samples >= 1, "samples must be 1 or more: for a delay of 0, connect the ports directly");

@@ -14,7 +14,7 @@ template <internal::DoubleOrMatrix T = double>
 struct SaturationParams {
   T lower = internal::Filled<T>(-std::numeric_limits<double>::infinity());  ///< [unit]
   T upper = internal::Filled<T>(std::numeric_limits<double>::infinity());   ///< [unit]
-  std::string unit = "";                                                    ///< of input, output and limits
+  std::string unit = "";                                                    ///< unit of input, output, limits
   std::string elements = "";                                                ///< names of the elements
   void Validate() const {
     Demand(internal::Everywhere([](double low, double high) { return low <= high; }, lower, upper),

@@ -37,13 +37,13 @@ struct SignalFaultParams {
   SignalFaultKind kind = SignalFaultKind::kDropOut;
   FaultSchedule schedule = {};             ///< default: the whole run
   std::vector<std::string> affected = {};  ///< names of elements or their beginnings; empty for all
-  double size = 0;                         ///< of spike and offset [unit]; for loss the lost fraction of u
-  double period = 0;                       ///< of a spike [s], rounded to ticks; 0 for a single spike
-  int samples = 1;                         ///< of late, in ticks, at least 1
-  double probability = 0.5;                ///< of lost, 0 to 1
+  double size = 0;                         ///< size of spike, offset [unit]; for loss the lost fraction of u
+  double period = 0;                       ///< period of a spike [s], rounded to ticks; 0 for a single spike
+  int samples = 1;                         ///< delay of late, in ticks, at least 1
+  double probability = 0.5;                ///< probability of lost, 0 to 1
   T initial = internal::Zeroed<T>();       ///< y before the first tick; also sets run-time sizes
   Rate rate = Hz(1000);
-  std::string unit = "";      ///< of input and output
+  std::string unit = "";      ///< unit of input and output
   std::string elements = "";  ///< names of the elements
   void Validate() const {
     schedule.Validate();

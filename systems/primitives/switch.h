@@ -9,7 +9,7 @@
 namespace tenon {
 
 struct SwitchParams {
-  std::string unit = "";      ///< of the two signals and the output
+  std::string unit = "";      ///< unit of the two signals and the output
   std::string elements = "";  ///< names of the elements
 };
 
@@ -39,8 +39,8 @@ class Switch final : public LeafSystem<SwitchParams> {
 
 struct ThresholdSwitchParams {
   double threshold = 0;           ///< [control_unit]
-  std::string control_unit = "";  ///< of the control input
-  std::string unit = "";          ///< of the two signals and the output
+  std::string control_unit = "";  ///< unit of the control input
+  std::string unit = "";          ///< unit of the two signals and the output
   std::string elements = "";      ///< names of the elements
   void Validate() const { Demand(std::isfinite(threshold), "threshold must be finite"); }
 };

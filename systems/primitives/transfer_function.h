@@ -13,8 +13,8 @@ namespace tenon {
 struct TransferFunctionParams {
   std::vector<double> numerator = {1};   ///< coefficients of powers of s [1/s], highest first
   std::vector<double> denominator = {};  ///< like `numerator`; Order + 1 coefficients, the first not zero
-  std::string u_unit = "";               ///< of the input
-  std::string y_unit = "";               ///< of the output
+  std::string u_unit = "";               ///< unit of the input
+  std::string y_unit = "";               ///< unit of the output
   void Validate() const {
     Demand(!numerator.empty(), "numerator must not be empty");
     Demand(internal::IsFinite(numerator) && internal::IsFinite(denominator), "coefficients must be finite");

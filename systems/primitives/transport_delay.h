@@ -14,8 +14,8 @@ template <internal::DoubleOrMatrix T = double>
 struct TransportDelayParams {
   double delay = 0.1;                  ///< [s], at least the period
   T initial = internal::Filled<T>(0);  ///< y before the first sample arrives [unit]
-  Rate rate = Hz(1000);                ///< of the samples
-  std::string unit = "";               ///< of input and output
+  Rate rate = Hz(1000);                ///< rate of the samples
+  std::string unit = "";               ///< unit of input and output
   std::string elements = "";           ///< names of the elements
   void Validate() const {
     Demand(delay >= rate.period() && std::isfinite(delay),

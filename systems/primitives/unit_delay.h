@@ -10,7 +10,7 @@ template <class T = double>
 struct UnitDelayParams {
   T initial = internal::Zeroed<T>();  ///< y at the first tick [unit]
   Rate rate = Hz(1000);
-  std::string unit = "";      ///< of input and output
+  std::string unit = "";      ///< unit of input and output
   std::string elements = "";  ///< names of the elements
 };
 

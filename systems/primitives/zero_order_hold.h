@@ -8,7 +8,7 @@ namespace tenon {
 
 struct ZeroOrderHoldParams {
   Rate rate = Hz(1000);
-  std::string unit = "";      ///< of input and output
+  std::string unit = "";      ///< unit of input and output
   std::string elements = "";  ///< names of the elements
 };
 

@@ -36,7 +36,7 @@ struct Limits {
 
 /// Limits of a signal in its unit, drawn as lines in every plot that shows it.
 struct SignalLimits {
-  std::string signal;  ///< as in Plot::signals
+  std::string signal;  ///< name as in Plot::signals
   Limits limits;
 };
 
@@ -53,7 +53,7 @@ struct ReportParams {
   std::string description{};          ///< one line under the title
   std::vector<Plot> plots{};          ///< default: one plot for each logged signal and unit
   std::vector<std::string> events{};  ///< names of signals whose changes are marked
-  std::vector<Band> bands{};          ///< from top to bottom
+  std::vector<Band> bands{};          ///< bands from top to bottom
   std::vector<SignalLimits> limits{};
   Rate signal_rate = Hz(200);  ///< rate of plotted signals
   Rate frame_rate = Hz(50);    ///< rate of the replay, which interpolates between frames

@@ -9,7 +9,7 @@ namespace tenon {
 /// parts add up to `total`.
 struct RunProfile {
   struct Entry {
-    std::string path;  ///< of the calculation, such as "loop.pd.u" or "loop.cart.d/dt x"
+    std::string path;  ///< path of the calculation, such as "loop.pd.u" or "loop.cart.d/dt x"
     long calls = 0;
     double seconds = 0;
   };

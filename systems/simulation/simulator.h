@@ -129,9 +129,9 @@ class Simulator {
   const internal::Program& program_;
   std::unique_ptr<SundialsIntegrator> integrator_;
   std::unique_ptr<internal::Schedule> schedule_;
-  std::vector<std::unique_ptr<internal::TickPlan>> plans_;  ///< for the combinations that have occurred
+  std::vector<std::unique_ptr<internal::TickPlan>> plans_;  ///< plans for the combinations that have occurred
   std::vector<int> due_;                                    ///< groups due at a tick, without logs
-  std::uint64_t known_edition_ = 0;  ///< of the context at the beginning of the last advance
+  std::uint64_t known_edition_ = 0;  ///< edition of the context at the beginning of the last advance
   double horizon_ = 0;               ///< time of the next change of the dynamics at the latest
   bool ends_at_jump_ = false;        ///< the horizon is a declared jump
   double next_stop_ = 0;             ///< the first event in the last step, or its end
@@ -153,13 +153,13 @@ class Simulator {
   std::vector<double> memory_at_begin_;  ///< state of the finder at the beginning of the last step
   std::vector<std::size_t> fired_;       ///< witnesses and kinks of the event at next_stop_
   struct Events {
-    double instant = -std::numeric_limits<double>::infinity();  ///< of the last one [s]
+    double instant = -std::numeric_limits<double>::infinity();  ///< time of the last event [s]
     int count = 0;                                              ///< number at this instant
     double interval = 0;                                        ///< between the last two [s]
     double first_interval = 0;  ///< at the beginning of the shrinking sequence
     int shrinking = 0;          ///< number of successive intervals shorter than the one before
   };
-  std::vector<Events> events_;  ///< for each witness and kink
+  std::vector<Events> events_;  ///< events of each witness and kink
 
   std::optional<std::string> end_reason_;
   const Source* ended_by_ = nullptr;        ///< see RunStatus::monitor

@@ -90,7 +90,7 @@ struct RealTimeStatistics {
 struct IntegratorStatistics {
   long steps = 0;
   long failed_steps = 0;
-  long evaluations = 0;  ///< of the time derivatives
+  long evaluations = 0;  ///< evaluations of the time derivatives
   /// Additional evaluations for the states at ticks and ends inside a step.
   long interpolant_evaluations = 0;
   double last_step = 0;  ///< [s]

@@ -25,7 +25,7 @@ struct NonlinearDisturbanceObserverParams {
   QuadrupedDescription robot;  ///< model of the observer
   NdoReading reading = NdoReading::kM;
   double gain = 10;                  ///< X of all joints [N m s/rad], or its inverse [rad/(N m s)]
-  double min_singular_value = 0.02;  ///< of a leg's Jacobian, see SolveFootForces [m]
+  double min_singular_value = 0.02;  ///< least singular value of a leg's Jacobian, see SolveFootForces [m]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };

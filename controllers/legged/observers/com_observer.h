@@ -96,7 +96,7 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
     Vec<3> linear = Vec<3>::Zero();   ///< m u, or m x' [kg m/s]
     Vec<3> angular = Vec<3>::Zero();  ///< L [kg m^2/s]
     Vec<3> ground = Vec<3>::Zero();   ///< sum of the ground forces [N]
-    Vec<3> moment = Vec<3>::Zero();   ///< of the ground forces about x [N m]
+    Vec<3> moment = Vec<3>::Zero();   ///< moment of the ground forces about x [N m]
     WrenchEstimate estimate;
 
     static FieldList Fields() {

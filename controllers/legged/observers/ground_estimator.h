@@ -66,7 +66,7 @@ class GroundEstimator final : public LeafSystem<GroundEstimatorParams> {
     bool started = false;
     std::array<bool, kNumLegs> stood{};  ///< stance feet of the last tick
     GroundPlane plane;                   ///< estimate of the filter; p_W is the last foothold
-    Vec<6> covariance = Vec<6>::Zero();  ///< of (height, slope): hh, hx, hy, xx, xy, yy
+    Vec<6> covariance = Vec<6>::Zero();  ///< covariance of (height, slope): hh, hx, hy, xx, xy, yy
     GroundPlane told;                    ///< output of the last tick
 
     static FieldList Fields() {

@@ -29,7 +29,7 @@ struct GroundForceObserverParams {
   QuadrupedDescription robot;  ///< model of the observer
   ContactThresholds thresholds = {};
   double gravity = kGravity;         ///< [m/s^2]
-  double min_singular_value = 0.02;  ///< of a leg's Jacobian, see SolveFootForces [m]
+  double min_singular_value = 0.02;  ///< least singular value of a leg's Jacobian, see SolveFootForces [m]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };

@@ -29,7 +29,7 @@ struct LegObserverGains {
   std::vector<double> gains;                     ///< K_1 ... K_r [1/s]; see GainsOfPolynomial
   std::optional<ButterworthDesign> butterworth;  ///< an alternative to `gains`
   LegDynamics dynamics = LegDynamics::kExact;
-  double min_singular_value = 0.02;  ///< of a leg's Jacobian, see SolveFootForces [m]
+  double min_singular_value = 0.02;  ///< least singular value of a leg's Jacobian, see SolveFootForces [m]
 
   static FieldList Fields() {
     return {{"gains_per_s", &LegObserverGains::gains},

@@ -33,7 +33,7 @@ struct LeggedStateEstimatorParams {
   double settle_time = 0.02;  ///< time in stance before a foot is used [s]
   double outlier = 25;  ///< squared Mahalanobis distance (3 degrees of freedom) above which a foot has moved
   double gravity = kGravity;  ///< [m/s^2]
-  Rate rate = Hz(1000);       ///< of the filter; the rates of IMU and encoders should be at least as high
+  Rate rate = Hz(1000);       ///< rate of the filter; rates of IMU and encoders should be at least as high
 
   /// Throws ParameterError unless deviations, noise and `outlier` are finite and positive, `settle_time` is
   /// at least 0, the rest is finite, and initial.q_WB is not zero.
@@ -43,7 +43,7 @@ struct LeggedStateEstimatorParams {
 /// Diagnostics of LeggedStateEstimator: standard deviations along the axes of W, biases and feet.
 struct LeggedEstimatorDiagnostics {
   Vec<3> position_deviation = Vec<3>::Zero();       ///< [m]
-  Vec<3> velocity_deviation = Vec<3>::Zero();       ///< of the IMU [m/s]
+  Vec<3> velocity_deviation = Vec<3>::Zero();       ///< deviation of the IMU's velocity [m/s]
   Vec<3> attitude_deviation = Vec<3>::Zero();       ///< rotations about the axes [rad]
   Vec<3> specific_force_bias_B = Vec<3>::Zero();    ///< estimated [m/s^2]
   Vec<3> angular_velocity_bias_B = Vec<3>::Zero();  ///< estimated [rad/s]

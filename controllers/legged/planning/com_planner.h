@@ -29,7 +29,7 @@ constexpr auto EnumNames(ComReference) {
 /// Parameters of ComReference::kZmpSpline; the defaults are chosen for feet of 0.03 m and steps of 0.25 s.
 struct ZmpPlanParams {
   int horizon = 2;           ///< number of planned steps, 1 to 4
-  double half_width = 0.03;  ///< of the support of two feet, see SupportPolygon [m]
+  double half_width = 0.03;  ///< half width of the support of two feet, see SupportPolygon [m]
   double margin = 0.01;      ///< distance of the ZMP from the edges of the support [m]
   ZmpSplineParams spline;
 
@@ -45,7 +45,7 @@ struct ZmpPlanParams {
 struct ComPlannerParams {
   QuadrupedDescription robot;
   ComReference reference = ComReference::kPendulum;
-  ZmpPlanParams zmp;                       ///< of kZmpSpline
+  ZmpPlanParams zmp;                       ///< parameters of kZmpSpline
   Vec<2> start_position = Vec<2>::Zero();  ///< initial position of B [m]
   double start_yaw = 0;                    ///< initial heading [rad]
   double blend = 0.5;         ///< duration of the transition to a new plan, about a cycle of the trot [s]

@@ -12,7 +12,7 @@ struct PlanarSpline {
   static constexpr int kMaxSegments = 18;
   struct Segment {
     double duration = 0;                 ///< T [s]
-    std::array<Vec<2>, 6> coefficients;  ///< of (t/T)^0 ... (t/T)^5, relative to `origin` [m]
+    std::array<Vec<2>, 6> coefficients;  ///< coefficients of (t/T)^0 ... (t/T)^5, relative to `origin` [m]
 
     Segment() { coefficients.fill(Vec<2>::Zero()); }
     static FieldList Fields() {

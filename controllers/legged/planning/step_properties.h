@@ -23,7 +23,7 @@ struct StepReflex {
 
 /// Shape of the steps and choice of the footholds.
 struct StepProperties {
-  double height = 0.05;             ///< of the feet above the higher of lift-off and foothold [m]
+  double height = 0.05;             ///< height of the feet above the higher of lift-off and foothold [m]
   double touchdown_speed = 0.5;     ///< planned, downwards; a late foot descends 9 cm in 0.25 s [m/s]
   double search_depth = 0.2;        ///< largest depth of a searching foot below its foothold [m]
   double velocity_feedback = 0.03;  ///< displacement of the foothold per CoM velocity error [s]

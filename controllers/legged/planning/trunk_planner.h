@@ -63,7 +63,7 @@ class TrunkPlanner final : public LeafSystem<TrunkPlannerParams> {
   /// Memory of the planner.
   struct Memory {
     WrenchEstimate push;           ///< low-pass filtered wrench
-    Vec<3> rate = Vec<3>::Zero();  ///< of the sway at the last touchdown [rad/s]
+    Vec<3> rate = Vec<3>::Zero();  ///< rate of the sway at the last touchdown [rad/s]
 
     static FieldList Fields() { return {{"push", &Memory::push}, {"rate", &Memory::rate, "rad/s"}}; }
   };

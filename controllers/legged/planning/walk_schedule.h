@@ -66,7 +66,7 @@ class WalkSchedule final : public LeafSystem<WalkScheduleParams> {
 
   /// Total length and turn of the walk.
   struct Extent {
-    double length = 0;  ///< of the path [m]
+    double length = 0;  ///< length of the path [m]
     double turn = 0;    ///< sum of the absolute turns [rad]
   };
   Extent extent() const;

@@ -212,12 +212,12 @@ class Source : public internal::Declared {
   const internal::TypeInfo* type_;
   const void* model_;  ///< initial value; stored in the derived class
   const Source* driver_ = nullptr;
-  bool ignores_units_ = false;      ///< for the connection to the driver
+  bool ignores_units_ = false;      ///< the connection to the driver ignores units
   const Source* target_ = nullptr;  ///< the state of an update or a derivative
   Trigger trigger_;
   bool comes_from_outside_ = false;  ///< an ExternalPort
   bool is_copy_ = false;             ///< the value is a copy of the one value that it uses
-  bool has_initial_value_ = false;   ///< for a sampled output: readable before its first tick
+  bool has_initial_value_ = false;   ///< a sampled output is readable before its first tick
 
   internal::Thunk run_ = nullptr;
   std::unique_ptr<internal::Closure, internal::Closure::Delete> closure_;

@@ -196,7 +196,7 @@ class Context {
   std::uint64_t instant_ = 1;
   std::vector<bool> fixed_;  ///< whether each open input has been set
 
-  internal::Profiler* profiler_ = nullptr;  ///< of the running simulator; null if it does not profile
+  internal::Profiler* profiler_ = nullptr;  ///< profiler of the running simulator; null if not profiling
   bool checks_values_ = true;               ///< see SimulatorOptions::check_values
 
   /// Number of changes made from outside the run.

@@ -69,10 +69,10 @@ class Field {
   const char* name = "";
   const char* units = "";
   const char* elements = "";  ///< names of a vector's elements or an array's items, as in a Spec
-  std::size_t offset;         ///< of the member in the struct [bytes]
-  std::size_t size;           ///< of the member [bytes]
+  std::size_t offset;         ///< place of the member in the struct [bytes]
+  std::size_t size;           ///< size of the member [bytes]
   std::size_t initializers;   ///< number of initialisers of the member in the braces of its struct
-  const internal::TypeInfo& (*type)() = nullptr;  ///< of the member; null if it is not described
+  const internal::TypeInfo& (*type)() = nullptr;  ///< type of the member; null if it is not described
   bool required = false;
 };
 

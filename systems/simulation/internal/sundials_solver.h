@@ -88,7 +88,7 @@ class SundialsSolver {
   SimulatorOptions options_;
   std::unique_ptr<Handles> handles_;
   double* states_ = nullptr;                       ///< data of SUNDIALS's vector
-  void* memory_ = nullptr;                         ///< of ERKStep, ARKStep or CVODE
+  void* memory_ = nullptr;                         ///< memory of ERKStep, ARKStep or CVODE
   std::string message_;                            ///< last message of SUNDIALS
   long earlier_steps_ = 0, earlier_failures_ = 0;  ///< before the last CVodeReInit, which resets its counters
 };

@@ -55,8 +55,8 @@ class Compiler {
   bool open_inputs_;
   Program program_;
   std::vector<std::string> faults_;
-  std::vector<Source*> sources_;               ///< of all leaves, in order
-  std::vector<Source*> ports_;                 ///< of subdiagrams
+  std::vector<Source*> sources_;               ///< sources of all leaves, in order
+  std::vector<Source*> ports_;                 ///< ports of subdiagrams
   std::vector<const System*> replacements_;    ///< blocks that replaced others
   std::vector<const Source*> default_inputs_;  ///< read but not connected; they have a default
 };

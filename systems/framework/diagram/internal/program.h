@@ -120,7 +120,7 @@ struct Cell {
 /// A value of run-time size whose numbers are also stored among the continuous states or their derivatives.
 struct Unpacked {
   const Source* source;
-  Offset offset;  ///< of the copy among the states or derivatives
+  Offset offset;  ///< place of the copy among the states or derivatives
   std::size_t count;
 };
 
@@ -155,7 +155,7 @@ struct Program {
   static void AppendRows(std::span<const Source* const> sources, std::vector<Offset>& rows);
 
   std::vector<CalculationInfo> calculations;
-  std::vector<Offset> rows;  ///< of all calculations
+  std::vector<Offset> rows;  ///< rows of all calculations
 
   Offset continuous_begin = 0;
   Offset derivative_begin = 0;

@@ -100,7 +100,7 @@ void StoreInteger(ScalarKind kind, void* value, long long integer);
 
 /// Consecutive numbers of one kind.
 struct ScalarRun {
-  std::uint32_t offset;  ///< from the beginning of the value [bytes]
+  std::uint32_t offset;  ///< distance from the beginning of the value [bytes]
   std::uint32_t count;
   ScalarKind kind;
 };
@@ -115,7 +115,7 @@ struct NamedValue {
 struct TypeInfo {
   enum class Kind {
     kNumber,    ///< `scalar`; an enumeration has `names`
-    kMatrix,    ///< of `scalar`, column-major; `rows` and `cols` are -1 if known only at run time
+    kMatrix,    ///< matrix of `scalar`, column-major; `rows` and `cols` are -1 if known only at run time
     kStruct,    ///< `fields`
     kArray,     ///< `count` items
     kList,      ///< items; their number can change
@@ -141,7 +141,7 @@ struct TypeInfo {
   int rows = 0, cols = 0;
   std::size_t capacity = SIZE_MAX;       ///< maximum number of elements of a matrix
   void* (*data)(void* value) = nullptr;  ///< first element of a matrix or list, item of an optional
-  void (*shape)(const void* value, std::size_t* rows, std::size_t* cols) = nullptr;  ///< for a list, cols = 1
+  void (*shape)(const void* value, std::size_t* rows, std::size_t* cols) = nullptr;  ///< a list has cols = 1
   void (*resize)(void* value, std::size_t rows, std::size_t cols) = nullptr;
 
   FieldList fields = {};
