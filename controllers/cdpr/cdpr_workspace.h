@@ -47,9 +47,10 @@ enum class WorkspaceKind {
 struct WorkspaceOptions {
   WorkspaceKind kind = WorkspaceKind::kPosition;
   WorkspaceGrid grid;
-  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();      ///< position of kAttitude [m]
-  Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();  ///< attitude of kPosition; of kAttitude's zero vector
-  double cable_diameter = 0;                           ///< [m]
+  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();  ///< position of kAttitude [m]
+  Eigen::Matrix3d R_WB =
+      Eigen::Matrix3d::Identity();  ///< attitude for kPosition, zero of the vector for kAttitude
+  double cable_diameter = 0;        ///< [m]
   /// Called repeatedly with the share of the box that is done; may throw to cancel.
   std::function<void(double)> progress = {};
 

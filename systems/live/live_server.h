@@ -77,7 +77,7 @@ struct LiveView {
 };
 
 struct LiveOptions {
-  std::string address = "127.0.0.1";  ///< address of the page, which requires a token at others
+  std::string address = "127.0.0.1";  ///< bound address; others than the default need a token
   int port = 8080;                    ///< if it is in use, one of the next twenty; 0: any port
   double history = 30;                ///< length of the history to which a run can be set back [s]
   double frame = 0.01;                ///< commands reach the run at multiples of this [s]

@@ -10,7 +10,7 @@ namespace tenon {
 
 template <internal::DoublesInside T = double>
 struct NoiseParams {
-  T standard_deviation = internal::FilledOrZero<T>(1);  ///< deviation per number [unit], >= 0; in a struct 0
+  T standard_deviation = internal::FilledOrZero<T>(1);  ///< deviation of each number [unit], at least 0
   Rate rate = Hz(1000);
   std::string unit = "";
   std::string elements = "";  ///< names of the elements

@@ -276,7 +276,8 @@ TEST_F(FaultTest, RefusesFaultsThatAreImpossible) {
             "command, winch, cable, lengths or reference"},
            {kCdpr, "D1", "at: winch, kind: broken", "faults.0.at: fault_0 at 'winch': "},
            {kCdpr, "D1", "at: cable, kind: stuck", "faults.0.at: fault_0 at 'cable': "},
-           {kCdpr, "D1", "at: cable, kind: broken, elements: [4]", "faults.0.at: fault_0 at 'cable': elements: "},
+           {kCdpr, "D1", "at: cable, kind: broken, elements: [4]",
+            "faults.0.at: fault_0 at 'cable': elements: "},
            {kCdpr, "D1", "at: cable, kind: broken, duration_s: 1",
             "faults.0.at: fault_0 at 'cable': duration_s: "}}) {
     const Result result = RunCommand(robot + " " + scenario + " --set 'faults=[{" + fault + "}]'" + Out());

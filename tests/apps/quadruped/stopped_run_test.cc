@@ -150,8 +150,7 @@ TEST_F(TenonStoppedRunTest, AGraphThatCannotBeWrittenLeavesTheOneBefore) {
       RunCommand("PATH=" + (out / "bin").string() + ":$PATH " + app + " stand --duration 0.1" + Out() +
                  " --graph " + (out / "graph.svg").string());
   EXPECT_EQ(result.exit_code, 5);
-  EXPECT_THAT(result.text,
-              AllOf(HasSubstr("graph.svg'"), HasSubstr("`dot`"), HasSubstr("disk")));
+  EXPECT_THAT(result.text, AllOf(HasSubstr("graph.svg'"), HasSubstr("`dot`"), HasSubstr("disk")));
   EXPECT_EQ(Read(out / "graph.svg"), "of before");
   for (const auto& entry : fs::directory_iterator(out))
     EXPECT_THAT(entry.path().string(), Not(HasSubstr(".part")));
