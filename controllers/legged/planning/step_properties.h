@@ -6,7 +6,7 @@ namespace tenon {
 
 /// Reflex of a swing foot that hits the side of an obstacle, see SwingPlanner.
 struct StepReflex {
-  bool enabled = true;
+  bool enabled = true;      ///< whether the reflex acts
   double lag = 0.03;        ///< horizontal tracking error above which the reflex triggers [m]
   double force = 0.05;      ///< force against the motion above which it triggers, over the weight m g
   double retreat = 0.02;    ///< distance by which the foot moves back before it lands [m]
