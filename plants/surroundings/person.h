@@ -26,13 +26,13 @@ constexpr auto EnumNames(Activity) {
 /// Phase of a person's motion. The speed is speed + speed_amplitude sin(angular_frequency t), with t from the
 /// start of the phase.
 struct PersonPhase {
-  Activity activity = Activity::kWalk;
-  double duration = 0;           ///< [s]
-  double speed = 0;              ///< mean speed of kFollow and kWalk [m/s]
-  double speed_amplitude = 0;    ///< amplitude of the speed, at most `speed` [m/s]
-  double angular_frequency = 0;  ///< frequency of the speed [rad/s]
-  double direction = 0;          ///< direction of kWalk and kPull in W, from x towards y [rad]
-  double force = 0;              ///< force of kPull [N]
+  Activity activity = Activity::kWalk;  ///< activity of the person in the phase
+  double duration = 0;                  ///< duration of the phase [s]
+  double speed = 0;                     ///< mean speed of kFollow and kWalk [m/s]
+  double speed_amplitude = 0;           ///< amplitude of the speed, at most `speed` [m/s]
+  double angular_frequency = 0;         ///< frequency of the speed [rad/s]
+  double direction = 0;                 ///< direction of kWalk and kPull in W, from x towards y [rad]
+  double force = 0;                     ///< force of kPull [N]
 
   static FieldList Fields() {
     return {Required("activity", &PersonPhase::activity),
@@ -71,7 +71,7 @@ struct PersonParams {
 
 /// Present intent of a person.
 struct PersonIntent {
-  Activity activity = Activity::kWalk;
+  Activity activity = Activity::kWalk;  ///< activity of the person in the phase
   double speed = 0;                     ///< [m/s]
   Vec<2> direction_W = Vec<2>::Zero();  ///< unit vector; 0 for kFollow
   double force = 0;                     ///< [N]
