@@ -42,6 +42,15 @@ std::vector<std::string> ListResources(const std::string& kind) {
   return names;
 }
 
+bool IsResourcePath(const std::string& name) {
+  return name.ends_with(".yaml") || name.find('/') != std::string::npos;
+}
+
+/// The path of the file, or the path at which a file of that name would ship.
+static fs::path PathOfResource(const std::string& kind, const std::string& name) {
+  return IsResourcePath(name) ? fs::path(name) : DataDirectory() / kind / (name + ".yaml");
+}
+
 static bool HasKey(const YamlDocument& document, const std::string& key) {
   return std::ranges::count(document.Keys(""), key) > 0;
 }
@@ -49,7 +58,7 @@ static bool HasKey(const YamlDocument& document, const std::string& key) {
 std::vector<std::string> ListResources(const std::string& kind, const std::string& key) {
   std::vector<std::string> names = ListResources(kind);
   std::erase_if(names, [&](const std::string& name) {
-    return !HasKey(YamlDocument::Load(FindResource(kind, name)), key);
+    return !HasKey(YamlDocument::Load(PathOfResource(kind, name)), key);
   });
   return names;
 }
@@ -62,15 +71,6 @@ YamlDocument ResourceMap(const YamlFile& what) {
 std::string ResourceName(const YamlFile& what) {
   const YamlDocument map = ResourceMap(what);
   return map.Text("file") + (map.Keys("").size() > 1 ? ", changed" : "");
-}
-
-bool IsResourcePath(const std::string& name) {
-  return name.ends_with(".yaml") || name.find('/') != std::string::npos;
-}
-
-/// The path of the file, or the path at which a file of that name would ship.
-static fs::path PathOfResource(const std::string& kind, const std::string& name) {
-  return IsResourcePath(name) ? fs::path(name) : DataDirectory() / kind / (name + ".yaml");
 }
 
 YamlDocument LoadResource(const std::string& kind, const YamlFile& what, const std::string& key) {
