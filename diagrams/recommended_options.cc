@@ -2,8 +2,7 @@
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/recommended_options.h>
-
-#include <fmt/core.h>
+#include <tenon/systems/framework/types/number_checks.h>
 
 #include <string>
 
@@ -12,25 +11,20 @@ namespace {
 
 constexpr double kFinestRtol = 1e-14, kFinestAtol = 1e-300, kCoarsest = 0.1;
 
-void DemandWithin(const char* key, double value, double low, double high) {
-  Demand(value >= low && value <= high,
-         fmt::format("{} = {:.10g} must be from {:.10g} to {:.10g}", key, value, low, high));
-}
-
 }  // namespace
 
 void LeggedIntegration::Validate() const {
-  DemandWithin("order", order, 2, method == LeggedIntegrator::kStabilized ? 3 : 5);
-  DemandWithin("rtol", rtol, kFinestRtol, kCoarsest);
-  DemandWithin("atol_position", atol_position, kFinestAtol, kCoarsest);
-  DemandWithin("atol_velocity", atol_velocity, kFinestAtol, kCoarsest);
-  DemandWithin("atol_bristles", atol_bristles, kFinestAtol, kCoarsest);
+  DemandBetween("order", order, 2, method == LeggedIntegrator::kStabilized ? 3 : 5);
+  DemandBetween("rtol", rtol, kFinestRtol, kCoarsest);
+  DemandBetween("atol_position", atol_position, kFinestAtol, kCoarsest);
+  DemandBetween("atol_velocity", atol_velocity, kFinestAtol, kCoarsest);
+  DemandBetween("atol_bristles", atol_bristles, kFinestAtol, kCoarsest);
 }
 
 void CdprIntegration::Validate() const {
-  DemandWithin("order", order, 2, 5);
-  DemandWithin("rtol", rtol, kFinestRtol, kCoarsest);
-  DemandWithin("atol", atol, kFinestAtol, kCoarsest);
+  DemandBetween("order", order, 2, 5);
+  DemandBetween("rtol", rtol, kFinestRtol, kCoarsest);
+  DemandBetween("atol", atol, kFinestAtol, kCoarsest);
 }
 
 // Ticks restart the integrator every few milliseconds, and the plants declare their jumps. Open tables are

@@ -4,19 +4,7 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
-
 namespace tenon::apps {
-
-void DemandPositive(const char* key, double value) {
-  if (std::isfinite(value) && value > 0) return;
-  throw ParameterError(fmt::format("{} = {:.10g} must be positive and finite", key, value));
-}
-
-void DemandNotNegative(const char* key, double value) {
-  if (std::isfinite(value) && value >= 0) return;
-  throw ParameterError(fmt::format("{} = {:.10g} must be finite and not negative", key, value));
-}
 
 void DemandNear(const char* key, const Eigen::Vector3d& place_m) {
   constexpr double kFar = 100;
@@ -49,11 +37,6 @@ void DemandSamplePeriod(const char* key, double s) {
   if (!(s >= 1 / kFastest))
     throw ParameterError(fmt::format("{} = {:.4g} must be at least {}", key, s, 1 / kFastest));
   NameRefusal(key, [&] { Seconds(s); });
-}
-
-void DemandBetween(const char* key, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw ParameterError(fmt::format("{} = {:.10g} must be from {} to {}", key, value, low, high));
 }
 
 }  // namespace tenon::apps

@@ -1,9 +1,9 @@
 #include <tenon/diagrams/faults/faults.h>
+#include <tenon/systems/framework/types/number_checks.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 
 namespace tenon {
@@ -17,16 +17,6 @@ std::string FirstMessage(const std::exception& error) {
     return FirstMessage(inner);
   }
   return error.what();
-}
-
-void DemandNotNegative(const char* key, double value) {
-  Demand(std::isfinite(value) && value >= 0,
-         fmt::format("{} = {:.10g} must be finite and not negative", key, value));
-}
-
-void DemandBetween(const char* key, double value, double low, double high) {
-  Demand(value >= low && value <= high,
-         fmt::format("{} = {:.10g} must be from {} to {}", key, value, low, high));
 }
 
 }  // namespace
@@ -52,9 +42,7 @@ void Fault::Validate() const {
   if (period_s) belongs("period_s", true, kind == kSpike, "spike");
   DemandNotNegative("start_s", start_s);
   if (duration_s) DemandNotNegative("duration_s", *duration_s);
-  if (period_s)
-    Demand(std::isfinite(*period_s) && *period_s > 0,
-           fmt::format("period_s = {:.10g} must be positive and finite", *period_s));
+  if (period_s) DemandPositive("period_s", *period_s);
   if (samples) DemandBetween("samples", *samples, 1, 1e6);
   if (probability) DemandBetween("probability", *probability, 0, 1);
 }
