@@ -72,12 +72,6 @@ void YamlDocument::CheckFormat() const {
                                  format, kYamlFormat, format < 1 ? "" : ", a newer one may read this file"));
 }
 
-void YamlDocument::Read(const internal::TypeInfo& type, void* value) const {
-  if (std::ranges::none_of(type.fields, [](const Field& field) { return field.name == kFormatKey; }))
-    CheckFormat();
-  internal::YamlNode(*tree_, "").Read(type, value);
-}
-
 namespace {
 
 /// Returns the value under a dotted key and true, or its innermost existing parent and false. Keys of
@@ -96,6 +90,16 @@ std::pair<const YamlTree*, bool> Find(const YamlTree& tree, std::string_view dot
 }
 
 }  // namespace
+
+void YamlDocument::Read(std::string_view dotted_key, const internal::TypeInfo& type, void* value) const {
+  if (std::ranges::none_of(type.fields, [](const Field& field) { return field.name == kFormatKey; }))
+    CheckFormat();
+  const auto [found, whole] = Find(*tree_, dotted_key);
+  YamlTree empty;
+  empty.kind = YamlTree::Kind::kMap;
+  empty.place = found->place;
+  internal::YamlNode(whole ? *found : empty, std::string(dotted_key)).Read(type, value);
+}
 
 std::string YamlDocument::PlaceOf(std::string_view dotted_key) const {
   return fmt::format("{}: {}", Find(*tree_, dotted_key).first->place, dotted_key);

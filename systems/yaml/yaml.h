@@ -137,19 +137,26 @@ class YamlDocument {
     ReadInto(value);
     return value;
   }
+  /// Reads the map under a key into a default-constructed T. A missing key counts as an empty map.
+  template <HasFields T>
+  T ReadAt(std::string_view dotted_key) const {
+    T value{};
+    Read(dotted_key, internal::TypeInfoOf<T>(), &value);
+    return value;
+  }
   /// Reads into `value`, whose members hold the defaults. An error leaves it unchanged.
   template <HasFields T>
   void ReadInto(T& value) const {
     if constexpr (requires { T::Renamed(); }) RefuseRenamed(T::Renamed());
     T read = value;
-    Read(internal::TypeInfoOf<T>(), &read);
+    Read("", internal::TypeInfoOf<T>(), &read);
     value = std::move(read);
   }
 
  private:
   YamlDocument(std::shared_ptr<const internal::YamlTree> tree, std::string name)
       : tree_(std::move(tree)), name_(std::move(name)) {}
-  void Read(const internal::TypeInfo& type, void* value) const;
+  void Read(std::string_view dotted_key, const internal::TypeInfo& type, void* value) const;
   void RefuseRenamed(const std::vector<RenamedKey>& renamed) const;
   void CheckFormat() const;
 
