@@ -1,6 +1,7 @@
 # Lists the components such that each follows its dependencies, and the dependencies of each. Sets TENON_HAS_<component> for the
 # components in TENON_COMPONENTS and their dependencies.
-set(TENON_ALL_COMPONENTS systems report live network lcm model robots plants controllers diagrams apps robot_apps testing)
+set(TENON_ALL_COMPONENTS systems report live network lcm model robots plants controllers diagrams apps
+  quadruped_app guide_dog_app cdpr_app robot_apps testing)
 set(TENON_systems_NEEDS)
 set(TENON_report_NEEDS systems)
 set(TENON_live_NEEDS report)
@@ -12,7 +13,10 @@ set(TENON_plants_NEEDS model)
 set(TENON_controllers_NEEDS model)
 set(TENON_diagrams_NEEDS plants controllers robots)
 set(TENON_apps_NEEDS live)
-set(TENON_robot_apps_NEEDS apps diagrams)
+set(TENON_quadruped_app_NEEDS apps diagrams)
+set(TENON_guide_dog_app_NEEDS quadruped_app)
+set(TENON_cdpr_app_NEEDS apps diagrams)
+set(TENON_robot_apps_NEEDS quadruped_app guide_dog_app cdpr_app)
 set(TENON_testing_NEEDS systems)
 
 # Optional components: `all` omits them if their libraries are not installed.

@@ -177,7 +177,7 @@ ScenarioApp ProgramApp(const fs::path& program) {
     }
     return result;
   };
-  return {.name = program.filename().string(), .description = {}, .keys = {}, .check = check, .run = run};
+  return {.name = {}, .description = {}, .keys = {}, .check = check, .run = run};
 }
 
 }  // namespace tenon::apps

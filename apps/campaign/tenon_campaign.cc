@@ -8,7 +8,7 @@
 #include <tenon/apps/campaign/campaign_schedule.h>
 #include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/apps/campaign/program_app.h>
-#include <tenon/apps/cdpr/cdpr_run.h>
+#include <tenon/apps/cdpr/cdpr_app.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/progress.h>
@@ -80,7 +80,8 @@ std::string CampaignText(const YamlDocument& file) {
 ScenarioApp FindApp(const YamlDocument& file, const std::string& name) {
   if (name.find('/') != name.npos) return ProgramApp(name);
   std::string names;
-  for (ScenarioApp& app : std::array{QuadrupedApp(), GuideDogApp(), CdprApp()}) {
+  for (ScenarioApp& app :
+       std::array{QuadrupedApp().AsScenarioApp(), GuideDogApp().AsScenarioApp(), CdprApp().AsScenarioApp()}) {
     if (app.name == name) return std::move(app);
     names += (names.empty() ? "" : ", ") + app.name;
   }

@@ -41,10 +41,13 @@ static constexpr KeyOfBlock kKeysOfBlocks[] = {
     {"imu_errors", "hardware"},
 };
 
-RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
+RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
+                  const Customisation<CdprLoop>& customisation) {
   DiagramBuilder builder;
   auto& loop = BlameBlocks(
       kKeysOfBlocks, [&]() -> CdprLoop& { return builder.Add<CdprLoop>("loop", MakeLoopParams(scenario)); });
+  Outputs outputs(builder);
+  customisation.Apply(builder, loop, scenario.custom, outputs);
   const std::vector<const Source*> faults =
       BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });
   std::optional<CdprLive> live;
@@ -60,6 +63,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
   simulator.AddLog(Hz(scenario.pd.rate_hz), CdprLimits::Signals(loop), {limits});
   if (loop.control.mpc != nullptr)
     simulator.AddLog(Hz(scenario.mpc->rate_hz), {&loop.control.mpc->diagnostics}, {solves});
+  outputs.AddTo(simulator);
   signals.insert(signals.end(), faults.begin(), faults.end());
   std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry, &loop.reference.geometry};
   if (loop.world.gusts != nullptr) signals.push_back(&loop.world.gusts->wrench);
@@ -69,6 +73,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
   }
 
   if (live) live->AddTo(signals);
+  outputs.AddTo(signals, shapes);
 
   const CableProperties& cable = loop.world.plant.params.robot.cable;
   const Limits tension{.low = cable.tension_min, .high = cable.tension_max};
@@ -98,19 +103,12 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options) {
       summary.Set("mpc_time_p99_us", Microseconds(solves->times().Quantile(0.99)));
       summary.Set("mpc_fallbacks", solves->fallbacks());
     }
+    outputs.AddTo(summary);
   };
   return RunScenario(options, scenario, Describe(scenario, controller), scenario.duration_s, simulator,
                      signals, shapes,
                      {{loop.world.plant.cables.path() + ".tension", tension}, {"loop.command", tension}},
-                     judge, live ? live->Controls() : LiveControls());
-}
-
-ScenarioApp CdprApp() {
-  ScenarioApp app = MakeScenarioApp(
-      "tenon-cdpr", "Flies a cable-driven parallel robot along a path and reports how well it did.",
-      [](const YamlDocument& document) { return document.Read<CdprScenario>(); }, MakeLoopParams, RunCdpr);
-  app.files = {{"robot", "robots"}, {"hardware", "hardware/cdpr"}};
-  return app;
+                     judge, live ? live->Controls() : LiveControls(), outputs.plots());
 }
 
 }  // namespace tenon::apps

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tenon/apps/cdpr/cdpr_scenario.h>
+#include <tenon/apps/common/customisation.h>
 #include <tenon/apps/common/run_scenario.h>
-#include <tenon/apps/common/scenario_app.h>
 
 #include <string>
 
@@ -10,9 +10,9 @@ namespace tenon::apps {
 
 /// One line with robot, controllers, duration and seed.
 std::string Describe(const CdprScenario& scenario, const std::string& controllers);
-/// Runs one scenario. Throws KeyError, and the errors of the outputs.
-RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options);
-/// The app tenon-cdpr, for campaigns.
-ScenarioApp CdprApp();
+/// Runs one scenario, in a diagram that `customisation` changes. Throws KeyError, and the errors of the
+/// outputs.
+RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
+                  const Customisation<CdprLoop>& customisation = {});
 
 }  // namespace tenon::apps

@@ -262,7 +262,8 @@ struct CdprScenario {
   double path_tolerance = 0.1;
   ReportScenario report;  ///< contents of the report
   std::map<std::string, std::vector<double>>
-      parameters;  ///< Parameters of the diagram, by path, set at the start
+      parameters;                  ///< Parameters of the diagram, by path, set at the start
+  std::optional<YamlText> custom;  ///< keys of a program with blocks of its own, see Customisable
 
   static FieldList Fields() {
     return {Required("app", &CdprScenario::app),
@@ -292,7 +293,8 @@ struct CdprScenario {
             {"cable_diameter_m", &CdprScenario::cable_diameter_m},
             {"path_tolerance", &CdprScenario::path_tolerance},
             {"report", &CdprScenario::report},
-            {"parameters", &CdprScenario::parameters}};
+            {"parameters", &CdprScenario::parameters},
+            {"custom", &CdprScenario::custom}};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -153,6 +153,10 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
   }
 }
 
+std::string ProgramName(char** argv) {
+  return std::filesystem::path(argv[0] == nullptr ? "" : argv[0]).filename().string();
+}
+
 YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& app) {
   if (arguments.scenario.empty()) {
     throw ParameterError("no scenario given: name one (see --list), or give a YAML file");

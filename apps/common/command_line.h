@@ -49,6 +49,9 @@ CLI::Validator Seed();
 /// Parses the command line, runs `body`, and turns errors into a message on stderr and an exit code.
 int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
 
+/// The file name of the program.
+std::string ProgramName(char** argv);
+
 /// Loads the scenario of a command line and draws its random values by the seed.
 YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& app);
 

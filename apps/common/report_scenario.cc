@@ -21,4 +21,10 @@ void ReportScenario::Validate() const {
   }
 }
 
+std::vector<Plot> PlotsOf(const ReportScenario& scenario, const std::vector<Plot>& others) {
+  std::vector<Plot> plots = scenario.plots;
+  plots.insert(plots.end(), others.begin(), others.end());
+  return plots;
+}
+
 }  // namespace tenon::apps

@@ -22,13 +22,16 @@ struct ReportScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Makes a report with the title, plots, events and bands of a scenario.
+/// The plots of a scenario, followed by others.
+std::vector<Plot> PlotsOf(const ReportScenario& scenario, const std::vector<Plot>& others);
+
+/// Makes a report with the title, plots, events and bands of a scenario, and further plots.
 Report ScenarioReport(const auto& scenario, const std::string& description,
-                      const std::vector<SignalLimits>& limits = {}) {
+                      const std::vector<SignalLimits>& limits = {}, const std::vector<Plot>& plots = {}) {
   return Blame("report", [&] {
     return Report({.title = scenario.case_name + ": " + scenario.description,
                    .description = description,
-                   .plots = scenario.report.plots,
+                   .plots = PlotsOf(scenario.report, plots),
                    .events = scenario.report.events,
                    .bands = scenario.report.bands,
                    .limits = limits,

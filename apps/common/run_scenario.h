@@ -57,12 +57,12 @@ void PrintNotes(const RunOptions& options, const std::vector<std::string>& notes
 /// can be identified. `signals` are written to signals.csv and, with `shapes` and `limits`, to the report. A
 /// live session keeps the run in real time, and browsers can use `controls`. Sets `parameters` of the
 /// scenario before the run, if it has that key. If a function `Notes(scenario, duration)` exists, its remarks
-/// are printed before the run and added to the results.
+/// are printed before the run and added to the results. `plots` follow those of the scenario.
 RunResult RunScenario(const RunOptions& options, const auto& scenario, const std::string& description,
                       double duration, Simulator& simulator, const std::vector<const Source*>& signals,
                       const std::vector<const OutputPort<Geometry>*>& shapes,
                       const std::vector<SignalLimits>& limits, const auto& judge,
-                      const LiveControls& controls = {}) {
+                      const LiveControls& controls = {}, const std::vector<Plot>& plots = {}) {
   if constexpr (requires { scenario.parameters; }) SetParameters(simulator.context(), scenario.parameters);
   const auto run = [&] {
     if (!options.live) return Advance(simulator, duration, options.wall_limit);
@@ -71,7 +71,7 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
                   .controls = controls,
                   .title = scenario.case_name + ": " + scenario.description,
                   .description = description,
-                  .plots = scenario.report.plots,
+                  .plots = PlotsOf(scenario.report, plots),
                   .bands = scenario.report.bands,
                   .limits = limits};
     if constexpr (requires { scenario.parameters; }) {
@@ -93,7 +93,7 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
   };
   if (options.out.empty()) return {advance(), std::nullopt};
 
-  Report report = ScenarioReport(scenario, description, limits);
+  Report report = ScenarioReport(scenario, description, limits, plots);
   Blame("report", [&] { report.Log(simulator, signals, shapes); });
   const SignalGuard guard;              // a signal does not interrupt the writing of files
   const ScenarioFiles files(scenario);  // may be the files of an earlier run, which are removed next

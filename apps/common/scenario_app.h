@@ -42,7 +42,7 @@ struct AppScenario {
 
 /// The interface of an app for campaigns. `check` and `run` may be called by several threads at once.
 struct ScenarioApp {
-  std::string name;         ///< value of the scenarios' key `app`
+  std::string name;         ///< value of the scenarios' key `app`; empty: any
   std::string description;  ///< text for --help
   /// Returns all keys of its scenarios.
   std::function<std::vector<ScenarioKey>()> keys;

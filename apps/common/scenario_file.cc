@@ -73,8 +73,9 @@ fs::path FindScenario(const std::string& name, const std::string& app) {
   std::vector<std::string> names;
   for (const auto& [own, description] : ListScenarios(app)) names.push_back(own);
   if (names.empty())
-    throw ParameterError(fmt::format(
-        "there is no '{}': {} has no shipped scenarios; give the path of a .yaml file", name, app));
+    throw ParameterError(
+        fmt::format("there is no '{}': {} has no shipped scenarios; give the path of a .yaml file", name,
+                    app.empty() ? "this program" : app));
   return FindResource("scenarios", name, names);
 }
 
@@ -95,7 +96,7 @@ YamlDocument LoadScenario(const std::string& name, const std::vector<std::string
                           const std::string& app) {
   YamlDocument document = LoadExtended(FindScenario(name, app), app);
   ApplySettings(settings, &document);
-  if (const std::string other = document.Text("app"); !other.empty() && other != app) {
+  if (const std::string other = document.Text("app"); !app.empty() && !other.empty() && other != app) {
     throw ParameterError(fmt::format("{0}: '{1}' is not a scenario of {2}; run {3} {1}",
                                      document.PlaceOf("app"), internal::Excerpt(name), app,
                                      internal::Excerpt(other)));

@@ -33,7 +33,8 @@ LiveControls::Goal PersonGoalOf(const Person& person) {
           }};
 }
 
-RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& options) {
+RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& options,
+                      const Customisation<GuideDog>& customisation) {
   const double duration = Duration(scenario);
   if (!options.live && !options.out.empty()) CheckJudged(scenario.walk.judged_from_s, duration, true);
 
@@ -41,6 +42,8 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   auto& loop = BlameBlocks(kKeysOfLegged, [&]() -> GuideDog& {
     return builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario));
   });
+  Outputs outputs(builder);
+  customisation.Apply(builder, loop, scenario.custom, outputs);
   const std::vector<const Source*> faults =
       BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });
   std::optional<QuadrupedLive> live;
@@ -59,6 +62,7 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   simulator.AddLog(Hz(1000), judged, {leash, walk});
   const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
   simulator.AddLog(Hz(1000), LimitFigures::Signals(loop.world.plant), {InBackground(limits)});
+  outputs.AddTo(simulator);
   signals.insert(signals.end(), faults.begin(), faults.end());
 
   const auto judge = [&](Summary& summary) {
@@ -67,6 +71,7 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
     leash->AddTo(summary);
     walk->AddTo(summary);
     limits->AddTo(summary);
+    outputs.AddTo(summary);
   };
   std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry, &loop.view.geometry,
                                                   &loop.person.geometry, &loop.leash.geometry,
@@ -77,21 +82,27 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
     controls = live->Controls();
     controls.goal = PersonGoalOf(loop.person);
   }
+  outputs.AddTo(signals, shapes);
   return RunScenario(options, scenario, Describe(scenario, duration), duration, simulator, signals, shapes,
-                     DriveLimits(loop.world.plant), judge, controls);
+                     DriveLimits(loop.world.plant), judge, controls, outputs.plots());
 }
 
 }  // namespace
 
-ScenarioApp GuideDogApp() {
+ScenarioApp GuideDogApp::AsScenarioApp() const {
   ScenarioApp app = MakeScenarioApp(
       "tenon-guide-dog", "Lets a quadruped lead a person on a leash and reports how well it did.",
-      [](const YamlDocument& document) {
+      [customisation = customisation_](const YamlDocument& document) {
         auto scenario = document.Read<GuideDogScenario>();
+        customisation.Read(document, scenario.custom);
         CheckJudged(scenario.walk.judged_from_s, Duration(scenario));
         return scenario;
       },
-      MakeGuideDogParams, RunGuideDog);
+      MakeGuideDogParams,
+      [customisation = customisation_](const GuideDogScenario& scenario, const RunOptions& options) {
+        return RunGuideDog(scenario, options, customisation);
+      });
+  app.keys = [customisation = customisation_] { return customisation.Keys(KeysOf<GuideDogScenario>()); };
   app.files = LeggedFiles();
   app.warnings = [](const YamlDocument& document) {
     return RunBlaming(document, [&] {
@@ -100,6 +111,10 @@ ScenarioApp GuideDogApp() {
     });
   };
   return app;
+}
+
+int GuideDogApp::Run(int argc, char** argv) const {
+  return RunApp(AsScenarioApp(), argc, argv);
 }
 
 }  // namespace tenon::apps

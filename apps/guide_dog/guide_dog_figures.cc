@@ -38,6 +38,7 @@ std::vector<const Source*> GuideDogFigures::Signals(const GuideDog& loop) {
     signals.push_back(&loop.estimator->estimate);
     signals.push_back(&loop.errors.path);
   }
+  for (const Source*& signal : signals) signal = &signal->Current();
   return signals;
 }
 

@@ -3,5 +3,5 @@
 #include <tenon/apps/guide_dog/guide_dog_app.h>
 
 int main(int argc, char** argv) {
-  return tenon::apps::RunApp(tenon::apps::GuideDogApp(), argc, argv);
+  return tenon::apps::GuideDogApp().Run(argc, argv);
 }

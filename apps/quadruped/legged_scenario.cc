@@ -68,7 +68,8 @@ FieldList LeggedScenario::Fields() {
           {"integrator", &S::integrator},
           {"scale_forces", &S::scale_forces},
           {"report", &S::report},
-          {"parameters", &S::parameters}};
+          {"parameters", &S::parameters},
+          {"custom", &S::custom}};
 }
 
 void LeggedScenario::Validate() const {

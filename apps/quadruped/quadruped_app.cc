@@ -1,4 +1,5 @@
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
 #include <tenon/apps/common/report_scenario.h>
 #include <tenon/apps/common/run_scenario.h>
@@ -10,29 +11,67 @@
 
 #include <fmt/core.h>
 
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace tenon::apps {
 namespace {
 
-Variant MakeVariant(std::string name, const QuadrupedScenario& scenario) {
-  return {std::move(name), [scenario](const RunOptions& each) { return RunQuadruped(scenario, each); }};
+using WalkCustomisation = Customisation<QuadrupedWalk>;
+
+/// The options of the command line that change a walk.
+struct WalkArguments {
+  std::string gait;             ///< gait of all segments that walk; empty: those of the scenario
+  std::optional<double> speed;  ///< forward speed of all segments that move forward or backward [m/s]
+  std::string observer;         ///< name of an ObserverKind; empty: the scenario's
+  bool compare = false;         ///< one run for each observer
+
+  bool any() const { return !gait.empty() || speed || !observer.empty() || compare; }
+};
+
+void AddWalkArguments(CLI::App& line, WalkArguments& walk) {
+  line.add_option("--gait", walk.gait, "crawl, trot, pace or gallop (the scenario's, unless given)");
+  line.add_option("--speed", walk.speed, "forward speed [m/s] (the scenario's, unless given)");
+  line.add_option("--observer", walk.observer,
+                  "none, legs, com, hybrid, focchi, ndo_m or ndo_inverse (the scenario's, unless given)");
+  line.add_flag("--compare", walk.compare,
+                "one run for each observer, each in its own directory below --out, and one report of all")
+      ->excludes("--observer");
 }
 
-int CompareObservers(const RunOptions& options, QuadrupedScenario scenario) {
+Variant MakeVariant(std::string name, const QuadrupedScenario& scenario,
+                    const WalkCustomisation& customisation = {}) {
+  return {std::move(name), [scenario, customisation](const RunOptions& each) {
+            return RunQuadruped(scenario, each, customisation);
+          }};
+}
+
+Report ReportOf(const QuadrupedScenario& scenario) {
+  return ScenarioReport(scenario, Describe(scenario, Duration(scenario)));
+}
+
+int CompareObservers(const RunOptions& options, const QuadrupedScenario& scenario,
+                     const WalkCustomisation& customisation) {
   std::vector<ObserverKind> kinds = scenario.compare;
   if (kinds.empty())
     for (const auto& [kind, name] : EnumNames(ObserverKind{})) kinds.push_back(kind);
   std::vector<Variant> variants;
+  QuadrupedScenario shipped = scenario;
+  shipped.custom.reset();
   for (const ObserverKind kind : kinds) {
-    scenario.observer = kind;
-    variants.push_back(MakeVariant(EnumName(kind), scenario));
+    shipped.observer = kind;
+    variants.push_back(MakeVariant(EnumName(kind), shipped));
   }
-  return Compare(options, ScenarioReport(scenario, Describe(scenario, Duration(scenario))), variants);
+  if (customisation) variants.push_back(MakeVariant(kMine, scenario, customisation));
+  return Compare(options, ReportOf(scenario), variants);
 }
 
-int RunSweep(const RunOptions& options, const QuadrupedScenario& scenario) {
+int RunSweep(const RunOptions& options, const QuadrupedScenario& scenario,
+             const WalkCustomisation& customisation) {
   std::vector<Variant> variants;
-  for (const auto& [name, run] : SweepOf(scenario)) variants.push_back(MakeVariant(name, run));
-  return Compare(options, ScenarioReport(scenario, Describe(scenario, Duration(scenario))), variants);
+  for (const auto& [name, run] : SweepOf(scenario)) variants.push_back(MakeVariant(name, run, customisation));
+  return Compare(options, ReportOf(scenario), variants);
 }
 
 /// Sets gait, speed and observer of the command line in the scenario.
@@ -54,25 +93,81 @@ void SetWalk(const WalkArguments& walk, const std::string& name, YamlDocument& d
   }
 }
 
-}  // namespace
-
-int RunWalkCommand(YamlDocument document, const std::string& name, const WalkArguments& walk,
-                   std::optional<double> duration, const RunOptions& options) {
-  if (walk.any()) SetWalk(walk, name, document);
+/// Reads a scenario with the keys of the customisation. Throws ParameterError and KeyError.
+QuadrupedScenario ReadScenario(const YamlDocument& document, const WalkCustomisation& customisation) {
   auto scenario = document.Read<QuadrupedScenario>();
-  if (duration) scenario.duration_s = *duration;
+  customisation.Read(document, scenario.custom);
+  if (customisation && !scenario.walk)
+    throw KeyError("pd", "this program changes the diagram of a walk: choose a scenario that walks");
+  return scenario;
+}
+
+/// Runs a scenario with the options of the command line: once, or its sweep, or once for each observer.
+int RunCommand(YamlDocument document, const CommonArguments& arguments, const WalkArguments& walk,
+               const RunOptions& options, const WalkCustomisation& customisation) {
+  if (walk.any()) SetWalk(walk, arguments.scenario, document);
   return RunBlaming(document, [&] {
+    QuadrupedScenario scenario = ReadScenario(document, customisation);
+    if (arguments.duration) scenario.duration_s = *arguments.duration;
     if (!options.live && scenario.walk)
-      CheckJudged(scenario.walk->judged_from_s, Duration(scenario), duration.has_value());
+      CheckJudged(scenario.walk->judged_from_s, Duration(scenario), arguments.duration.has_value());
     if (options.live && scenario.sweep)
       throw KeyError("sweep", "--live and --replay run one scenario: set sweep to null");
     for (const std::string& warning : Blame("robot", [&] { return QuadrupedWarnings(scenario.robot); }))
       Say(fmt::format("warning: {}\n", warning));
     if (walk.compare && scenario.sweep)
       throw KeyError("sweep", "--compare runs the scenario once with each observer: set sweep to null");
-    if (walk.compare) return CompareObservers(options, scenario);
-    if (scenario.sweep) return RunSweep(options, scenario);
-    return PrintResult(RunQuadruped(scenario, options).summary, options);
+    if (walk.compare) return CompareObservers(options, scenario, customisation);
+    if (scenario.sweep) return RunSweep(options, scenario, customisation);
+    return PrintResult(RunQuadruped(scenario, options, customisation).summary, options);
+  });
+}
+
+}  // namespace
+
+ScenarioApp QuadrupedApp::AsScenarioApp() const {
+  const auto read = [customisation = customisation_](const YamlDocument& document) {
+    QuadrupedScenario scenario = ReadScenario(document, customisation);
+    if (scenario.sweep)
+      throw KeyError(
+          "sweep",
+          "a campaign cannot run a sweep: set it to null, and vary forces.0.start_s and forces.0.turn_rad");
+    if (scenario.walk) CheckJudged(scenario.walk->judged_from_s, Duration(scenario));
+    return scenario;
+  };
+  const auto prepare = [](const QuadrupedScenario& scenario) {
+    if (scenario.walk) {
+      MakeWalkParams(scenario);
+    } else {
+      MakeStandParams(scenario);
+    }
+  };
+  const auto run = [customisation = customisation_](const QuadrupedScenario& scenario,
+                                                    const RunOptions& options) {
+    return RunQuadruped(scenario, options, customisation);
+  };
+  ScenarioApp app = MakeScenarioApp(
+      "tenon-quadruped", "Lets a quadruped stand or walk and reports how well it did.", read, prepare, run);
+  app.keys = [customisation = customisation_] { return customisation.Keys(KeysOf<QuadrupedScenario>()); };
+  app.files = LeggedFiles();
+  return app;
+}
+
+int QuadrupedApp::Run(int argc, char** argv) const {
+  const ScenarioApp app = AsScenarioApp();
+  CLI::App line(app.description, ProgramName(argv));
+  CommonArguments arguments;
+  AddCommonArguments(line, arguments);
+  AddLiveArguments(line, arguments);
+  WalkArguments walk;
+  AddWalkArguments(line, walk);
+  return RunMain(line, argc, argv, [&]() -> int {
+    if (PrintsInstead(arguments, app)) return kRan;
+    if (walk.compare && (!arguments.live.empty() || !arguments.replay.empty()))
+      throw ParameterError("--live and --replay run one scenario: remove --compare");
+    return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {
+      return RunCommand(LoadScenario(now, app.name), now, walk, options, customisation_);
+    });
   });
 }
 

@@ -1,29 +1,30 @@
 #pragma once
 
+#include <tenon/apps/common/customisation.h>
 #include <tenon/apps/common/scenario_app.h>
-
-#include <optional>
-#include <string>
+#include <tenon/diagrams/legged/quadruped_walk.h>
 
 namespace tenon::apps {
 
-/// tenon-quadruped for campaigns. It refuses a scenario with a sweep, which is a campaign itself.
-ScenarioApp QuadrupedApp();
+/// The app tenon-quadruped. A program with a block of its own runs all scenarios that walk, with the options,
+/// hardware, faults, figures, report and live page of the shipped app; a campaign runs it by `app: ./my_app`:
+///
+///     int main(int argc, char** argv) {
+///       return tenon::apps::QuadrupedApp()
+///           .Customise<Keys>([](tenon::DiagramBuilder& builder, tenon::QuadrupedWalk& walk, const Keys&
+///           keys) {
+///             builder.Replace<MyObserver>(walk.observer, {.gain = keys.gain_per_s});
+///           })
+///           .Run(argc, argv);
+///     }
+class QuadrupedApp : public Customisable<QuadrupedApp, QuadrupedWalk> {
+ public:
+  /// The main function: reads the command line (see --help), runs the scenario once, or its sweep, or once
+  /// for each observer, prints the figures and returns the exit code. Errors are printed on stderr.
+  int Run(int argc, char** argv) const;
 
-/// The options of tenon-quadruped's command line that change a walk.
-struct WalkArguments {
-  std::string gait;             ///< gait of all segments that walk; empty: those of the scenario
-  std::optional<double> speed;  ///< forward speed of all segments that move forward or backward [m/s]
-  std::string observer;         ///< name of an ObserverKind; empty: the scenario's
-  bool compare = false;         ///< one run for each observer
-
-  bool any() const { return !gait.empty() || speed || !observer.empty() || compare; }
+  /// The app for campaigns. It refuses a scenario with a sweep, which is a campaign itself.
+  ScenarioApp AsScenarioApp() const;
 };
-
-/// Runs a scenario with the options of the command line: once, or its sweep, or once for each observer.
-/// `duration` [s] overrides that of the scenario, and `name` is the scenario's in messages. Returns the exit
-/// code. Throws ParameterError with the place of a value that is not possible, and the errors of the outputs.
-int RunWalkCommand(YamlDocument document, const std::string& name, const WalkArguments& walk,
-                   std::optional<double> duration, const RunOptions& options);
 
 }  // namespace tenon::apps

@@ -2,7 +2,6 @@
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/quadruped/drive_limits.h>
 #include <tenon/apps/quadruped/limit_figures.h>
-#include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/stand_figures.h>
@@ -23,10 +22,13 @@ namespace {
 /// Runs a scenario by a diagram of class Loop; `observer` is given for a walk.
 template <class Loop, class Figures>
 RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, const auto& params,
-                  std::optional<ObserverKind> observer, const std::shared_ptr<Figures>& figures) {
+                  std::optional<ObserverKind> observer, const Customisation<Loop>& customisation,
+                  const std::shared_ptr<Figures>& figures) {
   const double duration = Duration(scenario);
   DiagramBuilder builder;
   auto& loop = BlameBlocks(kKeysOfLegged, [&]() -> Loop& { return builder.Add<Loop>("loop", params); });
+  Outputs outputs(builder);
+  customisation.Apply(builder, loop, scenario.custom, outputs);
   const std::vector<const Source*> faults =
       BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });
   std::optional<QuadrupedLive> live;
@@ -41,30 +43,37 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
   const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
   simulator.AddLog(Hz(1000), LimitFigures::Signals(loop.world.plant), {InBackground(limits)});
 
+  outputs.AddTo(simulator);
+
   const auto judge = [&](Summary& summary) {
     summary.Set("robot", ResourceName(scenario.robot));
-    if (observer) summary.Set("observer", std::string(EnumName(*observer)));
+    if constexpr (requires { loop.observer; })
+      summary.Set("observer", IsReplaced(loop.observer.wrench) ? kMine : std::string(EnumName(*observer)));
     figures->AddTo(summary);
     limits->AddTo(summary);
     summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
+    outputs.AddTo(summary);
   };
   std::vector<const Source*> signals = Figures::Signals(loop);
   signals.insert(signals.end(), faults.begin(), faults.end());
   std::vector<const OutputPort<Geometry>*> shapes = Figures::Shapes(loop);
   if (live) live->AddTo(signals, shapes);
+  outputs.AddTo(signals, shapes);
   return RunScenario(options, scenario, Describe(scenario, duration), duration, simulator, signals, shapes,
-                     DriveLimits(loop.world.plant), judge, live ? live->Controls() : LiveControls());
+                     DriveLimits(loop.world.plant), judge, live ? live->Controls() : LiveControls(),
+                     outputs.plots());
 }
 
 }  // namespace
 
-RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options) {
+RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options,
+                       const Customisation<QuadrupedWalk>& customisation) {
   if (!scenario.walk)
     return RunLoop<QuadrupedStand>(options, scenario, Blame("", [&] { return MakeStandParams(scenario); }),
-                                   std::nullopt, std::make_shared<StandFigures>());
+                                   std::nullopt, {}, std::make_shared<StandFigures>());
   const QuadrupedWalkParams params = Blame("", [&] { return MakeWalkParams(scenario); });
   return RunLoop<QuadrupedWalk>(
-      options, scenario, params, params.observer.kind,
+      options, scenario, params, params.observer.kind, customisation,
       std::make_shared<WalkFigures>(scenario.walk->judged_from_s, params.observer.kind != ObserverKind::kNone,
                                     MakePathVerdict(*scenario.walk, options.live != nullptr)));
 }
@@ -72,30 +81,6 @@ RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& opti
 std::vector<std::pair<std::string, std::string>> LeggedFiles() {
   return {
       {"robot", "robots"}, {"walk.gaits", "gaits"}, {"profile", "profiles"}, {"hardware", "hardware/legged"}};
-}
-
-ScenarioApp QuadrupedApp() {
-  const auto read = [](const YamlDocument& document) {
-    auto scenario = document.Read<QuadrupedScenario>();
-    if (scenario.sweep)
-      throw KeyError(
-          "sweep",
-          "a campaign cannot run a sweep: set it to null, and vary forces.0.start_s and forces.0.turn_rad");
-    if (scenario.walk) CheckJudged(scenario.walk->judged_from_s, Duration(scenario));
-    return scenario;
-  };
-  const auto prepare = [](const QuadrupedScenario& scenario) {
-    if (scenario.walk) {
-      MakeWalkParams(scenario);
-    } else {
-      MakeStandParams(scenario);
-    }
-  };
-  ScenarioApp app =
-      MakeScenarioApp("tenon-quadruped", "Lets a quadruped stand or walk and reports how well it did.", read,
-                      prepare, RunQuadruped);
-  app.files = LeggedFiles();
-  return app;
 }
 
 }  // namespace tenon::apps

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/customisation.h>
 #include <tenon/apps/common/run_scenario.h>
-#include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 
 #include <string>
@@ -43,7 +43,9 @@ inline constexpr KeyOfBlock kKeysOfLegged[] = {
 /// The keys of a scenario that name shipped files, and the kinds of these files.
 std::vector<std::pair<std::string, std::string>> LeggedFiles();
 
-/// Runs one scenario. Throws KeyError and the errors of the outputs.
-RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options);
+/// Runs one scenario, in the diagram of a walk that `customisation` changes. Throws KeyError and the errors
+/// of the outputs.
+RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options,
+                       const Customisation<QuadrupedWalk>& customisation = {});
 
 }  // namespace tenon::apps

@@ -45,7 +45,7 @@ std::map<std::string, double, std::less<>> LockedJoints(const std::vector<std::s
 /// Runs a shipped scenario with this robot, and writes its outputs to `out`.
 Summary Try(const char* scenario, const fs::path& yaml, double duration, const fs::path& out) {
   const YamlDocument document = LoadScenario(scenario, {"robot=" + yaml.string()}, "tenon-quadruped");
-  return QuadrupedApp().run(document, duration, {.out = out}).summary;
+  return QuadrupedApp().AsScenarioApp().run(document, duration, {.out = out}).summary;
 }
 
 /// The verdict of a trial in words. There is none if it was stopped or its files could not be written.

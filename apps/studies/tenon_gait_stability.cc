@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
   line.add_option("--push", options.push, "change of the trunk's velocity to the left [m/s]");
   line.add_option("--steps", options.steps, "step sizes of the finite differences");
   return RunMain(line, argc, argv, [&]() -> int {
-    const ScenarioApp app = QuadrupedApp();
+    const ScenarioApp app = QuadrupedApp().AsScenarioApp();
     if (PrintsInstead(arguments, app)) return kRan;
     return StudyGaitStability(LoadScenario(arguments, app.name), arguments.scenario, options);
   });

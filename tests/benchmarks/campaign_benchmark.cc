@@ -62,7 +62,7 @@ class EndlessDesk {
  private:
   const YamlDocument file_ = File(10'000'000);
   const CampaignPlan plan_{file_};
-  const CampaignRunner runner_{plan_, file_, QuadrupedApp()};
+  const CampaignRunner runner_{plan_, file_, QuadrupedApp().AsScenarioApp()};
   const CampaignResult result_ = *runner_.Run(0);
   const TableFile out_;
   CampaignTable table_{out_.path, CampaignTable::Start::kNew};
@@ -152,7 +152,7 @@ void Jobs(benchmark::State& state) {
   constexpr std::size_t kRuns = 40;
   const YamlDocument file = File(kRuns);
   const CampaignPlan plan(file);
-  const CampaignRunner runner(plan, file, QuadrupedApp());
+  const CampaignRunner runner(plan, file, QuadrupedApp().AsScenarioApp());
   const int jobs = static_cast<int>(state.range(0));
   double simulating = 0, all = 0;
   for (auto _ : state) {

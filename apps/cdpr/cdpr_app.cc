@@ -1,0 +1,95 @@
+#include <tenon/apps/cdpr/cdpr_app.h>
+#include <tenon/apps/cdpr/cdpr_run.h>
+#include <tenon/apps/cdpr/cdpr_scenario.h>
+#include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/comparison.h>
+#include <tenon/apps/common/run_scenario.h>
+
+#include <string>
+#include <vector>
+
+namespace tenon::apps {
+namespace {
+
+using CdprCustomisation = Customisation<CdprLoop>;
+
+/// One run per controller, and one of the customisation.
+int CompareControllers(const RunOptions& options, const CdprScenario& scenario,
+                       const CdprCustomisation& customisation) {
+  std::vector<Variant> variants;
+  std::string names;
+  const auto add = [&](const std::string& name, const CdprScenario& run, const CdprCustomisation& change) {
+    variants.push_back(
+        {name, [run, change](const RunOptions& each) { return RunCdpr(run, each, change); }});
+    names += (names.empty() ? "" : ", ") + name;
+  };
+  CdprScenario shipped = scenario;
+  shipped.custom.reset();
+  for (const auto& [controller, name] : EnumNames(CdprController{})) {
+    shipped.controller = controller;
+    add(name, shipped, {});
+  }
+  if (customisation) add(kMine, scenario, customisation);
+  return Compare(options, ScenarioReport(scenario, Describe(scenario, names)), variants);
+}
+
+CdprScenario ReadScenario(const YamlDocument& document, const CdprCustomisation& customisation) {
+  auto scenario = document.Read<CdprScenario>();
+  customisation.Read(document, scenario.custom);
+  return scenario;
+}
+
+int RunOnce(const CommonArguments& arguments, const std::string& controller, bool compare,
+            const RunOptions& options, const CdprCustomisation& customisation) {
+  YamlDocument document = LoadScenario(arguments, "tenon-cdpr");
+  if (!controller.empty()) document.Set("controller", controller);
+  return RunBlaming(document, [&] {
+    CdprScenario scenario = ReadScenario(document, customisation);
+    if (arguments.duration) scenario.duration_s = *arguments.duration;
+    if (compare) return CompareControllers(options, scenario, customisation);
+    return PrintResult(RunCdpr(scenario, options, customisation).summary, options);
+  });
+}
+
+}  // namespace
+
+ScenarioApp CdprApp::AsScenarioApp() const {
+  ScenarioApp app = MakeScenarioApp(
+      "tenon-cdpr", "Flies a cable-driven parallel robot along a path and reports how well it did.",
+      [customisation = customisation_](const YamlDocument& document) {
+        return ReadScenario(document, customisation);
+      },
+      MakeLoopParams,
+      [customisation = customisation_](const CdprScenario& scenario, const RunOptions& options) {
+        return RunCdpr(scenario, options, customisation);
+      });
+  app.keys = [customisation = customisation_] { return customisation.Keys(KeysOf<CdprScenario>()); };
+  app.files = {{"robot", "robots"}, {"hardware", "hardware/cdpr"}};
+  return app;
+}
+
+int CdprApp::Run(int argc, char** argv) const {
+  const ScenarioApp app = AsScenarioApp();
+  CLI::App line(app.description, ProgramName(argv));
+  CommonArguments arguments;
+  AddCommonArguments(line, arguments);
+  AddLiveArguments(line, arguments);
+  std::string controller;
+  bool compare = false;
+  line.add_option(
+      "--controller", controller,
+      "mpc_equilibrium, mpc_zero, pd, pd_feedforward or pd_offset_free (the scenario's, unless given)");
+  line.add_flag("--compare", compare,
+                "one run per controller, each in a directory of its own below --out, and one report of all")
+      ->excludes("--controller");
+  return RunMain(line, argc, argv, [&]() -> int {
+    if (PrintsInstead(arguments, app)) return kRan;
+    if (compare && (!arguments.live.empty() || !arguments.replay.empty()))
+      throw ParameterError("--live and --replay run one controller: remove --compare");
+    return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {
+      return RunOnce(now, controller, compare, options, customisation_);
+    });
+  });
+}
+
+}  // namespace tenon::apps

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <tenon/apps/common/customisation.h>
+#include <tenon/apps/common/scenario_app.h>
+#include <tenon/diagrams/cdpr/cdpr_loop.h>
+
+namespace tenon::apps {
+
+/// The app tenon-cdpr. A program with a block of its own, such as a controller, is written as for QuadrupedApp.
+class CdprApp : public Customisable<CdprApp, CdprLoop> {
+ public:
+  /// The main function: reads the command line (see --help), runs the scenario once or once for each
+  /// controller, prints the figures and returns the exit code. Errors are printed on stderr.
+  int Run(int argc, char** argv) const;
+  /// The app for campaigns.
+  ScenarioApp AsScenarioApp() const;
+};
+
+}  // namespace tenon::apps

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/scenario_keys.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/yaml/yaml.h>
+
+#include <functional>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace tenon::apps {
+
+/// The keys of a customisation that has none of its own.
+struct NoKeys {
+  static FieldList Fields() { return {}; }
+};
+
+/// Throws KeyError if a scenario has keys that only another program knows.
+void RefuseCustomKeys(const std::optional<YamlText>& custom);
+/// Replaces the key `custom` by those of a customisation.
+std::vector<ScenarioKey> WithCustomKeys(std::vector<ScenarioKey> keys, std::vector<ScenarioKey> own);
+
+/// A change that a user's program makes to the diagram of an app before each run, with keys of its own in the
+/// scenario's map `custom`. Empty in the shipped apps. Runs of a campaign call it in several threads at once.
+template <class Diagram>
+class Customisation {
+ public:
+  Customisation() = default;
+
+  /// See Customisable::Customise.
+  template <HasFields Keys, class Hook>
+  static Customisation Of(Hook hook) {
+    Customisation made;
+    made.read_ = [](const YamlDocument& scenario) { return WriteYaml(scenario.ReadAt<Keys>("custom")); };
+    made.keys_ = [] { return KeysOf<Keys>(); };
+    made.apply_ = [hook = std::move(hook)](DiagramBuilder& builder, Diagram& diagram,
+                                           const YamlDocument& written, Outputs& outputs) {
+      if constexpr (std::is_invocable_v<Hook, DiagramBuilder&, Diagram&, const Keys&, Outputs&>) {
+        hook(builder, diagram, written.Read<Keys>(), outputs);
+      } else if constexpr (std::is_invocable_v<Hook, DiagramBuilder&, Diagram&, const Keys&>) {
+        hook(builder, diagram, written.Read<Keys>());
+      } else if constexpr (std::is_invocable_v<Hook, DiagramBuilder&, Diagram&, Outputs&>) {
+        hook(builder, diagram, outputs);
+      } else {
+        static_assert(std::is_invocable_v<Hook, DiagramBuilder&, Diagram&>,
+                      "Customise: write a function of (DiagramBuilder&, the app's diagram&, const Keys&, "
+                      "Outputs&); the last two are optional.");
+        hook(builder, diagram);
+      }
+    };
+    return made;
+  }
+
+  explicit operator bool() const { return apply_ != nullptr; }
+
+  /// Reads the map `custom` of a scenario, checks it, and stores it with every default filled in. Throws
+  /// ParameterError with the place of an invalid key, and KeyError if there are such keys but no
+  /// customisation.
+  void Read(const YamlDocument& scenario, std::optional<YamlText>& custom) const {
+    if (!*this) return RefuseCustomKeys(custom);
+    custom = YamlText{YamlDocument::Parse(read_(scenario), "custom").Flow()};
+  }
+
+  /// Applies the change with keys that Read has stored. Throws KeyError of `custom` for errors of the change.
+  void Apply(DiagramBuilder& builder, Diagram& diagram, const std::optional<YamlText>& custom,
+             Outputs& outputs) const {
+    if (!*this) return;
+    Blame("custom", [&] {
+      apply_(builder, diagram, YamlDocument::Parse(custom ? custom->text : "{}", "custom"), outputs);
+    });
+  }
+
+  /// Lists the keys of a scenario: those of the app, and those of the customisation as `custom.KEY`.
+  std::vector<ScenarioKey> Keys(std::vector<ScenarioKey> keys) const {
+    return *this ? WithCustomKeys(std::move(keys), keys_()) : keys;
+  }
+
+ private:
+  std::function<std::string(const YamlDocument& scenario)> read_;
+  std::function<std::vector<ScenarioKey>()> keys_;
+  std::function<void(DiagramBuilder&, Diagram&, const YamlDocument& written, Outputs&)> apply_;
+};
+
+/// The name of the customised variant of a comparison.
+inline constexpr const char* kMine = "mine";
+
+/// Whether a customisation has replaced the block of a port.
+inline bool IsReplaced(const Source& port) {
+  return &port.Current() != &port;
+}
+
+/// Base of the apps whose diagram a program can change. With a change, `--compare` runs it as the variant
+/// `mine` beside the shipped ones, which run without it.
+template <class App, class Diagram>
+class Customisable {
+ public:
+  /// Changes the diagram of each run by `hook(builder, diagram, keys, outputs)`, whose last two arguments are
+  /// optional. The hook is called before the diagram is built and before faults are inserted. `Keys` is a
+  /// struct with Fields() and describes the map `custom` of the scenario, which is read, checked and listed
+  /// by --keys like all other keys:
+  ///
+  ///     struct Keys {
+  ///       double gain_per_s = 30;
+  ///       static tenon::FieldList Fields() { return {{"gain_per_s", &Keys::gain_per_s}}; }
+  ///     };
+  ///     app.Customise<Keys>([](DiagramBuilder& builder, QuadrupedWalk& walk, const Keys& keys) {
+  ///       builder.Replace<MyObserver>(walk.observer, {.gain = keys.gain_per_s});
+  ///     });
+  template <HasFields Keys = NoKeys, class Hook>
+  App& Customise(Hook hook) {
+    customisation_ = Customisation<Diagram>::template Of<Keys>(std::move(hook));
+    return static_cast<App&>(*this);
+  }
+
+ protected:
+  Customisation<Diagram> customisation_;
+};
+
+}  // namespace tenon::apps
