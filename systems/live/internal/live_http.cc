@@ -1,5 +1,6 @@
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/live/internal/bounded_server.h>
 #include <tenon/systems/live/internal/live_channel.h>
 #include <tenon/systems/live/internal/live_http.h>
 
@@ -21,11 +22,10 @@ namespace tenon::internal {
 namespace {
 
 constexpr int kPortsTried = 20;
-constexpr std::size_t kThreads = 48;         // each stream of events occupies one
+constexpr int kBacklog = 64;                 // number of connections that wait to be accepted
 constexpr std::size_t kMaxBody = 1 << 16;    // maximal size of a command [bytes]
 constexpr std::size_t kMaxName = 64;         // maximal length of a client's name [bytes]
 constexpr std::chrono::seconds kBegins(10);  // time to wait for the begin of a run
-constexpr time_t kWriteTimeout = 5;          // timeout for a client that does not read [s]
 
 std::string RandomToken() {
   std::random_device random;
@@ -43,7 +43,7 @@ std::string HostOf(const std::string& address) {
 
 struct LiveHttp::Impl {
   LiveChannel& channel;
-  httplib::Server server;
+  BoundedServer server;
   std::string url, token;
   int port = 0;
   std::vector<std::string> hosts;  // accepted names of this server; not checked if there is a token
@@ -61,13 +61,33 @@ struct LiveHttp::Impl {
     response.set_content(reply.json, "application/json");
   }
 
+  /// Returns whether a browser sent the request for a page of another site. Such a page may only open the
+  /// page of this server in a window, as a link does.
+  static bool IsFromOtherSite(const httplib::Request& request) {
+    const std::string site = request.get_header_value("Sec-Fetch-Site");
+    if (site.empty() || site == "same-origin" || site == "none") return false;
+    return request.method != "GET" || request.path != "/" ||
+           request.get_header_value("Sec-Fetch-Mode") != "navigate" ||
+           request.get_header_value("Sec-Fetch-Dest") != "document";
+  }
+
   /// Returns whether the request comes from the page of this server or not from a page at all. A page of
-  /// another origin sends its origin, and a page after DNS rebinding sends a host name other than those of
-  /// this server.
+  /// another origin sends its origin or its relation to this site, and a page after DNS rebinding sends a
+  /// host name other than those of this server.
   bool Admit(const httplib::Request& request, httplib::Response& response) {
+    server.Received();
+    for (const char* name : {"Host", "Origin", "Sec-Fetch-Site", "Sec-Fetch-Mode", "Sec-Fetch-Dest"}) {
+      if (request.get_header_value_count(name) > 1) {
+        Answer(response, Refusal(400, fmt::format("the header {} is given twice", name)));
+        return false;
+      }
+    }
     const std::string host = request.get_header_value("Host");
     const std::string origin = request.get_header_value("Origin");
-    if (token.empty() && std::ranges::find(hosts, host) == hosts.end()) {
+    if (IsFromOtherSite(request)) {
+      Answer(response,
+             Refusal(403, fmt::format("requests from the pages of other sites are refused: open {}", url)));
+    } else if (token.empty() && std::ranges::find(hosts, host) == hosts.end()) {
       Answer(response, Refusal(403, fmt::format("the name of this server is not '{}': open {}", host, url)));
     } else if (!origin.empty() && origin != "http://" + host) {
       Answer(response, Refusal(403, fmt::format("commands from the page of '{}' are refused", origin)));
@@ -86,12 +106,11 @@ struct LiveHttp::Impl {
   }
 
   void Serve() {
-    server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
     server.set_payload_max_length(kMaxBody);
-    server.set_write_timeout(kWriteTimeout);
-    server.set_read_timeout(kWriteTimeout);
-    server.set_keep_alive_max_count(1);  // so that only streams are open at the end of the run
     server.set_tcp_nodelay(true);
+    server.set_default_headers({{"Content-Security-Policy", "frame-ancestors 'none'"},
+                                {"X-Frame-Options", "DENY"},
+                                {"Cross-Origin-Opener-Policy", "same-origin"}});
     server.Get("/", [this](const httplib::Request& request, httplib::Response& response) {
       if (!Admit(request, response)) return;
       std::unique_lock lock(mutex);
@@ -103,7 +122,7 @@ struct LiveHttp::Impl {
     server.Get("/events", [this](const httplib::Request& request, httplib::Response& response) {
       if (!Admit(request, response)) return;
       const auto reader = std::make_shared<LiveChannel::Reader>(channel, Client(request));
-      if (!reader->admitted())
+      if (!reader->admitted() || !server.BeginStream())
         return Answer(response, Refusal(503, "too many browsers are connected: close one"));
       response.set_header("Cache-Control", "no-store");
       response.set_chunked_content_provider("text/event-stream",
@@ -149,9 +168,11 @@ struct LiveHttp::Impl {
 LiveHttp::LiveHttp(const std::string& address, int port, LiveChannel& channel)
     : impl_(std::make_unique<Impl>(channel)) {
   // Without SO_REUSEPORT, which httplib sets, a port in use is detected.
-  impl_->server.set_socket_options([](socket_t socket) {
+  int listening = -1;
+  impl_->server.set_socket_options([&listening](socket_t socket) {
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+    listening = socket;
   });
   const bool local = address == "127.0.0.1" || address == "localhost";
   if (port == 0) {
@@ -167,6 +188,7 @@ LiveHttp::LiveHttp(const std::string& address, int port, LiveChannel& channel)
         "machine",
         address, port));
   }
+  ::listen(listening, kBacklog);  // httplib's own backlog is 5
   if (!local) impl_->token = RandomToken();
   std::string shown = HostOf(address);
   const bool any = address == "0.0.0.0" || address == "::";
@@ -188,6 +210,7 @@ LiveHttp::~LiveHttp() {
   impl_->channel.Close();
   impl_->server.stop();
   impl_->thread.join();
+  impl_->server.EndConnections();
 }
 
 void LiveHttp::SetPage(std::string html) {

@@ -6,9 +6,18 @@
 #include <gtest/gtest.h>
 #include <httplib.h>
 #include <nlohmann/json.hpp>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <iterator>
 #include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 namespace tenon::internal::live_http_test {
 
@@ -87,6 +96,102 @@ TEST_F(LiveHttpTest, OtherOriginsAndHostsAreRefused) {
   EXPECT_EQ(Post("{}", {{"Host", "evil.example:8080"}})->status, 403);
   EXPECT_EQ(client_.Get("/events?client=me", {{"Host", "evil.example"}})->status, 403);
   EXPECT_EQ(channel_.refused(), 3);
+}
+
+// A browser says which relation a request has to the page that made it.
+TEST_F(LiveHttpTest, RequestsOfPagesOfOtherSitesAreRefused) {
+  const auto from = [&](const std::string& site, const std::string& mode, const std::string& dest) {
+    return client_.Get("/", {{"Sec-Fetch-Site", site}, {"Sec-Fetch-Mode", mode}, {"Sec-Fetch-Dest", dest}})
+        ->status;
+  };
+  EXPECT_EQ(from("none", "navigate", "document"), 200);
+  EXPECT_EQ(from("same-origin", "navigate", "document"), 200);
+  EXPECT_EQ(from("cross-site", "navigate", "document"), 200) << "a link to the page";
+  EXPECT_EQ(from("cross-site", "navigate", "iframe"), 403);
+  EXPECT_EQ(from("same-site", "navigate", "iframe"), 403) << "another port of this machine";
+  EXPECT_EQ(from("cross-site", "no-cors", "image"), 403);
+  for (const char* site : {"cross-site", "same-site"}) {
+    EXPECT_EQ(client_.Get("/events?client=me", {{"Sec-Fetch-Site", site}})->status, 403);
+    EXPECT_EQ(Post("{}", {{"Sec-Fetch-Site", site}})->status, 403);
+    EXPECT_EQ(
+        Post("{}", {{"Sec-Fetch-Site", site}, {"Sec-Fetch-Mode", "navigate"}, {"Sec-Fetch-Dest", "document"}})
+            ->status,
+        403)
+        << "a form";
+  }
+}
+
+TEST_F(LiveHttpTest, ThePageCannotBeFramed) {
+  for (const char* path : {"/", "/else"}) {
+    const auto answer = client_.Get(path);
+    EXPECT_EQ(answer->get_header_value("Content-Security-Policy"), "frame-ancestors 'none'") << path;
+    EXPECT_EQ(answer->get_header_value("X-Frame-Options"), "DENY") << path;
+    EXPECT_EQ(answer->get_header_value("Cross-Origin-Opener-Policy"), "same-origin") << path;
+  }
+}
+
+// Two servers in a row may each use another one of two headers.
+TEST_F(LiveHttpTest, HeadersThatAreGivenTwiceAreRefused) {
+  const std::string host = "127.0.0.1:" + std::to_string(http_.port());
+  for (const auto& [name, value] : {std::pair<std::string, std::string>{"Host", host},
+                                    {"Origin", "http://" + host},
+                                    {"Sec-Fetch-Site", "same-origin"}}) {
+    const auto answer = Post("{}", {{name, value}, {name, value}});
+    EXPECT_EQ(answer->status, 400) << name;
+    EXPECT_THAT(answer->body, HasSubstr(name));
+  }
+}
+
+/// A connection that sends a part of a request.
+class Incomplete {
+ public:
+  Incomplete(int port, const std::string& text) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(static_cast<std::uint16_t>(port));
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof(to)), 0);
+    EXPECT_EQ(::send(socket_, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
+  }
+  ~Incomplete() { ::close(socket_); }
+  Incomplete(const Incomplete&) = delete;
+  Incomplete& operator=(const Incomplete&) = delete;
+
+  /// Sends one byte at a time until the server ends the connection. Returns whether it does so in `within`.
+  bool Drip(std::chrono::seconds within) const {
+    const auto end = std::chrono::steady_clock::now() + within;
+    while (std::chrono::steady_clock::now() < end) {
+      if (::send(socket_, "a", 1, MSG_NOSIGNAL) != 1) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return false;
+  }
+
+ private:
+  int socket_;
+};
+
+std::ptrdiff_t OpenDescriptors() {
+  return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
+}
+
+TEST_F(LiveHttpTest, IncompleteRequestsDoNotKeepThePageAway) {
+  const std::ptrdiff_t before = OpenDescriptors();
+  std::deque<Incomplete> others;
+  for (int i = 0; i < 300; ++i)
+    others.emplace_back(http_.port(), i % 3 == 0   ? ""
+                                      : i % 3 == 1 ? "GET / HT"
+                                                   : "POST /command?client=a HTTP/1.1\r\nHost: a\r\n"
+                                                     "Content-Length: 60000\r\n\r\n{");
+  client_.set_read_timeout(3);
+  const auto page = client_.Get("/");
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->body, "<h1>page</h1>");
+  EXPECT_LT(OpenDescriptors() - before, 300 + 80) << "the run needs descriptors for its files";
+}
+
+TEST_F(LiveHttpTest, ARequestMustArriveInTime) {
+  EXPECT_TRUE(Incomplete(http_.port(), "GET /").Drip(std::chrono::seconds(20)));
 }
 
 TEST_F(LiveHttpTest, BodiesAreChecked) {
