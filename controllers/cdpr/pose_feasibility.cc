@@ -250,12 +250,12 @@ bool PoseFeasibility::HoldsByTensions(const SmallMatrix& gram_inverse, double co
 bool PoseFeasibility::FailsOver() const {
   if (!(margins_.tension < 0)) return false;
   const CableProperties& cable = robot_.cable;
-  SmallVector c = wrenches_.normal(margins_.facet);
-  c.normalize();
+  const auto& normal = wrenches_.normal(margins_.facet);
   double sum = 0;
-  for (int i = 0; i < robot_.num_cables(); ++i) sum += c.dot(structure_.col(i));
+  for (int i = 0; i < robot_.num_cables(); ++i) sum += normal.dot(structure_.col(i));
   // The more violated of the two opposite facets, and the required wrench that is farthest beyond it.
-  if ((cable.tension_max + cable.tension_min) / 2 * sum > c.dot(required_.centre)) c = -c;
+  const bool opposite = (cable.tension_max + cable.tension_min) / 2 * sum > normal.dot(required_.centre);
+  const SmallVector c = normal * ((opposite ? -1 : 1) / normal.norm());
   SmallVector wrench = required_.centre;
   for (int k = 0; k < rows_; ++k) wrench[k] += c[k] < 0 ? -required_.half_width[k] : required_.half_width[k];
   return FailsByFixedNormal(c, wrench) || FailsByMovingNormal(c, wrench);
