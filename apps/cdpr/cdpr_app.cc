@@ -19,8 +19,7 @@ int CompareControllers(const RunOptions& options, const CdprScenario& scenario,
   std::vector<Variant> variants;
   std::string names;
   const auto add = [&](const std::string& name, const CdprScenario& run, const CdprCustomisation& change) {
-    variants.push_back(
-        {name, [run, change](const RunOptions& each) { return RunCdpr(run, each, change); }});
+    variants.push_back({name, [run, change](const RunOptions& each) { return RunCdpr(run, each, change); }});
     names += (names.empty() ? "" : ", ") + name;
   };
   CdprScenario shipped = scenario;

@@ -6,7 +6,8 @@
 
 namespace tenon::apps {
 
-/// The app tenon-cdpr. A program with a block of its own, such as a controller, is written as for QuadrupedApp.
+/// The app tenon-cdpr. A program with a block of its own, such as a controller, is written as for
+/// QuadrupedApp.
 class CdprApp : public Customisable<CdprApp, CdprLoop> {
  public:
   /// The main function: reads the command line (see --help), runs the scenario once or once for each

@@ -6,8 +6,9 @@ namespace tenon::apps {
 
 void RefuseCustomKeys(const std::optional<YamlText>& custom) {
   if (custom)
-    throw KeyError("custom",
-                   "only a program with blocks of its own has keys here: run that program, or remove `custom`");
+    throw KeyError(
+        "custom",
+        "only a program with blocks of its own has keys here: run that program, or remove `custom`");
 }
 
 std::vector<ScenarioKey> WithCustomKeys(std::vector<ScenarioKey> keys, std::vector<ScenarioKey> own) {

@@ -68,7 +68,8 @@ void Outputs::Arrow(std::string name, ShapeRole role, const OutputPort<Vec<3>>& 
 
 void Outputs::Plot(std::string title, std::vector<const Source*> signals,
                    std::vector<const Source*> references) {
-  for (const auto* list : {&signals, &references}) signals_.insert(signals_.end(), list->begin(), list->end());
+  for (const auto* list : {&signals, &references})
+    signals_.insert(signals_.end(), list->begin(), list->end());
   plots_.push_back({std::move(title), std::move(signals), std::move(references)});
 }
 

@@ -31,8 +31,8 @@ class Outputs {
 
   /// Adds a signal to signals.csv and the report.
   void Log(const Source& signal) { signals_.push_back(&signal); }
-  /// Draws an arrow in the replay and on the live page, from a point [m] along scale * vector, both in W; for a
-  /// force, `scale` is in m/N. It is shown and hidden with the other shapes of its role.
+  /// Draws an arrow in the replay and on the live page, from a point [m] along scale * vector, both in W; for
+  /// a force, `scale` is in m/N. It is shown and hidden with the other shapes of its role.
   void Arrow(std::string name, ShapeRole role, const OutputPort<Vec<3>>& point_W,
              const OutputPort<Vec<3>>& vector_W, double scale);
   /// Draws other shapes, of a block of your own.

@@ -10,8 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -93,7 +93,8 @@ template <int first = 0>
 // those of every regular one. NaN if J is not finite: the decomposition writes no result then.
 Eigen::Matrix3d InverseOfSingular(const Eigen::Matrix3d& J) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  if (svd.info() != Eigen::Success) return Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  if (svd.info() != Eigen::Success)
+    return Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
   const Eigen::Vector3d values = svd.singularValues().cwiseMax(2 * kStraight * J.norm());
   return svd.matrixV() * values.cwiseInverse().asDiagonal() * svd.matrixU().transpose();
 }

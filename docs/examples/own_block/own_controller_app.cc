@@ -6,13 +6,13 @@
 #include <cmath>
 
 struct IntegralPdParams {
-  tenon::CablePdParams pd;           // gains and model of the shipped PD
-  double integral_N_per_m_s = 100;   // K_i
+  tenon::CablePdParams pd;          // gains and model of the shipped PD
+  double integral_N_per_m_s = 100;  // K_i
   void Validate() const { pd.Validate(); }
 };
 
-// A PD of the cable lengths with an integral: f = f* + K_p e + K_d e' + K_i ∫ e dt, kept inside the bounds of the
-// tension, with the errors e of the lengths and the tensions f* of the reference.
+// A PD of the cable lengths with an integral: f = f* + K_p e + K_d e' + K_i ∫ e dt, kept inside the bounds of
+// the tension, with the errors e of the lengths and the tensions f* of the reference.
 class IntegralPd final : public tenon::LeafSystem<IntegralPdParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -20,15 +20,16 @@ class IntegralPd final : public tenon::LeafSystem<IntegralPdParams> {
   tenon::InputPort<tenon::CdprReference> reference{this, {"reference"}};
   tenon::Scratch<tenon::CableVector> integral{
       this, "integral", tenon::CableVector(tenon::CableVector::Zero(params.pd.robot.num_cables()))};
-  tenon::OutputPort<tenon::CableVector> command{
-      this,
-      {"command", "N"},
-      tenon::CableVector::Zero(params.pd.robot.num_cables()),
-      tenon::Sampled{params.pd.rate},
-      tenon::Uses(cables, reference, integral),
-      &IntegralPd::CalcCommand};
+  tenon::OutputPort<tenon::CableVector> command{this,
+                                                {"command", "N"},
+                                                tenon::CableVector::Zero(params.pd.robot.num_cables()),
+                                                tenon::Sampled{params.pd.rate},
+                                                tenon::Uses(cables, reference, integral),
+                                                &IntegralPd::CalcCommand};
   tenon::OutputPort<double> largest_error{
-      this, {"largest_error", "m"}, tenon::Uses(cables, reference),
+      this,
+      {"largest_error", "m"},
+      tenon::Uses(cables, reference),
       [](const tenon::CableSignals& cables, const tenon::CdprReference& reference) {
         return (cables.length - reference.length).cwiseAbs().maxCoeff();
       }};
@@ -55,8 +56,7 @@ int main(int argc, char** argv) {
                           tenon::apps::Outputs& outputs) {
         tenon::Demand(loop.control.pd != nullptr, "this controller replaces a PD: set controller=pd");
         auto& mine = builder.Replace<IntegralPd>(
-            *loop.control.pd,
-            {.pd = loop.control.pd->params, .integral_N_per_m_s = keys.integral_N_per_m_s});
+            *loop.control.pd, {.pd = loop.control.pd->params, .integral_N_per_m_s = keys.integral_N_per_m_s});
         outputs.Plot("largest error of the lengths", {&mine.largest_error});
         outputs.Figure("length_error_max_m", mine.largest_error, &tenon::apps::Tally::max);
       })

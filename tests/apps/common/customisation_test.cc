@@ -88,7 +88,8 @@ TEST_F(CustomisationTest, HasKeysSignalsPlotsAndFiguresOfItsOwn) {
   EXPECT_NEAR(SummaryOf("run")["guess_max_N"], 4, 1e-9);
   EXPECT_NEAR(SummaryOf("run")["guess_late_min_N"], 2, 1e-9);
   EXPECT_NEAR(test::Column(out / "run", "guess.output [N]").back(), 4, 1e-9);
-  EXPECT_THAT(Read(out / "run/report.html"), AllOf(HasSubstr("\"title\":\"the guess\""), HasSubstr("\"name\":\"the guess\"")));
+  EXPECT_THAT(Read(out / "run/report.html"),
+              AllOf(HasSubstr("\"title\":\"the guess\""), HasSubstr("\"name\":\"the guess\"")));
   EXPECT_THAT(Read(out / "run/scenario.yaml"), HasSubstr("gain_per_s: 40"));
   // The written scenario repeats the run, and has the defaults of the customisation filled in.
   ASSERT_EQ(RunIn("again", AppOfGain(), {(out / "run/scenario.yaml").string(), "--duration", "0.1"}), 0);
@@ -163,16 +164,18 @@ TEST_F(CustomisationTest, ReplacesTheSupervisorOfAGuideDogAndTheControllerOfACab
 
 // The tutorial's program in a campaign, which runs it in one process per run.
 TEST_F(CustomisationTest, CampaignsRunIt) {
-  const std::string file = Write("bandwidth.yaml", std::string("app: ") + MY_OBSERVER +
-                                                       "\nscenario: A1\nduration_s: 0.1\n"
-                                                       "set: {walk.judged_from_s: 0}\n"
-                                                       "vary: {custom.bandwidth_rad_per_s: {grid: [5, 50]}}\n");
-  const test::Result result =
-      test::RunCommand(std::string(TENON_CAMPAIGN) + " " + file + " --jobs 1 --out " + (out / "runs").string());
+  const std::string file =
+      Write("bandwidth.yaml", std::string("app: ") + MY_OBSERVER +
+                                  "\nscenario: A1\nduration_s: 0.1\n"
+                                  "set: {walk.judged_from_s: 0}\n"
+                                  "vary: {custom.bandwidth_rad_per_s: {grid: [5, 50]}}\n");
+  const test::Result result = test::RunCommand(std::string(TENON_CAMPAIGN) + " " + file + " --jobs 1 --out " +
+                                               (out / "runs").string());
   ASSERT_EQ(result.exit_code, 0) << result.text;
   EXPECT_THAT(Read(out / "runs/runs.csv"), HasSubstr(",dogbot,mine,"));
   EXPECT_THAT(Read(out / "runs/runs.csv"),
-              AllOf(HasSubstr("custom.bandwidth_rad_per_s"), HasSubstr("\n0,1,5,A1,true,false,"), HasSubstr("\n1,1,50,A1,true,false,")));
+              AllOf(HasSubstr("custom.bandwidth_rad_per_s"), HasSubstr("\n0,1,5,A1,true,false,"),
+                    HasSubstr("\n1,1,50,A1,true,false,")));
 }
 
 }  // namespace
