@@ -36,12 +36,12 @@ constexpr auto EnumNames(LeggedIntegrator) {
 
 /// Integration of a diagram with a QuadrupedWorld. The defaults are those that QuadrupedPlant recommends.
 struct LeggedIntegration {
-  LeggedIntegrator method = LeggedIntegrator::kRungeKutta;  ///< kStabilized allows longer steps
+  LeggedIntegrator method = LeggedIntegrator::kRungeKutta;  ///< method; a stabilized one allows longer steps
   int order = 2;                                            ///< order of the method; 2 or 3 if stabilized
   double rtol = 1e-2;                                       ///< relative tolerance
   double atol_position = 1e-4;  ///< absolute tolerance of positions and angles [m, rad]
-  double atol_velocity = 1e-2;  ///< absolute tolerance of their rates [m/s, rad/s]
-  double atol_bristles = 1e-6;  ///< absolute tolerance of the bristles of the feet [m]
+  double atol_velocity = 1e-2;  ///< absolute tolerance of velocities and angular rates [m/s, rad/s]
+  double atol_bristles = 1e-6;  ///< absolute tolerance of the bristle deflections in the feet's friction [m]
 
   static FieldList Fields() {
     return {{"method", &LeggedIntegration::method},

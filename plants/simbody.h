@@ -1,19 +1,20 @@
 #pragma once
 
-/// The one door to Simbody. Include this and never <Simbody.h>, and include it from .cc files alone: then
-/// only the translation units that build a model pay for Simbody's headers (2 s each) and for what follows.
+/// Includes Simbody. Include this header instead of <Simbody.h>, and only in .cc files, so that only
+/// translation units that build a model have to compile Simbody's headers (2 s each).
 ///
-/// Simbody 3.7 as Debian packages it needs three cures:
-///  - Its index types convert to int and compare with every integer type by members that are not symmetric.
-///    C++20 also tries each comparison reversed, which makes `a == b` of two indices ambiguous. The operator
-///    below is an exact match for both orders, for those types alone.
-///  - The packaged libraries are compiled without NDEBUG, and a struct of StateImpl.h has members that exist
-///    only without it. A translation unit compiled with -DNDEBUG, as CMake's Release does, lays that struct
-///    out differently from the library and crashes when it realizes a topology. So such files are compiled
-///    with -UNDEBUG after the build type's flags; the #error says so before the crash does.
-///  - clang refuses a template in the header of the multibody graph maker, which nothing here uses.
+/// It also works around three problems of Simbody 3.7 as packaged by Debian:
+///  - Its index types convert to int and have members that compare them with every integer type. In C++20,
+///    which also tries each comparison with reversed operands, `a == b` of two indices is therefore
+///    ambiguous. The operator below is an exact match for these types in both orders.
+///  - A struct in StateImpl.h has members that exist only without NDEBUG, and the packaged libraries are
+///    compiled without it. A translation unit compiled with -DNDEBUG, as in CMake's Release build, therefore
+///    has a different layout of that struct and crashes when it realizes a topology. The #error requires
+///    -UNDEBUG after the build type's flags.
+///  - Clang rejects a template in the header of the multibody graph maker, which Tenon does not use.
 ///
-/// Never `using namespace SimTK`: its Vec3, Real or Matrix would stand beside Eigen's and Tenon's.
+/// Do not write `using namespace SimTK`: its Vec3, Real and Matrix are easily confused with Eigen's and
+/// Tenon's.
 
 #ifdef NDEBUG
 #error "Simbody's packaged libraries are built without NDEBUG: compile this file with -UNDEBUG"

@@ -17,16 +17,18 @@ namespace tenon::apps {
 /// The variation of one key of the scenarios in a campaign, in exactly one of these ways. Grids, lists and
 /// choices span a product of points; the others draw one value for each seed.
 struct Variation {
-  std::vector<double> grid;                       ///< numbers of a grid
-  std::optional<std::array<double, 3>> linspace;  ///< a grid: from, to, count
-  std::vector<YamlText> list;                     ///< any values
+  std::vector<double> grid;                       ///< numbers of the grid
+  std::optional<std::array<double, 3>> linspace;  ///< evenly spaced grid: first, last, number of values
+  std::vector<YamlText> list;                     ///< list of values of any type
   /// Names and the keys that each of them sets.
   std::map<std::string, std::map<std::string, YamlText>> choices;
-  std::optional<std::array<double, 2>> uniform;    ///< low, high
-  std::optional<std::array<double, 2>> normal;     ///< mean, standard deviation
-  std::optional<std::array<double, 2>> lognormal;  ///< mean, standard deviation of the logarithm
-  std::optional<std::array<double, 2>> sobol;      ///< low, high; all such keys share one Sobol sequence
-  std::optional<std::array<double, 2>> latin_hypercube;  ///< low, high; all such keys share one design
+  std::optional<std::array<double, 2>> uniform;  ///< uniform distribution: minimum, maximum
+  std::optional<std::array<double, 2>> normal;   ///< normal distribution: mean, standard deviation
+  /// Lognormal distribution: mean, standard deviation of the logarithm.
+  std::optional<std::array<double, 2>> lognormal;
+  std::optional<std::array<double, 2>> sobol;  ///< minimum, maximum; all such keys share one Sobol sequence
+  /// Minimum, maximum; all such keys share one Latin hypercube design.
+  std::optional<std::array<double, 2>> latin_hypercube;
   /// Keys that are set to the value times a factor; empty: the key of the variation itself.
   std::map<std::string, double> sets;
 
@@ -40,7 +42,7 @@ struct Variation {
 };
 
 struct SeedRange {
-  std::uint64_t first = 1;  ///< the seed of the first run
+  std::uint64_t first = 1;  ///< seed of the first run
   std::size_t count = 1;    ///< number of runs with consecutive seeds
 
   static FieldList Fields() { return {{"first", &SeedRange::first}, {"count", &SeedRange::count}}; }
@@ -52,10 +54,10 @@ struct SeedRange {
 /// Wilson's interval lies on one side of the probability, with the confidence divided among these tests
 /// (Bonferroni). If all seeds are used, the share of survivors decides.
 struct LimitSearch {
-  std::string key;                     ///< varied key, or a name if `sets` is given
+  std::string key;                     ///< varied key, or any name if `sets` is given
   std::map<std::string, double> sets;  ///< keys that are set to the value times a factor; empty: `key`
-  double from = 0;                     ///< value assumed to be survived
-  double to = 0;                       ///< value assumed to fail
+  double from = 0;                     ///< value at which all runs are assumed to survive
+  double to = 0;                       ///< value at which all runs are assumed to fail
   int steps = 6;                       ///< number of bisection steps
   double probability = 0.9;            ///< required probability of survival
 
@@ -75,17 +77,20 @@ constexpr auto EnumNames(Estimate) {
 
 /// The file of a campaign.
 struct CampaignFile {
-  std::string app;                        ///< app that runs the scenarios
-  std::string scenario;                   ///< a shipped scenario or a YAML file
-  std::string description;                ///< one line
-  std::optional<double> duration_s;       ///< duration of each run, instead of the scenario's
-  SeedRange seeds;                        ///< seeds at each point; the maximum with `estimate` or `limit`
-  std::map<std::string, YamlText> set;    ///< values set in all scenarios
-  std::map<std::string, Variation> vary;  ///< variations by key of the scenario, or of `scenario` itself
-  std::optional<double> wall_limit_s;  ///< limit of the wall-clock time; a longer run is ended and has failed
-  Estimate estimate = Estimate::kAll;  ///< survival: until Wilson's interval is below interval_width
-  double interval_width = 0.1;         ///< width of Wilson's interval at which a point ends
-  double confidence = 0.95;            ///< confidence of all intervals
+  std::string app;                      ///< name of the app that runs the scenarios
+  std::string scenario;                 ///< a shipped scenario or a YAML file
+  std::string description;              ///< description of the campaign in one line
+  std::optional<double> duration_s;     ///< duration of each run; empty: the scenario's duration
+  SeedRange seeds;                      ///< seeds at each point; the maximum with `estimate` or `limit`
+  std::map<std::string, YamlText> set;  ///< values set in all scenarios, by key
+  /// Variations by key of the scenario; the key `scenario` varies the scenario itself.
+  std::map<std::string, Variation> vary;
+  std::optional<double> wall_limit_s;  ///< maximum wall-clock time of a run; a longer run counts as failed
+  /// Seeds of each point: all, or, with `survival`, until Wilson's interval is narrower than
+  /// `interval_width`.
+  Estimate estimate = Estimate::kAll;
+  double interval_width = 0.1;  ///< width of Wilson's interval below which a point needs no more runs
+  double confidence = 0.95;     ///< confidence of all intervals
   std::optional<LimitSearch> limit;
   std::string worst_by;  ///< figure whose largest values are listed; default: the first error
 

@@ -7,8 +7,8 @@
 namespace tenon::apps {
 namespace {
 
-constexpr double kSettled = 0.02;  // m, the thesis's threshold
-constexpr double kTaken = 3;       // s, after which a load counts as taken up
+constexpr double kSettled = 0.02;  // threshold of the thesis [m]
+constexpr double kTaken = 3;       // time after which the platform has settled under a load [s]
 
 double Distance(std::span<const double> row, const std::vector<std::size_t>& a,
                 const std::vector<std::size_t>& b) {

@@ -54,7 +54,7 @@ FieldList CdprHardwareScenario::Fields() {
 
 namespace {
 
-constexpr int kMostSamples = 10'000;  // of a sensor's latency
+constexpr int kMostSamples = 10'000;  // maximum latency of a sensor
 
 }  // namespace
 

@@ -11,15 +11,16 @@
 namespace tenon::apps {
 
 /// @file
-/// Hardware of a cable robot in scenarios, from files such as plants/hardware/cdpr/standard.yaml. Keys
-/// without a value are ideal. The noise of pose sensor and inertial unit is the scenario's `noise`.
+/// The keys of a cable robot's hardware, in files such as plants/hardware/cdpr/standard.yaml. Values that are
+/// not given are those of ideal hardware. The noise of pose sensor and inertial unit is the scenario's
+/// `noise`.
 
 /// Errors of the winches, see WinchErrors.
 struct WinchScenario {
-  double gain_deviation = 0;
-  double ripple_ratio = 0;
+  double gain_deviation = 0;  ///< standard deviation of the torque constants
+  double ripple_ratio = 0;    ///< standard deviation of the torque ripple, relative to the tension
   double friction_ratio = 0;  ///< dry friction over tension
-  double friction_speed_m_per_s = 0.005;
+  double friction_speed_m_per_s = 0.005;  ///< cable speed at which the friction reaches 76 % of its bound
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError
@@ -27,13 +28,14 @@ struct WinchScenario {
 
 /// Encoders on the drums and load cells, see CableSensors.
 struct CableSensorScenario {
-  std::optional<double> rate_hz;  ///< 1000
-  int latency_samples = 0;
-  double resolution_m = 0;
-  double offset_m = 0;           ///< standard deviation, by cable
-  double rate_bandwidth_hz = 0;  ///< 0: rates are measured
-  double tension_noise_ratio = 0;
-  double tension_offset_N = 0;  ///< standard deviation, by load cell
+  std::optional<double> rate_hz;  ///< sample rate; empty: 1000 Hz
+  int latency_samples = 0;        ///< delay of the output
+  double resolution_m = 0;        ///< resolution of the lengths; 0: ideal
+  double offset_m = 0;            ///< standard deviation of the constant error of each length
+  /// Cut-off of the low-pass filter of the rates, which are differences of lengths; 0: ideal rates.
+  double rate_bandwidth_hz = 0;
+  double tension_noise_ratio = 0;  ///< standard deviation of the noise, relative to the tension
+  double tension_offset_N = 0;     ///< standard deviation of the constant error of each load cell
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError

@@ -13,7 +13,7 @@ namespace tenon::apps {
 namespace {
 
 constexpr double kQuarterTurn = std::numbers::pi / 2;
-constexpr double kTogether = 1e-6;  // m, what shares an anchor or an attachment, or crosses
+constexpr double kTogether = 1e-6;  // distance below which two points coincide [m]
 
 bool Sags(const CdprDescription& robot) {
   return robot.cable.mass_per_length > 0;

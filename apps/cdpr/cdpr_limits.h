@@ -15,20 +15,22 @@
 namespace tenon::apps {
 
 /// Checks that a run of a CdprLoop was physically possible, from a log at each tick of its controller:
-///  - The distance of two cables, as straight lines from anchors or pulleys, is at least their diameter.
-///  Pairs
-///    that touch at the start are assumed to be led past each other, as the crossed cables of cdpr_8, and are
-///    not checked.
-///  - No cable runs through the platform, see CableInterference. If one does at the start, the platform is
-///    assumed to be an open frame and is not checked. Cables without tension are not checked.
-///  - Platform, payload, hanging load and cables, with their sag, stay above the floor, z = 0.
-///  - The heading differs from its reference by at most a quarter turn: the restoring moment of the cables is
-///    proportional to the sine of that angle.
 ///
-/// CdprMonitor checks slack and the largest tension.
+/// The distance between two cables, as straight lines from anchors or pulleys, is at least their diameter.
+/// Pairs that touch at the start are assumed to be guided past each other, like the crossed cables of cdpr_8,
+/// and are not checked.
+///
+/// No cable runs through the platform, see CableInterference. If one does at the start, the platform is
+/// assumed to be an open frame and is not checked. Cables without tension are not checked.
+///
+/// Platform, payload, hanging load and cables, with their sag, stay above the floor, z = 0. The heading
+/// differs from its reference by at most a quarter turn: the restoring moment of the cables is proportional
+/// to the sine of that angle.
+///
+/// Slack cables and the largest tension are checked by CdprMonitor.
 class CdprLimits final : public LogSink {
  public:
-  /// Signals to log.
+  /// The signals that must be logged.
   static std::vector<const Source*> Signals(const CdprLoop& loop);
 
   /// `cable_diameter` is the distance below which two cables touch [m].
@@ -46,15 +48,16 @@ class CdprLimits final : public LogSink {
 
   CdprDescription robot_;
   double cable_diameter_;
-  std::vector<bool> pull_;   // one per cable: whether it has tension
-  CdprDescription pulling_;  // the robot with these cables alone
+  std::vector<bool> pull_;   // whether each cable has tension
+  CdprDescription pulling_;  // robot_ with only those cables that have tension
   CableInterference interference_;
-  CableKinematics all_, cables_;  // of the row: of all, and of those
+  CableKinematics all_, cables_;  // kinematics of all cables and of those with tension, at the current row
   bool started_ = false;
-  std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // of cables that may not touch
+  std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // pairs of cables that must not touch
   bool open_frame_ = false;
   std::vector<std::size_t> position_, attitude_, euler_, reference_, tension_, payload_, load_;
-  std::vector<std::pair<std::size_t, std::size_t>> pieces_;  // of cables that sag: height, tension
+  std::vector<std::pair<std::size_t, std::size_t>>
+      pieces_;  // columns of height and tension of sagging cables
   std::size_t payload_mass_ = 0;
 
   Tally distances_, angles_, heights_, turns_;  // [m], [rad], [m], [rad]

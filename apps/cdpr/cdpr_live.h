@@ -19,7 +19,7 @@ class CdprLive {
   CdprLive(DiagramBuilder& builder, CdprLoop& loop);
   /// Adds the signals to log.
   void AddTo(std::vector<const Source*>& signals) const { signals.push_back(&pull_.wrench); }
-  /// The first shapes must be those of the plant.
+  /// Returns the commands for the live page, on which the plant's shapes must come first.
   LiveControls Controls() const;
 
  private:

@@ -21,7 +21,7 @@ std::string Describe(const CdprScenario& scenario, const std::string& controller
                      scenario.duration_s, scenario.seed);
 }
 
-/// From which keys of a scenario the blocks are made.
+/// The keys of a scenario that hold the parameters of the blocks.
 static constexpr KeyOfBlock kKeysOfBlocks[] = {
     {"plant", "robot"},
     {"reference", "path"},
@@ -91,7 +91,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
     summary.Set("loaded_error_rms_m", figures->loaded_error().rms());
     summary.Set("loaded_swing_rms_rad", figures->loaded_swing());
     summary.Set("settling_time_s", figures->settling_time());
-    // Commands keep within the bounds; the plant's tensions are judged by what ends the run, see CdprMonitor.
+    // Commands stay within the bounds; the plant's tensions are judged by CdprMonitor, which may end the run.
     summary.Limit("command_min_N", {.low = tension.low});
     summary.Limit("command_max_N", {.high = tension.high});
     if (scenario.forbid_slack) summary.Limit("tension_min_N", {.low = 0});

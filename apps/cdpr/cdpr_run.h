@@ -8,7 +8,7 @@
 
 namespace tenon::apps {
 
-/// One line with robot, controllers, duration and seed.
+/// Returns robot, controllers, duration and seed in one line.
 std::string Describe(const CdprScenario& scenario, const std::string& controllers);
 /// Runs one scenario, in a diagram that `customisation` changes. Throws KeyError, and the errors of the
 /// outputs.

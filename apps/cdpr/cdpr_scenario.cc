@@ -33,14 +33,15 @@ void CheckWaypoints(const std::vector<WaypointScenario>& waypoints) {
   for (std::size_t i = 1; i < waypoints.size(); ++i) {
     const WaypointScenario& waypoint = waypoints[i];
     Demand(waypoint.travel_s.has_value() != waypoint.speed_m_per_s.has_value(),
-           fmt::format("waypoints.{}: give one of travel_s and speed_m_per_s, not {}", i,
-                       waypoint.travel_s ? "both" : "none"));
-    Demand(waypoint.travel_s || waypoint.position_m != waypoints[i - 1].position_m,
-           fmt::format("waypoints.{} has the position of the one before: give travel_s, or lengthen the "
-                       "dwell_s of the one before",
-                       i));
+           fmt::format("waypoints.{}: give either travel_s or speed_m_per_s, not {}", i,
+                       waypoint.travel_s ? "both" : "neither"));
+    Demand(
+        waypoint.travel_s || waypoint.position_m != waypoints[i - 1].position_m,
+        fmt::format("waypoints.{} has the position of waypoints.{}: give travel_s instead of speed_m_per_s, "
+                    "or increase dwell_s of waypoints.{}",
+                    i, i - 1, i - 1));
     Demand(!waypoint.attitude_rad || start.attitude_rad,
-           fmt::format("waypoints.{} says attitude_rad: give that of waypoints.0 as well", i));
+           fmt::format("waypoints.{} has attitude_rad, but waypoints.0 has none: add it to waypoints.0", i));
   }
 }
 
@@ -52,7 +53,7 @@ void PathScenario::Validate() const {
   if (!attitudes_rad.empty()) {
     Demand(!attitude_rad, "attitude_rad and attitudes_rad are both given: remove one of them");
     Demand(kind == PathKind::kLine || kind == PathKind::kSpline,
-           "attitudes_rad are for a line or a spline: give attitude_rad");
+           "attitudes_rad is valid only for a line or a spline: give attitude_rad instead");
     Demand(attitudes_rad.size() == points,
            fmt::format("points_m has {} entries and attitudes_rad has {}: give one attitude per point",
                        points, attitudes_rad.size()));
@@ -69,11 +70,11 @@ void PathScenario::Validate() const {
     return Demand(file.has_value(), "a path of kind file needs a file: for example file: scan.csv");
   if (kind == PathKind::kWaypoints) return CheckWaypoints(waypoints);
   if (kind == PathKind::kHold) {
-    Demand(points == 1, fmt::format("a path that holds needs one entry in points_m, found {}", points));
+    Demand(points == 1, fmt::format("a path of kind hold needs one entry in points_m, found {}", points));
     return;
   }
   Demand(kind != PathKind::kLine || points == 2,
-         fmt::format("a line needs two entries in points_m, found {}", points));
+         fmt::format("a path of kind line needs two entries in points_m, found {}", points));
   Demand(times_s.size() == points,
          fmt::format("points_m has {} entries and times_s has {}: give one time per point", points,
                      times_s.size()));
@@ -140,17 +141,16 @@ PlatformPath PathScenario::Make() const {
   constexpr double kLongest = 3600;  // s
   const double begin = path.position.start_time(), end = path.position.end_time();
   Demand(path.position.is_periodic() || end - begin <= kLongest,
-         fmt::format("{}: the path takes {:.10g} s; it is planned before the run and may take at most {} s",
+         fmt::format("{}: the path lasts {:.10g} s, but may last at most {} s: shorten it",
                      kind == PathKind::kFile        ? "file"
                      : kind == PathKind::kWaypoints ? "waypoints"
                                                     : "times_s",
                      end - begin, kLongest));
   Demand(!path.attitude || !attitude_rad,
-         "the path gives attitudes at its points and attitude_rad for all of it: remove one of them");
+         "the path has both attitudes at its points and attitude_rad: remove one of them");
   Demand(
       tension_aim_N == 0 || path.attitude || attitude_rad,
-      fmt::format("tension_aim_N = {} needs attitude_rad: without it the tensions follow from the attitude",
-                  tension_aim_N));
+      fmt::format("tension_aim_N = {} needs attitude_rad: add it, or remove tension_aim_N", tension_aim_N));
   return path;
 }
 
@@ -172,7 +172,8 @@ void MpcScenario::Validate() const {
 void PayloadScenario::Validate() const {
   DemandNotNegative("mass_kg", mass_kg);
   DemandNear("position_m", position_m);
-  Demand(release_s >= attach_s, fmt::format("release_s = {} lies before attach_s = {}", release_s, attach_s));
+  Demand(release_s >= attach_s,
+         fmt::format("release_s = {} must not be before attach_s = {}", release_s, attach_s));
 }
 
 void GustScenario::Validate() const {
@@ -183,7 +184,8 @@ void HangingLoadScenario::Validate() const {
   DemandPositive("mass_kg", mass_kg);
   DemandPositive("length_m", length_m);
   Demand(swing_m.norm() < length_m,
-         fmt::format("swing_m is {:.4g} m long, the rope only length_m = {}", swing_m.norm(), length_m));
+         fmt::format("swing_m has a length of {:.4g} m, but must be shorter than the rope, length_m = {}",
+                     swing_m.norm(), length_m));
 }
 
 void NoiseScenario::Validate() const {
@@ -197,9 +199,8 @@ void NoiseScenario::Validate() const {
 
 void CdprScenario::Validate() const {
   Demand(duration_s > 0, fmt::format("duration_s = {} must be positive", duration_s));
-  Demand(
-      !IsMpc(controller) || mpc.has_value(),
-      fmt::format("controller is '{}' but there is no section mpc: give its weights", EnumName(controller)));
+  Demand(!IsMpc(controller) || mpc.has_value(),
+         fmt::format("controller '{}' needs the key mpc: add mpc with its weights", EnumName(controller)));
   DemandRate("log_rate_hz", log_rate_hz);
   DemandBetween("max_tension_ratio", max_tension_ratio, 1, 2);
   DemandNotNegative("cable_diameter_m", cable_diameter_m);
@@ -251,7 +252,7 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
       return equilibria(believed);
     } catch (const ParameterError& error) {
       if (believed.mass == params.robot.mass) throw;
-      equilibria(params.robot);  // if this throws, the path is at fault
+      equilibria(params.robot);  // throws if the path is infeasible for the true mass, too
       throw KeyError("mpc.mass_error", error.what());
     }
   });

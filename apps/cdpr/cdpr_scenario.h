@@ -26,14 +26,15 @@ constexpr auto EnumNames(PathKind) {
                     Named{PathKind::kWaypoints, "waypoints"}, Named{PathKind::kFile, "file"}};
 }
 
-/// A place on the platform's way, how it gets there, and how long it stays: it comes to rest where it dwells,
-/// at the first and at the last, and passes through the others without stopping.
+/// Waypoint of the platform. The platform rests at the first and the last waypoint and wherever it dwells; it
+/// passes through the others without stopping.
 struct WaypointScenario {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< position of the CoM
-  std::optional<Eigen::Vector3d> attitude_rad;           ///< roll, pitch, yaw; without: as before
-  std::optional<double> travel_s;                        ///< time from the waypoint before; this
-  std::optional<double> speed_m_per_s;                   ///< or this: on average, along a straight line
-  double dwell_s = 0;                                    ///< how long it rests there
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< position of the CoM in W
+  std::optional<Eigen::Vector3d> attitude_rad;  ///< roll, pitch, yaw; empty: those of the previous waypoint
+  std::optional<double> travel_s;               ///< travel time from the previous waypoint
+  /// Mean speed on the straight line from the previous waypoint; alternative to `travel_s`.
+  std::optional<double> speed_m_per_s;
+  double dwell_s = 0;  ///< time at rest at the waypoint
 
   static FieldList Fields() {
     return {Required("position_m", &WaypointScenario::position_m),
@@ -45,29 +46,30 @@ struct WaypointScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// The path and its duration, made from a path scenario.
+/// The path of a platform, made from a PathScenario.
 struct PlatformPath {
   Path position;
-  std::optional<Path> attitude;  ///< roll, pitch, yaw [rad], if they are given by place
+  std::optional<Path> attitude;  ///< roll, pitch, yaw [rad]; empty if the scenario gives none for the points
 };
 
-/// The path of the platform's CoM, in the world.
+/// The path of the platform's CoM in W.
 struct PathScenario {
   PathKind kind = PathKind::kCircle;      ///< shape of the path
   Eigen::Vector3d center_m{0, 0, 2};      ///< centre of the circle
   double radius_m = 0.5;                  ///< radius of the circle
-  double period_s = 10;                   ///< time of one turn
-  double ramp_s = 5;                      ///< time in which the circle's speed is reached
-  std::vector<Eigen::Vector3d> points_m;  ///< points of a hold (1), a line (2) or a spline
-  std::vector<double> times_s;            ///< times of the points; a line and a spline need them
-  /// Roll, pitch, yaw all along the path, for robots of six cables or more; else the equilibrium's.
+  double period_s = 10;                   ///< duration of one turn of the circle
+  double ramp_s = 5;                      ///< time in which the platform reaches the circle's speed
+  std::vector<Eigen::Vector3d> points_m;  ///< one point for a hold, two for a line, or those of a spline
+  std::vector<double> times_s;            ///< times of the points of a line or a spline
+  /// Constant roll, pitch and yaw, for robots with six or more cables; empty: those of the equilibria.
   std::optional<Eigen::Vector3d> attitude_rad;
-  /// Attitude at each of the points, for a line or a spline that turns the platform on its way.
+  /// Roll, pitch and yaw at each point of a line or a spline along which the platform turns.
   std::vector<Eigen::Vector3d> attitudes_rad;
-  std::vector<WaypointScenario> waypoints;  ///< waypoints, for kind waypoints
-  std::optional<YamlFile>
-      file;  ///< CSV, for kind file, with columns t,x,y,z or t,x,y,z,roll,pitch,yaw in s, m, rad
-  double tension_aim_N = 0;  ///< with an attitude: of the tensions that hold it, those nearest to this
+  std::vector<WaypointScenario> waypoints;  ///< waypoints of a path of kind `waypoints`
+  /// CSV file of a path of kind `file`, with the columns t,x,y,z or t,x,y,z,roll,pitch,yaw in s, m, rad.
+  std::optional<YamlFile> file;
+  /// Desired tension of all cables. Among the tensions that hold a given attitude, the nearest are chosen.
+  double tension_aim_N = 0;
 
   static FieldList Fields() {
     return {Required("kind", &PathScenario::kind),
@@ -87,10 +89,11 @@ struct PathScenario {
   PlatformPath Make() const;  ///< throws ParameterError
 };
 
+/// PD control of the cable lengths, see CablePd.
 struct PdScenario {
-  double stiffness_N_per_m = 0;                         ///< K_p of the cables' lengths
-  double damping_N_s_per_m = 0;                         ///< K_d of their rates
-  double rate_hz = CdprLoopParams().control_rate.hz();  ///< rate of the controller
+  double stiffness_N_per_m = 0;                         ///< K_p of the cable lengths
+  double damping_N_s_per_m = 0;                         ///< K_d of the rates of the cable lengths
+  double rate_hz = CdprLoopParams().control_rate.hz();  ///< sample rate of the controller
 
   static FieldList Fields() {
     return {Required("stiffness_N_per_m", &PdScenario::stiffness_N_per_m),
@@ -100,19 +103,22 @@ struct PdScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
+/// Model predictive control of the platform, see CdprMpc.
 struct MpcScenario {
-  double horizon_s = CdprMpcParams().horizon;                  ///< how far it plans
+  double horizon_s = CdprMpcParams().horizon;                  ///< length of the horizon
   int num_steps = CdprMpcParams().num_steps;                   ///< number of steps of the horizon
   double rate_hz = CdprMpcParams().rate.hz();                  ///< rate of the solves
-  double command_rate_hz = CdprMpcParams().command_rate.hz();  ///< rate of the feedback along a plan
+  double command_rate_hz = CdprMpcParams().command_rate.hz();  ///< rate of the feedback along the plan
   CdprMpcWeights weights;
-  StepMethod method = SlqOptions().method;               ///< method that integrates the model
-  SlqBounds bounds = SlqOptions().bounds;                ///< handling of the tension bounds in the solver
-  TerminalCost final_weight = CdprMpcParams().terminal;  ///< diagonal: `weights` times a second
-  double mass_error = 0;  ///< relative error of the model's mass: 0.3 is 30 % too heavy
-  int max_fallbacks_in_a_row =
-      CdprMpcParams().max_fallbacks_in_a_row;  ///< more failed solves than this end the run
-  bool offset_free = true;  ///< mpc_equilibrium estimates the load, and uses it in model and reference
+  StepMethod method = SlqOptions().method;  ///< integration method of the model
+  SlqBounds bounds = SlqOptions().bounds;   ///< handling of the tension bounds in the solver
+  /// Weight of the state at the end of the horizon; `diagonal` is `weights` times one second.
+  TerminalCost final_weight = CdprMpcParams().terminal;
+  double mass_error = 0;  ///< relative error of the mass in the model: 0.3 is 30 % too heavy
+  /// Largest number of consecutive failed solves; one more ends the run.
+  int max_fallbacks_in_a_row = CdprMpcParams().max_fallbacks_in_a_row;
+  /// Whether mpc_equilibrium estimates the load and uses it in its model and its reference.
+  bool offset_free = true;
 
   static FieldList Fields() {
     return {{"horizon_s", &MpcScenario::horizon_s},
@@ -130,12 +136,12 @@ struct MpcScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A mass hung at the platform for part of the run; the controller does not know of it.
+/// A point mass attached to the platform for part of the run. It is missing from the controller's model.
 struct PayloadScenario {
-  double mass_kg = 0;                                    ///< mass of the point
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< in the platform's frame, from its CoM
-  double attach_s = 0;                                   ///< when it is hung there
-  double release_s = 0;                                  ///< when it drops
+  double mass_kg = 0;                                    ///< mass of the payload
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< position from the CoM, in the platform's frame
+  double attach_s = 0;                                   ///< time at which the payload is attached
+  double release_s = 0;                                  ///< time at which the payload is released
 
   static FieldList Fields() {
     return {{"mass_kg", &PayloadScenario::mass_kg},
@@ -148,9 +154,9 @@ struct PayloadScenario {
 
 /// A gust of wind on the platform, with the 1-cosine profile of Gusts.
 struct GustScenario {
-  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  ///< at its peak
-  double start_s = 0;                                 ///< when it begins
-  double duration_s = 1;                              ///< time from its beginning to its end
+  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  ///< peak force in W
+  double start_s = 0;                                 ///< start time of the gust
+  double duration_s = 1;                              ///< duration of the gust
 
   static FieldList Fields() {
     return {Required("force_N", &GustScenario::force_N), Required("start_s", &GustScenario::start_s),
@@ -159,12 +165,13 @@ struct GustScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A load that swings under the platform, on a rope like the robot's cables, see HangingLoad.
+/// A load that hangs below the platform on a rope with the properties of the robot's cables, see HangingLoad.
 struct HangingLoadScenario {
-  double mass_kg = 0;                                      ///< mass of the load, a point mass
-  double length_m = HangingLoadParams().length;            ///< length of the rope
-  Eigen::Vector3d attachment_m = Eigen::Vector3d::Zero();  ///< in the platform's frame, from its CoM
-  Eigen::Vector2d swing_m = Eigen::Vector2d::Zero();       ///< initial horizontal offset of the load
+  double mass_kg = 0;                            ///< mass of the load, a point mass
+  double length_m = HangingLoadParams().length;  ///< length of the rope
+  /// Attachment of the rope, from the CoM, in the platform's frame.
+  Eigen::Vector3d attachment_m = Eigen::Vector3d::Zero();
+  Eigen::Vector2d swing_m = Eigen::Vector2d::Zero();  ///< initial horizontal offset of the load
 
   static FieldList Fields() {
     return {Required("mass_kg", &HangingLoadScenario::mass_kg),
@@ -175,16 +182,18 @@ struct HangingLoadScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Noise of the sensors of pose and motion.
+/// Noise and rates of the pose sensor and the inertial unit.
 struct NoiseScenario {
-  double position_m =
-      PoseSensorParams().position_noise[0];  ///< standard deviation of the pose sensor, by axis
-  double attitude_rad = PoseSensorParams().attitude_noise[0];  ///< standard deviation of the attitude
-  double angular_velocity_rad_per_s =
-      ImuParams().angular_velocity_noise[0];  ///< standard deviation of the gyroscope
-  double acceleration_m_per_s2 = ImuParams().specific_force_noise[0];  ///< noise of the accelerometer
-  double pose_rate_hz = PoseSensorParams().rate.hz();                  ///< rate of the pose sensor
-  double imu_rate_hz = CdprLoopParams().imu.rate.hz();  ///< rate of gyroscope and accelerometer
+  /// Standard deviation of the measured position, along each axis.
+  double position_m = PoseSensorParams().position_noise[0];
+  /// Standard deviation of the measured attitude, about each axis.
+  double attitude_rad = PoseSensorParams().attitude_noise[0];
+  /// Standard deviation of the gyroscope, about each axis.
+  double angular_velocity_rad_per_s = ImuParams().angular_velocity_noise[0];
+  /// Standard deviation of the accelerometer, along each axis.
+  double acceleration_m_per_s2 = ImuParams().specific_force_noise[0];
+  double pose_rate_hz = PoseSensorParams().rate.hz();   ///< sample rate of the pose sensor
+  double imu_rate_hz = CdprLoopParams().imu.rate.hz();  ///< sample rate of gyroscope and accelerometer
 
   static FieldList Fields() {
     return {{"position_m", &NoiseScenario::position_m},
@@ -197,12 +206,11 @@ struct NoiseScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// How the load on the platform is estimated, for controllers that are offset-free; see LoadEstimator.
-/// Without values the bandwidths are those of MakeLoadEstimator: 20 and 100 rad/s for an MPC, 3 and 3 for a
-/// PD.
+/// Estimate of the load on the platform, for offset-free controllers, see LoadEstimator. Empty bandwidths are
+/// those of MakeLoadEstimator: for an MPC 20 rad/s, and 100 rad/s for the mass; for a PD 3 rad/s for both.
 struct LoadEstimateScenario {
-  std::optional<double> bandwidth_rad_per_s;       ///< bandwidth of the other estimates of the load
-  std::optional<double> mass_bandwidth_rad_per_s;  ///< bandwidth of the estimate of the load's mass
+  std::optional<double> bandwidth_rad_per_s;       ///< bandwidth of the estimated load, except its mass
+  std::optional<double> mass_bandwidth_rad_per_s;  ///< bandwidth of the load's estimated mass
 
   static FieldList Fields() {
     return {{"bandwidth_rad_per_s", &LoadEstimateScenario::bandwidth_rad_per_s},
@@ -211,11 +219,11 @@ struct LoadEstimateScenario {
 };
 
 enum class CdprController {
-  kMpcEquilibrium,  ///< offset-free, unless mpc.offset_free says no
-  kMpcZero,         ///< Morlando 2023: tensions as small as may be; knows of no load
-  kPd,              ///< PD on the cable lengths, about those of the static equilibrium
-  kPdFeedforward,   ///< and of what accelerates the platform
-  kPdOffsetFree,    ///< and of the load that is estimated
+  kMpcEquilibrium,  ///< MPC about the equilibrium tensions; offset-free unless mpc.offset_free is false
+  kMpcZero,         ///< MPC of Morlando 2023, which minimises the tensions; not offset-free
+  kPd,              ///< PD on the cable lengths about the static equilibrium
+  kPdFeedforward,   ///< PD with a feedforward of the platform's acceleration
+  kPdOffsetFree,    ///< PD with a feedforward of the estimated load
 };
 constexpr auto EnumNames(CdprController) {
   return std::array{Named{CdprController::kMpcEquilibrium, "mpc_equilibrium"},
@@ -227,42 +235,42 @@ constexpr bool IsMpc(CdprController controller) {
   return controller == CdprController::kMpcEquilibrium || controller == CdprController::kMpcZero;
 }
 
-/// A run of tenon-cdpr, as its YAML file says it.
+/// Scenario of tenon-cdpr, read from a YAML file.
 struct CdprScenario {
-  std::string app;                        ///< the app whose scenario this is
-  std::string description;                ///< one line
-  std::string case_name;                  ///< the run's name
-  YamlFile robot{"cdpr_4"};               ///< a shipped robot, a file, or a shipped one with changes
+  std::string app;                        ///< name of the app that runs the scenario
+  std::string description;                ///< description of the scenario in one line
+  std::string case_name;                  ///< name of the run
+  YamlFile robot{"cdpr_4"};               ///< a shipped robot, a YAML file, or one of these with changes
   double duration_s = 60;                 ///< simulated time
   std::uint64_t seed = kRecommendedSeed;  ///< seed of all random streams
   CdprController controller = CdprController::kPd;  ///< controller that commands the tensions
   PathScenario path;                                ///< path of the platform
-  PdScenario pd;                                    ///< gains of the controllers pd...
-  std::optional<MpcScenario> mpc;                   ///< needed for the controllers mpc_...
+  PdScenario pd;                                    ///< gains of the PD controllers
+  std::optional<MpcScenario> mpc;                   ///< parameters of the MPCs, which require them
   LoadEstimateScenario load;
-  bool known_pulleys = true;  ///< the controllers and their estimators know the pulleys of the robot
+  bool known_pulleys = true;  ///< whether controllers and estimators model the pulleys of the robot
   Eigen::Vector3d start_offset_m{0, 0, 0};  ///< initial offset of the platform from the path
-  Eigen::Vector3d start_turn_rad{0, 0, 0};  ///< added to roll, pitch, yaw there
+  Eigen::Vector3d start_turn_rad{0, 0, 0};  ///< initial offset of roll, pitch and yaw
   PayloadScenario payload;
   std::vector<GustScenario> gusts;
   std::optional<HangingLoadScenario> hanging_load;
   NoiseScenario noise;
-  /// Winches, sensors and the link between: a shipped one, a YAML file, or {file: standard, …} with what
-  /// differs.
+  /// Winches, sensors and the connection between them: shipped hardware, a YAML file, or {file: standard, …}
+  /// with changes.
   YamlFile hardware{"ideal"};
-  std::vector<CdprFault> faults;  ///< faults, in the order of their insertion
+  std::vector<CdprFault> faults;  ///< faults of signals, winches and cables, in the order of their insertion
   CdprIntegration integrator;
-  double log_rate_hz = 200;                           ///< rate of signals.csv
-  bool forbid_slack = CdprLoopParams().forbid_slack;  ///< a slack cable ends the run, exit code 3
-  double max_tension_ratio =
-      CdprLoopParams().max_tension_ratio;  ///< so does one pulled harder than this times the winches' maximum
-  double cable_diameter_m = 0.005;         ///< nearer than this two cables touch
-  /// How far the platform may leave its path: in position by this part of the path's length (a circle's is
-  /// one turn), in heading by this part of half a turn; beyond, the run is not finished.
+  double log_rate_hz = 200;                           ///< sample rate of signals.csv
+  bool forbid_slack = CdprLoopParams().forbid_slack;  ///< whether a slack cable ends the run with exit code 3
+  /// Largest tension of a cable over the largest tension of the winches; a higher tension ends the run with
+  /// exit code 3.
+  double max_tension_ratio = CdprLoopParams().max_tension_ratio;
+  double cable_diameter_m = 0.005;  ///< distance below which two cables touch
+  /// Tolerance of the path: deviations in position may reach this part of the path's length (of one turn of a
+  /// circle), deviations in heading this part of half a turn. A run that exceeds it counts as not finished.
   double path_tolerance = 0.1;
   ReportScenario report;  ///< contents of the report
-  std::map<std::string, std::vector<double>>
-      parameters;                  ///< Parameters of the diagram, by path, set at the start
+  std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
   std::optional<YamlText> custom;  ///< keys of a program with blocks of its own, see Customisable
 
   static FieldList Fields() {
@@ -299,13 +307,13 @@ struct CdprScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Parameters of the diagram for a scenario. Reads the robot, and finds the equilibria along the path, so
-/// that a path outside the workspace is refused here, before any run.
+/// Returns the diagram's parameters for a scenario. Reads the robot's file and computes the equilibria along
+/// the path. Throws KeyError, also for a path that leaves the workspace.
 CdprLoopParams MakeLoopParams(const CdprScenario& scenario);
 SimulatorOptions MakeSimulatorOptions(const CdprScenario& scenario);
-/// Whether the platform follows its path, which is not judged in a live run.
+/// Judges whether the platform follows its path. A live run is not judged.
 PathVerdict MakePathVerdict(const CdprScenario& scenario, bool live);
-/// The keys of a scenario that do nothing in a run of `duration` [s], each with the reason.
+/// Notes on keys of the scenario that have no effect in a run of `duration` [s], each with the reason.
 std::vector<std::string> Notes(const CdprScenario& scenario, double duration);
 
 }  // namespace tenon::apps

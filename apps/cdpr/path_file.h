@@ -15,8 +15,8 @@ struct PathTable {
 };
 
 /// Reads a path from a CSV file: a header, `t,x,y,z` or `t,x,y,z,roll,pitch,yaw`, then a row per point, in s,
-/// m and rad. Throws ParameterError with file and line for a header with other columns, a row with another
-/// number of values, a value that is not a finite number, times that do not increase, and fewer than two
+/// m and rad. Throws ParameterError with file and line if the header has other columns, a row has too few or
+/// too many values, a value is not a finite number, the times do not increase, or there are fewer than two
 /// rows.
 PathTable ReadPathFile(const std::string& file);
 

@@ -20,7 +20,7 @@
 namespace tenon::apps {
 namespace {
 
-/// One of the motions that the gains are judged on.
+/// One of the motions on which the gains are judged.
 struct Trial {
   CdprScenario scenario;
   double settle_from;  ///< [s]
@@ -28,9 +28,9 @@ struct Trial {
 
 /// Size of a robot relative to the one for which the motions below are written.
 struct Scale {
-  Eigen::Vector3d middle;  ///< of the anchors, at the height of the highest ones [m]
+  Eigen::Vector3d middle;  ///< centre of the anchors, at the height of the highest anchor [m]
   double length;           ///< mean distance of the anchors from the middle, over that of cdpr_4
-  double time;             ///< by Froude: accelerations are as large a part of gravity's
+  double time;             ///< scale of times by Froude: accelerations remain in proportion to gravity
   double mass;
 
   explicit Scale(const CdprDescription& robot) : middle(Eigen::Vector3d::Zero()), length(0) {
@@ -51,8 +51,8 @@ struct Scale {
   }
 };
 
-/// A fast straight move, a curved one, the release of a payload, and a gust, scaled to the robot. None of
-/// these motions is a case for which results are published.
+/// A fast straight motion, a curved motion, the release of a payload, and a gust, scaled to the robot. None
+/// of these motions occurs in a case with published results.
 std::vector<Trial> MakeTrials(const std::string& robot) {
   CdprScenario base;
   base.app = "tenon-cdpr";
@@ -79,7 +79,8 @@ std::vector<Trial> MakeTrials(const std::string& robot) {
                                 .position_m = scale.length * Eigen::Vector3d(0.1, -0.2, 0),
                                 .attach_s = 0,
                                 .release_s = 4 * scale.time};
-  if (!trials[2].scenario.path.attitude_rad) {  // four cables let the platform turn with a boom, and swing
+  if (!trials[2]
+           .scenario.path.attitude_rad) {  // with four cables the platform can turn with its boom, and swing
     trials[2].scenario.path.points_m = {scale.Point(-0.5, 1.6, 1.3)};
     trials[2].scenario.payload.mass_kg = 5 * scale.mass;
     trials[2].scenario.payload.position_m = scale.length * Eigen::Vector3d(-0.2, -0.9, 0);
@@ -131,7 +132,7 @@ Judgement Judge(const std::vector<Trial>& trials, double stiffness, double dampi
 /// State of the search. It stores exceptions, because NLopt does not pass them on.
 struct Search {
   std::vector<Trial> trials;
-  // The gains of the least cost so far.
+  // The gains with the lowest cost so far.
   double best_cost = std::numeric_limits<double>::infinity();
   double best_stiffness = 0, best_damping = 0;
   std::string best_failure;
@@ -175,7 +176,7 @@ int Tune(const std::string& robot, int evaluations) {
   std::vector<double> start, gradient;
   double cost = std::numeric_limits<double>::infinity();
   try {
-    // From the best of a coarse grid: some robots are unstable on most of it.
+    // Starts at the best point of a coarse grid, because some robots are unstable on most of the grid.
     for (const double stiffness : {400, 1500, 5000}) {
       for (const double damping : {60, 200, 600}) {
         if (evaluations-- <= 0) continue;

@@ -55,7 +55,7 @@ std::vector<double> Stiffness(const CdprDescription& robot, double load, const W
   return stiffness;
 }
 
-/// The feasible centre nearest to the centroid of the feasible cells; empty if none is feasible.
+/// Returns the feasible centre nearest to the centroid of the feasible cells; empty if none is feasible.
 std::optional<Eigen::Vector3d> Middle(const WorkspaceMap& map) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double volume = 0;
@@ -76,7 +76,8 @@ std::optional<Eigen::Vector3d> Middle(const WorkspaceMap& map) {
   return nearest;
 }
 
-/// The angle [rad] up to which the platform is proven to turn about any axis: the nearest cell that is not.
+/// Returns the angle [rad] up to which the platform can provably turn about any axis: the distance of the
+/// nearest cell that is not proven.
 double ProvenTurn(const WorkspaceMap& map) {
   double turn = map.options.grid.high.minCoeff();
   for (const WorkspaceCell& cell : map.cells) {
@@ -84,7 +85,8 @@ double ProvenTurn(const WorkspaceMap& map) {
     const Eigen::Vector3d half =
         0.5 * Eigen::Vector3d(cell.size[0], cell.size[1], cell.size[2]).cwiseProduct(map.options.grid.cell());
     const double nearest = (cell.centre(map.options.grid).cwiseAbs() - half).cwiseMax(0).norm();
-    turn = std::min(turn, nearest > 1e-12 ? nearest : 0);  // not what rounding leaves of a cell at the origin
+    turn =
+        std::min(turn, nearest > 1e-12 ? nearest : 0);  // ignores the rounding error of a cell at the origin
   }
   return turn;
 }
@@ -148,7 +150,7 @@ std::string Csv(const WorkspaceMap& map) {
   return text;
 }
 
-/// The robot at a pose, its cables with the tensions that carry it; or the axes of the attitudes.
+/// Draws the robot at a pose, with the tensions that carry it, or the axes of the attitudes.
 Geometry Shapes(const WorkspaceStudy& study, const WorkspaceMap& map) {
   if (map.of_attitudes()) {
     Geometry axes;
@@ -184,7 +186,7 @@ VolumeReport::State StateOf(PoseVerdict verdict) {
                                           : VolumeReport::State::kUndecided;
 }
 
-/// The report's map of wrench feasibility or, if `clear`, of interference as well.
+/// Returns the report's map of wrench feasibility or, with `clear`, of interference as well.
 VolumeReport::Map ReportMap(const WorkspaceStudy& study, const WorkspaceMap& map, bool clear) {
   const bool turned = map.of_attitudes();
   VolumeReport::Map shown{
@@ -239,7 +241,7 @@ WorkspaceStudy StudyWorkspace(const CdprDescription& given, const WorkspaceStudy
         fmt::format("the largest turn is {} rad: give more than 0 and at most pi", params.turn));
   const auto begin = std::chrono::steady_clock::now();
   WorkspaceStudy study{given, params};
-  // Cables count as straight lines between points.
+  // Cables are treated as straight lines between points.
   CdprDescription& robot = study.robot;
   robot.cable.mass_per_length = robot.winch.pulley_radius = 0;
   const auto add = [&](const std::string& name, const std::string& title, const PlatformDemand& demand,

@@ -18,11 +18,11 @@ struct WorkspaceStudyParams {
   PlatformDemand demand;                               ///< demand of the loaded workspace
   Eigen::Vector3d euler = Eigen::Vector3d::Zero();     ///< ZYX angles of all positions [rad]
   std::optional<Eigen::Vector3d> low = {}, high = {};  ///< limits of positions [m]; the anchors' box if empty
-  std::optional<double> cell = {};                     ///< [m]; 1/48 of the longest edge if empty
+  std::optional<double> cell = {};  ///< edge of a cell [m]; 1/48 of the longest edge of the limits if empty
   std::optional<Eigen::Vector3d> position =
       {};                         ///< position of all attitudes [m]; the middle of the workspace if empty
   double turn = 0.8;              ///< range of attitudes, about each axis either way [rad]
-  double cable_diameter = 0.006;  ///< [m]
+  double cable_diameter = 0.006;  ///< diameter of all cables [m]
 };
 
 /// One workspace: its cells, and the platform's stiffness at the centre of each.
@@ -36,16 +36,16 @@ struct WorkspaceMap {
 };
 
 struct WorkspaceStudy {
-  CdprDescription robot;  ///< cables without weight, from points
+  CdprDescription robot;  ///< the robot with weightless cables that start at points
   WorkspaceStudyParams params;
-  std::vector<WorkspaceMap> maps =
-      {};  ///< loaded positions, static positions if that is another one, attitudes
+  /// Workspaces of the positions under load, of the positions at rest if it differs, and of the attitudes.
+  std::vector<WorkspaceMap> maps = {};
   std::vector<std::pair<std::string, std::optional<double>>> figures = {};  ///< names with units
-  double wall = 0;                                                          ///< [s]
+  double wall = 0;                                                          ///< wall-clock time [s]
 };
 
 /// Studies the workspaces with pulleys as points and cables without weight. `progress` is called with the
-/// name of the current workspace and the share that is done; it may throw to cancel. Throws ParameterError.
+/// name of the current workspace and the completed share; it may throw to cancel. Throws ParameterError.
 WorkspaceStudy StudyWorkspace(const CdprDescription& robot, const WorkspaceStudyParams& params,
                               const std::function<void(const std::string&, double)>& progress);
 

@@ -8,7 +8,7 @@
 
 namespace tenon::apps {
 
-/// Physically impossible events of a run; of each kind only the first is kept.
+/// Physically impossible events of a run; only the first event of each kind is kept.
 class Breaches {
  public:
   /// Adds an event at `time` [s]. `what` describes where it happened and by how much.

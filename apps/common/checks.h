@@ -6,7 +6,7 @@
 
 namespace tenon::apps {
 
-// Checks of a scenario's numbers. They throw ParameterError with the key.
+// Checks of a scenario's numbers. Each one throws ParameterError with the key.
 
 void DemandRate(const char* key, double hz);         ///< valid for Hz(), and at most 100 kHz
 void DemandSamplePeriod(const char* key, double s);  ///< valid for Seconds(), and at least 10 us

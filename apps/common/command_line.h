@@ -41,7 +41,7 @@ void AddLiveArguments(CLI::App& app, CommonArguments& arguments);
 /// Returns the output directory, --out or out/SCENARIO, and the file of --graph.
 RunOptions OptionsOf(const CommonArguments& arguments);
 
-/// Checks of an option's number, whose messages describe the range in words.
+/// Validators of an option's number, with messages that describe the valid range in words.
 CLI::Validator Positive();
 CLI::Validator PositiveInteger();
 CLI::Validator Seed();

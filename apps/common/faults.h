@@ -10,7 +10,7 @@
 namespace tenon::apps {
 
 /// Returns the result of `insert`, a call of InsertFaults with the faults of a scenario. Throws KeyError with
-/// the key of a fault that is not possible.
+/// the key of a fault that is invalid.
 template <class F>
 decltype(auto) BlameFaults(F insert) {
   try {

@@ -12,7 +12,7 @@ using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 /// A figure formatted for a terminal.
 struct FigureText {
   std::string key;  ///< key in summary.json: foot_error_max_m
-  /// Values by name, of legs or axes, say; a single value has an empty name.
+  /// Values with their names, for example one for each leg; the name of a single value is empty.
   NamedTexts values;
   std::string unit = {};   ///< printed after the values; empty for a text
   std::string limit = {};  ///< printed at the end of the line
@@ -22,8 +22,8 @@ struct FigureText {
 /// with all digits. Infinities and NaN become "-".
 std::string NumberText(double value);
 
-/// Joins "foot_error_max_m.front_left" and its neighbours to one figure and formats numbers by NumberText. An
-/// empty text becomes "-".
+/// Groups entries such as "foot_error_max_m.front_left" into one figure "foot_error_max_m" and formats
+/// numbers by NumberText. An empty text becomes "-".
 std::vector<FigureText> FigureTexts(const NamedTexts& flat);
 
 /// Formats a line for each figure; figures with a value for each leg come last, as a table with a column for

@@ -14,8 +14,8 @@ namespace tenon::apps {
 
 /// Options of an app's run with --live or --replay.
 struct LiveSessionOptions {
-  int port = 8080;
-  std::string address = "127.0.0.1";
+  int port = 8080;                                   ///< TCP port of the server
+  std::string address = "127.0.0.1";                 ///< address at which the server listens
   std::optional<std::filesystem::path> replay = {};  ///< recording to repeat; then no server is started
   std::optional<double> duration = {};  ///< [s]; default: a live run continues until it is stopped
 };

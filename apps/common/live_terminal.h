@@ -14,10 +14,14 @@ namespace tenon::apps {
 /// Steers a live run by the keys of a terminal and shows its status in one line. Does nothing if stdin is not
 /// a terminal.
 ///
-///     w s a d q e   change the velocity forward, backward, left, right, to turn left, right by a step
-///     space         stop
-///     p             pause or resume       . one tick      b back by a second
-///     + -           double or halve the speed
+///     w s     increase the velocity by a step forward, backward
+///     a d     increase the velocity by a step to the left, to the right
+///     q e     increase the yaw rate by a step to the left, to the right
+///     space   stop
+///     p       pause or resume
+///     .       advance by one tick
+///     b       go back by one second
+///     + -     double or halve the speed of the simulation
 class LiveTerminal {
  public:
   LiveTerminal();   ///< sets the terminal to report keys at once

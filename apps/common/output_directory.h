@@ -25,8 +25,8 @@ class OutputLock {
 bool IsVariantName(std::string_view name);
 
 /// The locked output directory of a run. The constructor removes the files that an earlier run and its
-/// variants left, so that files of two runs never stand side by side. It keeps `files` and live.jsonl,
-/// because the run may repeat one of them; the code that writes these removes them first.
+/// variants left, so that the directory never mixes the files of two runs. It keeps `files` and live.jsonl,
+/// which the new run may read; the code that writes these removes the old ones first.
 class OutputDirectory : public OutputLock {
  public:
   /// Throws as OutputLock does.

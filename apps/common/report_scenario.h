@@ -12,7 +12,7 @@ namespace tenon::apps {
 struct ReportScenario {
   std::vector<Plot> plots;          ///< signals are named as in signals.csv
   std::vector<std::string> events;  ///< signals whose changes are marked
-  std::vector<Band> bands;          ///< signals whose values are shown as coloured bands: modes
+  std::vector<Band> bands;          ///< signals whose values are shown as coloured bands, such as modes
 
   static FieldList Fields() {
     return {{"plots", &ReportScenario::plots},

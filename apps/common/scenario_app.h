@@ -26,15 +26,14 @@ namespace tenon::apps {
 ///
 /// Name files by members of type YamlFile, so that their paths are relative to the scenario.
 struct AppScenario {
-  std::string app;          ///< the app whose scenario this is
-  std::string description;  ///< one line
+  std::string app;          ///< name of the app that runs the scenario
+  std::string description;  ///< description of the scenario in one line
   std::string case_name;    ///< title of the run
   double duration_s = 10;
-  std::uint64_t seed = 1;    ///< seed of all random streams
-  double log_rate_hz = 100;  ///< rate of signals.csv
-  ReportScenario report;     ///< contents of the report; default: all signals
-  std::map<std::string, std::vector<double>>
-      parameters;  ///< Parameters of the diagram by path, set at the start
+  std::uint64_t seed = 1;                                 ///< seed of all random streams
+  double log_rate_hz = 100;                               ///< sample rate of signals.csv
+  ReportScenario report;                                  ///< contents of the report; default: all signals
+  std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
 
   /// Returns the keys of AppScenario followed by `own`.
   static FieldList With(FieldList own);

@@ -29,7 +29,7 @@ class Summary {
     Limit(key, limits);
   }
   void Set(const std::string& key, const std::string& value);
-  /// Sets a figure with one value for each name, of legs or axes, say.
+  /// Sets a figure with several named values, for example one for each leg.
   void Set(const std::string& key, const std::vector<std::pair<std::string, std::optional<double>>>& values);
 
   /// Sets `followed`: whether the robot followed its path, null without a path.

@@ -8,16 +8,16 @@
 
 namespace tenon::apps {
 
-/// A run of tenon-guide-dog, as its YAML file says it. With `scale_forces`, the forces and stiffnesses of the
+/// Scenario of tenon-guide-dog, read from a YAML file. With `scale_forces`, the forces and stiffnesses of the
 /// person and the leash are scaled to the robot's weight, too.
 struct GuideDogScenario : LeggedScenario {
-  WalkScenario walk;                                         ///< the walk of the robot without a person
+  WalkScenario walk;  ///< walk that the robot would make without a person
   ObserverKind observer = DisturbanceObserverParams().kind;  ///< observer of disturbances
   SupervisorGains supervisor;
   AdmittanceGains admittance;
   PersonParams person;
   LeashParams leash;
-  ObstacleDetectorParams surroundings;  ///< obstacles, and the range of the robot's detector
+  ObstacleDetectorParams surroundings;  ///< obstacles and the range of the robot's obstacle detector
   double log_rate_hz = 100;             ///< sample rate of signals.csv
 
   static FieldList Fields();

@@ -33,7 +33,7 @@ constexpr auto EnumNames(StateSource) {
 /// The commanded walk, and the settings of the walking controller that a scenario may change.
 struct WalkScenario {
   WalkScheduleParams path;     ///< commanded path and gaits
-  YamlFile gaits{"standard"};  ///< a shipped table, a file, or one with changes
+  YamlFile gaits{"standard"};  ///< a shipped table of gaits, a YAML file, or one of these with changes
   ComReference com_reference = ComPlannerParams().reference;  ///< planner of the CoM's path
   ZmpPlanParams zmp;                                          ///< parameters of ComReference::kZmpSpline
   StepProperties step;                                        ///< swing of the feet
@@ -44,7 +44,7 @@ struct WalkScenario {
   std::optional<double> friction;
   double mass_error_ratio = 0;   ///< relative error of the masses in the controller's model: 0.3 is 30 % more
   ModelErrorParams model_error;  ///< random errors of each body in the controller's model, drawn by the seed
-  double judged_from_s = 0;      ///< begin of the time over which figures are computed
+  double judged_from_s = 0;      ///< start of the time over which figures are computed
   /// Tolerance of the path: deviations in position may reach this part of the path's length, deviations in
   /// heading this part of half a turn. A run that exceeds it counts as not finished.
   double path_tolerance = 0.2;
@@ -67,10 +67,10 @@ struct WalkScenario {
 
 /// Limits of the trunk's pose beyond which a robot counts as fallen.
 struct FallScenario {
-  /// Least height of the trunk above the ground, relative to that in the nominal stance.
+  /// Minimum height of the trunk above the ground, relative to that in the nominal stance.
   double min_height_ratio = kFallHeightRatio;
-  double max_tilt_rad = QuadrupedWorldParams().max_tilt;  ///< largest tilt of the trunk
-  /// Largest height of the trunk above the ground; a robot above it was thrown.
+  double max_tilt_rad = QuadrupedWorldParams().max_tilt;  ///< maximum tilt of the trunk
+  /// Maximum height of the trunk above the ground, which only a robot that was thrown exceeds.
   double max_height_m = QuadrupedWorldParams().max_height;
 
   static FieldList Fields() {
@@ -81,14 +81,14 @@ struct FallScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Ranges of the commands in a live run. The defaults are speeds of the shipped scenarios at the standard
-/// gait.
+/// Ranges of the commands in a live run. The default speeds are those of the shipped scenarios with the
+/// standard gait.
 struct LiveScenario {
-  Vec<2> forward_m_per_s{-0.3, 0.4};     ///< least and largest speed forward
-  Vec<2> sideways_m_per_s{-0.15, 0.15};  ///< least and largest speed to the left
-  Vec<2> yaw_rad_per_s{-0.5, 0.5};       ///< least and largest rate of turn
+  Vec<2> forward_m_per_s{-0.3, 0.4};     ///< minimum and maximum forward velocity
+  Vec<2> sideways_m_per_s{-0.15, 0.15};  ///< minimum and maximum velocity to the left
+  Vec<2> yaw_rad_per_s{-0.5, 0.5};       ///< minimum and maximum yaw rate
   double squat_m = 0.08;                 ///< depth of a squat
-  double load_ratio = 0.4;               ///< largest load on the trunk, relative to the robot's mass
+  double load_ratio = 0.4;               ///< maximum load on the trunk, relative to the robot's mass
 
   static FieldList Fields() {
     return {{"forward_m_per_s", &LiveScenario::forward_m_per_s},
@@ -114,8 +114,8 @@ struct ForceScenario {
   double height = 0.5;                                ///< point on a leg: 0 the foot, 0.5 the knee, 1 the hip
   Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  ///< force in W
   Eigen::Vector3d torque_N_m = Eigen::Vector3d::Zero();  ///< torque in W
-  double factor = 1;                                     ///< multiplies force and torque
-  double turn_rad = 0;                                   ///< turns force and torque about the vertical
+  double factor = 1;                                     ///< factor of force and torque
+  double turn_rad = 0;                                   ///< rotation of force and torque about the vertical
   double start_s = 0;                                    ///< time at which the force sets in
   double duration_s = 0;                                 ///< duration of the force
   double frequency_rad_per_s = 0;                        ///< frequency of a sine; 0: constant
@@ -137,14 +137,14 @@ struct ForceScenario {
 /// The keys that tenon-quadruped and tenon-guide-dog share.
 struct LeggedScenario {
   std::string app;                   ///< name of the app that runs the scenario
-  std::string description;           ///< one line
+  std::string description;           ///< description of the scenario in one line
   std::string case_name;             ///< name of the run
-  YamlFile robot{"dogbot"};          ///< a shipped robot, a file, or one with changes
-  std::optional<double> duration_s;  ///< simulated time; empty: one second more than the walk, standing 10 s
+  YamlFile robot{"dogbot"};          ///< a shipped robot, a YAML file, or one of these with changes
+  std::optional<double> duration_s;  ///< simulated time; empty: until 1 s after the walk, or 10 s without one
   std::uint64_t seed = kRecommendedSeed;  ///< seed of all random streams
   /// Gains of the walking controller: a shipped profile, a YAML file, or {file: standard, …} with changes.
   YamlFile profile{"standard"};
-  TerrainParams terrain;              ///< the ground
+  TerrainParams terrain;              ///< slope, friction and boxes of the ground
   std::vector<ForceScenario> forces;  ///< forces on trunk and legs
   std::vector<LeggedFault> faults;    ///< faults of signals and joints
   /// Drives, sensors and the connection between them: shipped hardware, a YAML file, or {file: standard, …}
@@ -153,12 +153,13 @@ struct LeggedScenario {
   SensorScenario sensors;  ///< overrides the sensors of `hardware`
   FallScenario fall;
   LiveScenario live;
-  /// Drives give less torque at higher speed. Without this, runs that need more torque than that count as not
-  /// finished.
+  /// Whether the torque-speed line limits the torque of the drives. If not, a run that exceeds the line
+  /// counts as not finished.
   bool limit_speed = QuadrupedPlantParams().limit_speed;
   LeggedIntegration integrator;
-  bool scale_forces = false;  ///< forces, loads, steps and blocks are given for DogBot, see ScaledToRobot
-  ReportScenario report;      ///< contents of the report
+  /// Whether forces, loads, steps and blocks are given for DogBot and scaled to the robot, see ScaledToRobot.
+  bool scale_forces = false;
+  ReportScenario report;                                  ///< contents of the report
   std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
   std::optional<YamlText> custom;  ///< keys of a program with blocks of its own, see Customisable
 
@@ -170,11 +171,11 @@ struct LeggedScenario {
 PathVerdict MakePathVerdict(const WalkScenario& walk, bool live);
 /// Adds a note for each force that never acts in a run of `duration` [s].
 void AddNotes(const std::vector<ForceScenario>& forces, double duration, std::vector<std::string>& notes);
-/// Time at which the walk ends [s]. Throws KeyError for a path that cannot be walked.
+/// Returns the time at which the walk ends [s]. Throws KeyError for a path that cannot be walked.
 double EndOfWalk(const WalkScenario& walk);
-/// Options for a diagram that holds a QuadrupedWorld named "loop.world".
+/// Returns the options for a diagram that has a QuadrupedWorld named "loop.world".
 SimulatorOptions MakeSimulatorOptions(const LeggedScenario& scenario);
-/// Robot, duration and seed in one line.
+/// Returns robot, duration and seed in one line.
 std::string Describe(const LeggedScenario& scenario, double duration);
 
 }  // namespace tenon::apps

@@ -93,7 +93,7 @@ void CheckTiming(const std::optional<double>& rate_hz, const std::optional<int>&
   if (latency_samples) DemandBetween("latency_samples", *latency_samples, 0, 10'000);
 }
 
-/// `first` with the empty ones of `members` taken from `then`.
+/// Returns `first`, in which empty optionals of `members` are replaced by those of `then`.
 template <class S, class... Members>
 S Over(const S& first, const S& then, Members... members) {
   S both = first;
@@ -136,7 +136,7 @@ double ResolutionOf(const EncoderScenario& encoders) {
   return encoders.bits ? std::ldexp(2 * std::numbers::pi, -*encoders.bits) : 0;
 }
 
-/// Sets a value that a scenario gives, and else keeps the default of the library.
+/// Sets a value if the scenario gives it; otherwise the library's default remains.
 template <class Value>
 void Take(const std::optional<Value>& given, auto& value) {
   if (given) value = *given;

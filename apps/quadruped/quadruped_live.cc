@@ -28,7 +28,7 @@ SlidingLoadParams LoadOn(const QuadrupedPlant& plant) {
   return params;
 }
 
-/// The body of each shape of the robot, by the index of the shape. Other shapes are left out.
+/// The body of each shape of the robot, by the index of the shape. Other shapes are omitted.
 std::map<std::size_t, int> BodiesOf(const QuadrupedPlant& plant) {
   std::map<std::string, int> by_name{{"trunk", 0}};
   for (int j = 0; j < kNumJoints; ++j) by_name["link of " + plant.params.robot.joint(j).name] = 1 + j;

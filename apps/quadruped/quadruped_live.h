@@ -14,11 +14,11 @@
 namespace tenon::apps {
 
 /// The blocks that a live run of a quadruped adds: `live_drive`, which overrides the command of its walk,
-/// `live_pull`, a spring that pulls at a body, and `live_load`, a load that is dropped on the trunk.
+/// `live_pull`, a spring that pulls a body, and `live_load`, a load that can be placed on the trunk.
 class QuadrupedLive {
  public:
   /// Inserts the blocks before the diagram is built; `walk` is null for a robot that stands. Throws
-  /// ParameterError if the scenario has too many forces to add those of pull and load.
+  /// ParameterError if the scenario has so many forces that those of pull and load cannot be added.
   QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, WalkSchedule* walk,
                 const LiveScenario& limits);
 

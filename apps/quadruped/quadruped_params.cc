@@ -11,7 +11,7 @@
 namespace tenon::apps {
 namespace {
 
-// Files that a scenario names, as read.
+// The contents of the files that a scenario names.
 
 struct RobotFiles {
   QuadrupedDescription robot;
@@ -52,9 +52,9 @@ WalkFiles ReadWalkFiles(const QuadrupedScenario& scenario) {
   return files;
 }
 
-// Translation into parameters of diagrams.
+// Makes the parameters of diagrams from a scenario.
 
-/// The point of the robot on which a force acts, with a force of zero.
+/// Returns the point of the robot on which a force acts, with a force of zero.
 ExternalForce PointOf(const QuadrupedDescription& robot, const ForceScenario& force) {
   if (force.on == Part::kTrunk) return {};
   return PointOnLeg(robot, static_cast<int>(force.on) - static_cast<int>(Part::kFrontLeft), force.height);

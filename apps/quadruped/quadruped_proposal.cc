@@ -23,8 +23,8 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr double kAlong = 0.8;    // least cosine of the angle between a joint's axis and a coordinate axis
-constexpr double kFarFoot = 0.4;  // least distance of a foot from the knee, relative to the thigh
+constexpr double kAlong = 0.8;    // minimum cosine of the angle between a joint's axis and a coordinate axis
+constexpr double kFarFoot = 0.4;  // minimum distance of a foot from the knee, relative to the thigh
 constexpr double kAlike = 0.05;   // difference of bending up to which the knee points backward [rad]
 constexpr double kMargin = 0.02;  // distance from the ends of a joint's range [rad]
 // Distances from hip to foot in the stance that are tried in turn, relative to the length of the leg.

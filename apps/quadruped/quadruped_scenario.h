@@ -34,11 +34,11 @@ struct JointPdScenario {
   JointPdParams For(const QuadrupedDescription& robot) const;
 };
 
-/// Runs of one scenario with its first force at several instants and in several directions around the
-/// vertical: `phases` instants, evenly over `period_s` from the force's start on.
+/// Variation of the first force of a scenario: one run for each of `phases` instants, evenly spaced over
+/// `period_s` from the force's start, and for each of `directions` around the vertical.
 struct SweepScenario {
   int phases = 8;       ///< number of instants
-  double period_s = 0;  ///< time over which the instants are spread, from the force's start on
+  double period_s = 0;  ///< time from the force's start over which the instants are evenly spaced
   int directions = 8;   ///< number of directions around the vertical
 
   static FieldList Fields() {
@@ -51,9 +51,9 @@ struct SweepScenario {
 
 /// A force that changes every period, see RandomForce.
 struct RandomForceScenario {
-  bool on_trunk = false;  ///< acts on the trunk; false: on a leg, chosen anew at each change
-  double lower_N = 0;     ///< least magnitude
-  double upper_N = 0;     ///< largest magnitude
+  bool on_trunk = false;  ///< acts on the trunk; false: on a random leg, chosen anew at each change
+  double lower_N = 0;     ///< minimum magnitude
+  double upper_N = 0;     ///< maximum magnitude
   double period_s = 2;    ///< time between changes
 
   static FieldList Fields() {
@@ -67,7 +67,7 @@ struct RandomForceScenario {
 
 /// Limits and friction of a load that slides on the trunk, see SlidingLoad.
 struct SlideScenario {
-  Eigen::Vector2d reach_m = SlidingLoadParams().reach;  ///< largest displacement along x and y
+  Eigen::Vector2d reach_m = SlidingLoadParams().reach;  ///< maximum displacement along x and y
   double friction = SlidingLoadParams().friction;       ///< friction coefficient between load and trunk
 
   static FieldList Fields() {
@@ -76,12 +76,12 @@ struct SlideScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A uniform box on the trunk for the whole run. It is missing in the controller's model.
+/// A uniform box on the trunk for the whole run. It is missing from the controller's model.
 struct TrunkLoadScenario {
   double mass_kg = 0;                                    ///< mass of the box
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< centre of the box in the trunk's frame
-  Eigen::Vector3d edges_m = Eigen::Vector3d::Zero();     ///< lengths of the edges
-  std::optional<SlideScenario> slides;                   ///< the box slides on the trunk; empty: it is fixed
+  Eigen::Vector3d edges_m = Eigen::Vector3d::Zero();     ///< lengths of the box's edges
+  std::optional<SlideScenario> slides;                   ///< sliding of the box on the trunk; empty: fixed
 
   static FieldList Fields() {
     return {{"mass_kg", &TrunkLoadScenario::mass_kg},
@@ -93,16 +93,16 @@ struct TrunkLoadScenario {
   RigidInertia Make() const;
 };
 
-/// A run of tenon-quadruped, as its YAML file says it.
+/// Scenario of tenon-quadruped, read from a YAML file.
 struct QuadrupedScenario : LeggedScenario {
   double start_height_m = 0;          ///< initial height of the feet above the ground, in the nominal stance
-  std::optional<JointPdScenario> pd;  ///< gains of a robot that stands; excludes `walk`
-  std::optional<WalkScenario> walk;   ///< the walk of a robot that walks; excludes `pd`
+  std::optional<JointPdScenario> pd;  ///< joint PD control of a standing robot; excludes `walk`
+  std::optional<WalkScenario> walk;   ///< commanded walk of a walking robot; excludes `pd`
   std::optional<ObserverKind> observer;            ///< overrides the observer of the profile
   std::vector<RandomForceScenario> random_forces;  ///< forces that change at random
   TrunkLoadScenario payload;
-  std::optional<SweepScenario> sweep;  ///< runs over start and direction of the first force
-  std::vector<ObserverKind> compare;   ///< observers that --compare runs; empty: all
+  std::optional<SweepScenario> sweep;  ///< variation of start and direction of the first force
+  std::vector<ObserverKind> compare;   ///< observers that --compare runs; empty: all observers
   double log_rate_hz = 200;            ///< sample rate of signals.csv
 
   static FieldList Fields();
@@ -114,22 +114,23 @@ struct SizeRatio {
   double weight = 1;  ///< ratio of the weights
   double length = 1;  ///< ratio of the lengths of a leg
 };
-/// The size of the scenario's robot, read from its file, if the scenario scales its forces, else 1 and 1.
+/// Returns the size of the scenario's robot, read from its file, or 1 and 1 without `scale_forces`.
 SizeRatio RatioOf(const LeggedScenario& scenario);
-/// The scenario for a robot of this size. Forces and the payload's mass are multiplied by the ratio of the
-/// weights; heights, sizes and gaps of blocks and lengths of steps and payload by that of the legs; torques
-/// by both. Times, speeds, the path and the places of blocks stay.
+/// Scales the scenario to a robot of this size. Forces and the payload's mass are multiplied by the ratio of
+/// the weights; heights, sizes and gaps of blocks and lengths of steps and payload by the ratio of the leg
+/// lengths; torques by both. Times, speeds, the path and the positions of blocks do not change.
 QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario, const SizeRatio& ratio);
 
 /// Notes on keys of the scenario that have no effect in a run of `duration` [s], each with the reason.
 std::vector<std::string> Notes(const QuadrupedScenario& scenario, double duration);
 
-/// Simulated time [s].
+/// Returns the simulated time of a scenario [s].
 double Duration(const QuadrupedScenario& scenario);
-/// Read the files that a scenario names and translate it into parameters of a diagram. Throw KeyError.
+/// Reads the files that a scenario names and makes the parameters of its diagram. Throws KeyError.
 QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario);
+/// Reads the files that a scenario names and makes the parameters of its diagram. Throws KeyError.
 QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario);
-/// The scenarios of a sweep, by name.
+/// Returns the scenarios of a sweep with their names.
 std::vector<std::pair<std::string, QuadrupedScenario>> SweepOf(const QuadrupedScenario& scenario);
 
 }  // namespace tenon::apps

@@ -48,7 +48,7 @@ Summary Try(const char* scenario, const fs::path& yaml, double duration, const f
   return QuadrupedApp().AsScenarioApp().run(document, duration, {.out = out}).summary;
 }
 
-/// The verdict of a trial in words. There is none if it was stopped or its files could not be written.
+/// Describes the result of a trial in words; empty if it was stopped or its files could not be written.
 std::string Shown(const Summary& trial, const char* name) {
   const int code = trial.exit_code();
   if (code == kRan) return "yes";

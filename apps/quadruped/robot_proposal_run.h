@@ -12,8 +12,8 @@ struct RobotArguments {
   std::vector<std::string> locks;  ///< fixed joints as JOINT=ANGLE [rad]
 };
 
-/// Writes YAML file and picture of the robot of a URDF, and lets it stand and trot. Returns the exit code of
-/// the last trial. Throws ParameterError, and the errors of the outputs.
+/// Writes the YAML file and a picture of the robot in a URDF, then simulates it standing and trotting.
+/// Returns the exit code of the last simulation. Throws ParameterError, and the errors of the outputs.
 int ProposeRobot(const RobotArguments& arguments);
 
 }  // namespace tenon::apps

@@ -30,18 +30,18 @@ struct VariantScenario {
   void Resolve();         ///< replaces `butterworth` by its gains
 };
 
-/// A run of tenon-observer-order, as its YAML file says it.
+/// Scenario of tenon-observer-order, read from a YAML file.
 struct ObserverOrderScenario {
-  std::string app;                                       ///< name of the app that runs the scenario
-  std::string description;                               ///< one line
-  std::string case_name;                                 ///< name of the run
-  YamlFile robot{"dogbot"};                              ///< a shipped robot, a file, or one with changes
-  double duration_s = 1;                                 ///< simulated time
-  std::uint64_t seed = 1;                                ///< seed of all random streams
-  JointPdScenario pd;                                    ///< controller that holds the stance
+  std::string app;           ///< name of the app that runs the scenario
+  std::string description;   ///< description of the scenario in one line
+  std::string case_name;     ///< name of the run
+  YamlFile robot{"dogbot"};  ///< a shipped robot, a YAML file, or one of these with changes
+  double duration_s = 1;     ///< simulated time
+  std::uint64_t seed = 1;    ///< seed of all random streams
+  JointPdScenario pd;        ///< joint PD controller that holds the stance
   Eigen::Vector3d force_N = Eigen::Vector3d(20, 0, 10);  ///< force on the front left foot, from `start_s` on
   double start_s = 0.2;                                  ///< time at which the force sets in
-  std::vector<VariantScenario> variants;                 ///< gains to compare
+  std::vector<VariantScenario> variants;                 ///< variants of the observer to compare
   double log_rate_hz = 1000;                             ///< sample rate of signals.csv
   ReportScenario report;                                 ///< contents of the report
 

@@ -16,7 +16,7 @@ namespace {
 // attitude, with very different tensions.
 constexpr double kTurnScale = 1e-3, kTurnScaleBroken = 1e-5;
 constexpr double kLargestStep = 0.1;        // largest change of the turn in a call [rad]
-constexpr double kLargestTurn = 1.2;        // saturation of the turn; beyond, cables cross [rad]
+constexpr double kLargestTurn = 1.2;        // saturation of the turn; cables cross at larger turns [rad]
 constexpr double kLargestTurnBroken = 0.5;  // saturation of the turn with a broken cable [rad]
 constexpr double kExcess = 1;               // tolerated excess over a bound [N]
 
@@ -41,7 +41,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
   if (loaded) R_WB_ = RotationBy(shift.turn_W) * R_reference;
   CalcCableKinematics(robot_, at.position, R_WB_, &cables_);
 
-  // Newton's step on the equation, with the multiplier of the conditions of least change:
+  // Newton's step with the smallest change, computed by the multiplier of the equation:
   // change = J^T multiplier, J J^T multiplier = J change_before - residual.
   Eigen::Matrix<double, 6, 3> by_turn = turn_scale * CalcWrenchByTurn(cables_, tension_);
   Vector6d wanted = Vector6d::Zero();
@@ -50,7 +50,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     const Eigen::Vector3d arm_W = R_WB_ * load.payload.p_B;
     const Eigen::Vector3d carried =
         load.payload.mass * (GravityWrench(robot_).head<3>() / robot_.mass - at.acceleration);
-    // d(arm x carried) of a turn t is (t x arm) x carried.
+    // The derivative of arm x carried with respect to a turn t is (t x arm) x carried.
     by_turn.bottomRows<3>() +=
         turn_scale * (arm_W * carried.transpose() - carried.dot(arm_W) * Eigen::Matrix3d::Identity());
     wanted -= GravityWrench(robot_);
@@ -59,8 +59,8 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     wanted.noalias() += by_turn * (shift.turn_W / turn_scale);
     wanted.noalias() -= cables_.structure * at.tension;
   }
-  // Holds tensions at the bounds that they exceed, one at a time, the largest excess first, as long as enough
-  // cables remain free.
+  // Fixes tensions at the bounds that they exceed, one at a time and the largest excess first, as long as
+  // enough cables remain free.
   Vector6d multiplier;
   const Eigen::Index cables = at.tension.size();
   held_.assign(static_cast<std::size_t>(cables), 0);

@@ -21,32 +21,37 @@ struct ReferenceShift {
   }
 };
 
-/// The attitude and the tensions with which a platform at the reference's position carries a load and
-/// accelerates like the reference: the solution next to the static equilibrium of the reference of
+/// The attitude and the tensions with which a platform carries a load and accelerates like its reference.
+/// They solve
 ///
-///     W(p, R) u + [m ; 0] (g - a) + [m_L ; R r x m_L] (g - a) + [f ; tau] = 0,
+///     W(p, R) u + [m ; 0] (g - a) + [m_L ; R r x m_L] (g - a) + [f ; tau] = 0
 ///
-/// with a the reference's acceleration, m_L a point mass at r, and f and tau the remaining load about the
-/// platform's CoM. Next means least |du|^2 + |turn / 1 mrad|^2 [N^2], with a broken cable
-/// |turn / 0.01 mrad|^2; turns are added as vectors. With a load or a broken cable the tensions are kept
-/// within the robot's bounds, as far as the number of cables permits. Four and five cables leave one and two
-/// parameters free, six and more the whole attitude. Broken cables have no tension. Without load and with all
-/// cables the equation is linearised at the equilibrium. Otherwise each call takes one step of Newton's
-/// method from the shift of the last call, which follows slow changes to rounding.
+/// at the reference's position p. a is the reference's acceleration, m_L a point mass at r, and f and tau are
+/// the remaining load about the platform's CoM.
+///
+/// The solution that is computed is the nearest one to the static equilibrium of the reference: it minimises
+/// |du|^2 + |turn / 1 mrad|^2 [N^2], or |du|^2 + |turn / 0.01 mrad|^2 with a broken cable. Turns are added as
+/// vectors. With a load or a broken cable the tensions stay within the robot's bounds, as far as the number
+/// of cables permits: four and five cables leave one and two free parameters, six and more the whole
+/// attitude. Broken cables have no tension.
+///
+/// Without load and with all cables intact, the equation is linearised at the equilibrium. Otherwise each
+/// call takes one step of Newton's method from the shift of the last call; this follows slow changes to
+/// rounding.
 class BalancedReference {
  public:
   explicit BalancedReference(const CdprDescription& robot) : robot_(robot) {}
 
-  /// Balances the reference `at`, starting from `shift`, which is updated (0 without load and with all
-  /// cables). `broken` has a 1 for each broken cable, else 0; if it is empty, none is broken. Does not
-  /// allocate from the second call on.
+  /// Balances the reference `at`. `shift` is the start of the search and its result; without load and with
+  /// all cables intact it is set to 0. `broken` has a 1 for each broken cable, else 0; if it is empty, all
+  /// cables are intact. Does not allocate from the second call on.
   /// @throws RunError as CalcCableLine().
   void Calc(const CdprReference& at, const LoadEstimate& load, const CableVector& broken,
             ReferenceShift& shift);
 
-  const Eigen::Vector3d& euler() const { return euler_; }  ///< ZYX [rad], next to the reference's
+  const Eigen::Vector3d& euler() const { return euler_; }  ///< ZYX angles near those of the reference [rad]
   const CableVector& tension() const { return tension_; }  ///< [N]
-  const Eigen::Matrix3d& R_WB() const { return R_WB_; }    ///< attitude; without load, the reference's
+  const Eigen::Matrix3d& R_WB() const { return R_WB_; }    ///< attitude; that of the reference without load
 
  private:
   CdprDescription robot_;

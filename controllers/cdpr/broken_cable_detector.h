@@ -24,8 +24,9 @@ struct BrokenCableDetectorParams {
 ///
 /// where u is the command of its winch. A cable is reported as broken if its measured tension has been below
 /// `share` T for an uninterrupted `patience`, while its length was at least its rest length and T at least
-/// `least_tension`. A broken cable stays broken. If no cable pulls, the measurement has failed and none is
-/// reported. The failure of a single load cell cannot be distinguished from a broken cable.
+/// `least_tension`. A broken cable stays broken. If the measured tensions of all cables are below their
+/// thresholds, the measurement is assumed to have failed and no cable is reported. The failure of a single
+/// load cell cannot be distinguished from a broken cable.
 ///
 ///     ports in  cables   as measured
 ///               command  to the winches [N]

@@ -11,21 +11,21 @@ namespace tenon {
 
 struct CablePdParams {
   CdprDescription robot;         ///< model of the controller; its tension bounds limit the command
-  double stiffness_N_per_m = 0;  ///< K_p
-  double damping_N_s_per_m = 0;  ///< K_d
+  double stiffness_N_per_m = 0;  ///< gain K_p of the length error
+  double damping_N_s_per_m = 0;  ///< gain K_d of the error of the length's rate
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError unless K_p > 0 and K_d >= 0
 };
 
-/// Length controller with tension feedforward, per cable (Morlando 2023, eq. (3.25)):
+/// Length controller with a tension feedforward for each cable (Morlando 2023, eq. (3.25)):
 ///
-///     f = f* + K_p (l - l_des) + K_d (l̇ - l̇_des),   kept inside [tension_min, tension_max]
+///     f = f* + K_p (l - l_des) + K_d (l̇ - l̇_des),   limited to [tension_min, tension_max]
 ///
-/// with f* the tensions of the static equilibrium at the reference. (As printed, with l_des - l, a cable that
-/// is too long would be slackened, which is unstable.)
+/// with the tensions f* of the static equilibrium at the reference. The thesis prints the opposite sign,
+/// l_des - l, which would slacken a cable that is too long and is unstable.
 ///
-/// Ports: in `cables` (the plant's lengths and rates), `reference`; out `command` [N], one per cable,
-/// sampled. `stiffness` and `damping` are Parameters: a run can change them.
+/// Ports: input `cables`, the plant's lengths and rates; input `reference`; output `command` [N], sampled,
+/// with one entry per cable. `stiffness` and `damping` are Parameters: a run can change them.
 class CablePd final : public LeafSystem<CablePdParams> {
  public:
   using LeafSystem::LeafSystem;

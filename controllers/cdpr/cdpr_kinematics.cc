@@ -24,7 +24,7 @@ constexpr double kShortestCable = 1e-9;  // [m]
 constexpr double kSlackTension = 1e-9;   // [m g]
 constexpr double kRankTolerance = 1e-9;
 
-/// Leads `line` over a pulley; its arm must be set, and `span` is the vector from attachment to anchor.
+/// Extends `line` over a pulley; its arm must be set, and `span` is the vector from attachment to anchor.
 void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector3d& span, CableLine& line) {
   const double radius = robot.winch.pulley_radius, x = std::hypot(span.x(), span.y()), z = -span.z();
   const double from_centre = std::hypot(x - radius, z);
@@ -45,7 +45,8 @@ void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector
       std::sqrt(std::max(sideways, 0.0)) * Eigen::Vector3d(-lead.outwards_W.y(), lead.outwards_W.x(), 0);
 }
 
-/// u P of cable i, see CalcWrenchJacobian(): minus the rate of its force with its attachment's motion [N/m].
+/// u P of cable i, see CalcWrenchJacobian(): minus the derivative of its force by its attachment's position
+/// [N/m].
 Eigen::Matrix3d DirectionRate(const CableKinematics& cables, int i, double tension) {
   const Eigen::Vector3d direction = cables.direction.col(i);
   Eigen::Matrix3d rate =
@@ -148,13 +149,13 @@ Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& te
 
 double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& cables,
                            const Eigen::Matrix3d& R_WB, const CableVector& tension) {
-  // x = S y with S^T M S = 1.
+  // Substitutes x = S y with S^T M S = 1.
   const Eigen::Matrix3d root = R_WB * robot.inertia_B.llt().matrixL().toDenseMatrix();
   Matrix6d S = Matrix6d::Zero();
   S.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() / std::sqrt(robot.mass);
   S.bottomRightCorner<3, 3>() = root.transpose().inverse();
 
-  // Cables without tension may go slack and hold nothing.
+  // Cables without tension may go slack and do not constrain the platform.
   std::vector<int> taut;
   for (int i = 0; i < cables.num_cables(); ++i) {
     if (tension[i] > kSlackTension * robot.mass * kGravity) taut.push_back(i);

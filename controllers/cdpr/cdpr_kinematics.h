@@ -25,11 +25,11 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// positive when the cable pulls the platform towards the anchor, so that W u + [m g ; 0] = 0 at rest, g
 /// pointing down. Not modelled: sagging.
 ///
-/// Where the robot has pulleys (plants/model/swivel_pulley.h) lambda_i points to where the cable leaves its
-/// pulley, and |l_i| is the length along pulley and cable from the anchor on; the rest above holds as it is.
+/// With pulleys (plants/model/swivel_pulley.h), lambda_i points to where the cable leaves its pulley, and
+/// |l_i| is the length along pulley and cable from the anchor on. The other equations also hold with pulleys.
 struct CableKinematics {
   CableMatrix3 arm_W;       ///< CoM to attachment [m]
-  CableMatrix3 exit_W;      ///< where it leaves its pulley, or the anchor [m]
+  CableMatrix3 exit_W;      ///< points where the cables leave their pulleys, or the anchors [m]
   CableMatrix3 direction;   ///< lambda, from the attachment towards the exit
   CableVector length;       ///< [m]
   CableVector free_length;  ///< length from the exit on [m]
@@ -39,12 +39,13 @@ struct CableKinematics {
   int num_cables() const { return static_cast<int>(length.size()); }
 };
 
-/// One of these cables. When its attachment moves by d it turns by
+/// One cable of CableKinematics. If its attachment moves by d, its direction changes by
 ///
 ///     d lambda = -((1 - lambda lambda^T) / f - s s^T) d
 ///
-/// with f the free length. s is horizontal, across the cable, |s|^2 = 1/f - sin(b)/x: sideways it turns with
-/// the pulley about the swivel axis, at the distance x, b the wrap; 0 without a pulley.
+/// with the free length f. The horizontal vector s is normal to the cable with |s|^2 = 1/f - sin(b)/x: the
+/// cable turns sideways about the swivel axis, at the distance x, together with the pulley, whose wrap angle
+/// is b. Without a pulley s is 0.
 struct CableLine {
   Eigen::Vector3d arm_W;
   Eigen::Vector3d exit_W;
@@ -55,13 +56,13 @@ struct CableLine {
   Vector6d wrench;                                   ///< its column of W
 };
 
-/// Cable `index` of `robot` at a pose.
-/// @throws RunError when it has no length, for then it has no direction, or ends on its pulley or beside its
-/// swivel axis.
+/// Computes cable `index` of `robot` at a pose.
+/// @throws RunError if the cable has no length, and therefore no direction, or if it ends on its pulley or
+/// beside its swivel axis.
 CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Vector3d& p_WB,
                         const Eigen::Matrix3d& R_WB);
 
-/// All cables of `robot` at a pose, into `cables`: does not allocate if that has been filled for as many.
+/// Computes all cables of `robot` at a pose. Does not allocate if `cables` has the robot's number of cables.
 /// @throws RunError as CalcCableLine().
 void CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
                          const Eigen::Matrix3d& R_WB, CableKinematics* cables);
@@ -84,24 +85,24 @@ Vector6d GravityWrench(const CdprDescription& robot);
 ///     d(torque) = u (arm x dlambda + (dtheta x arm) x lambda)
 ///
 /// At an equilibrium under gravity its negative is symmetric: the Hessian, over the poses, of the Lagrangian
-/// m g z + sum_i u_i |l_i|. On the motions that leave the lengths alone, W^T x = 0, that is the stiffness of
-/// the platform with the winches locked.
+/// m g z + sum_i u_i |l_i|. Restricted to motions that keep all cable lengths, W^T x = 0, it is the stiffness
+/// of the platform with locked winches.
 Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& tension);
-/// d(W u)/dtheta: the last three columns of CalcWrenchJacobian().
+/// d(W u)/dtheta, the last three columns of CalcWrenchJacobian().
 Eigen::Matrix<double, 6, 3> CalcWrenchByTurn(const CableKinematics& cables, const CableVector& tension);
 
-/// The least stiffness [N/m] of the platform at an equilibrium with the winches locked and cables that do not
-/// stretch; the equilibrium is stable if it is positive.
+/// The smallest stiffness [N/m] of the platform at an equilibrium with locked winches and inextensible
+/// cables. The equilibrium is stable if it is positive.
 ///
-/// The motions x = [dp; dtheta] that are left are those with W^T x = 0. On them the potential energy is, to
-/// second order, x^T K x / 2 with K = -CalcWrenchJacobian(): gravity is linear in the pose, the lengths are
+/// The possible motions x = [dp; dtheta] satisfy W^T x = 0. Their potential energy is x^T K x / 2 to second
+/// order, with K = -CalcWrenchJacobian(): gravity is linear in the pose, the lengths are
 /// not, and the tensions are the multipliers of the constraints. With M = diag(m 1, R I_B R^T) the result is
 ///
 ///     m  min (x^T K x) / (x^T M x)   over  W^T x = 0,
 ///
-/// so sqrt(stiffness / m) [rad/s] is the lowest natural frequency of the suspended platform. Infinite if no
-/// motion is left, as is the rule from six cables on. A cable without tension may go slack and holds nothing:
-/// it is left out of W.
+/// so sqrt(stiffness / m) [rad/s] is the lowest natural frequency of the suspended platform. The result is
+/// infinite if no motion is possible, as is usual with six or more cables. Cables without tension may go
+/// slack; they are left out of W because they constrain nothing.
 double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& cables,
                            const Eigen::Matrix3d& R_WB, const CableVector& tension);
 
@@ -111,13 +112,13 @@ double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& 
 ///     K = sum_i (EA + u_i) / |l_i|  (W column i) (W column i)^T - CalcWrenchJacobian(),      EA / l0 = (EA +
 ///     u) / |l|
 ///
-/// Its second part, the geometric one, is what locked winches alone leave.
+/// The second term, the geometric stiffness, is the part that remains if the cables do not stretch.
 Matrix6d CalcElasticStiffness(const CableProperties& cable, const CableKinematics& cables,
                               const CableVector& tension);
 
-/// The least force per displacement of the CoM [N/m], over all directions of the force, of a platform with
-/// this stiffness that may turn while it gives way: 1 over the largest eigenvalue of the upper left block of
-/// K^-1. 0 if K is not positive definite: the equilibrium is not stable.
+/// Returns the smallest force per displacement of the CoM [N/m], over all directions of the force, of a
+/// platform with this stiffness that is free to turn: 1 over the largest eigenvalue of the upper left block
+/// of K^-1. Returns 0 if K is not positive definite, so that the equilibrium is unstable.
 double CalcLeastTranslationalStiffness(const Matrix6d& stiffness);
 
 /// Rest lengths l0 of elastic cables that have the length l under the tension u: l = l0 (1 + u / EA) [m].

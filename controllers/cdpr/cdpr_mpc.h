@@ -42,7 +42,8 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
   InputPort<LoadEstimate> load{this, {"load"}, LoadEstimate{}};
   InputPort<CableVector> broken{this, {"broken"}, CableVector{}};
   InputPort<FollowedPath> path{this, {"path"}, FollowedPath{}};
-  Parameter<CdprMpcWeights> weights{this, {"weights"}, params.weights, "of the squared errors, per second"};
+  Parameter<CdprMpcWeights> weights{
+      this, {"weights"}, params.weights, "weights of the squared errors, per second"};
   Parameter<CdprMpcWeights> terminal_weights{
       this,
       {"terminal_weights"},

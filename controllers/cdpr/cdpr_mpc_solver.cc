@@ -41,8 +41,8 @@ void CopyEntries(const From& from, To& to) {
   std::copy_n(from.data(), to.size(), to.data());
 }
 
-/// make(n) with the number of cables n as a constant for 4 and 8, whose loops the compiler unrolls, and as
-/// Eigen::Dynamic for all others.
+/// Calls make(n) with the number of cables n, as a constant for 4 and 8, for which the compiler unrolls
+/// loops, and as Eigen::Dynamic for all other numbers.
 template <class Make>
 auto ForCables(int cables, const Make& make) {
   switch (cables) {
@@ -55,8 +55,8 @@ auto ForCables(int cables, const Make& make) {
   }
 }
 
-/// The infinite-horizon cost to go of the model linearised at rest at the start of the path, discretised with
-/// `period` [s].
+/// Returns the infinite-horizon cost to go of the model, linearised at rest at the start of the path and
+/// discretised with `period` [s].
 template <int n>
 Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double period, const CdprMpcCost& cost) {
   using Problem = CdprTrackingProblem<n>;
@@ -113,7 +113,7 @@ void CdprMpcParams::Validate() const {
 std::vector<int> CdprMpcSolver::Steps(const CdprMpcParams& params) {
   const int total = static_cast<int>(std::lround(params.horizon / params.rate.period()));
   const int n = params.num_steps;
-  // The ratio with 1 + r + ... + r^(n-1) = total, by bisection.
+  // Finds the ratio r with 1 + r + ... + r^(n-1) = total by bisection.
   double low = 1, high = total;
   for (int i = 0; i < 100; ++i) {
     const double r = (low + high) / 2;
@@ -186,7 +186,7 @@ AnySlq MakeSlq(const CdprMpcParams& params) {
 
 }  // namespace
 
-/// The solver and the references at the nodes of the path that later calls use again.
+/// The solver, and the references at the nodes of the path that later calls reuse.
 class CdprMpcSolver::Impl {
  public:
   explicit Impl(const CdprMpcParams& params)
@@ -234,8 +234,8 @@ class CdprMpcSolver::Impl {
     CentroidalState x;
     CableVector u, lower, upper;
   };
-  // The path's reference at a time. The bounds of `target` belong to it; `has_target` is true if its x and u
-  // do, too, without a load and with all cables.
+  // The path's reference at a time. `target` always contains the bounds; if `has_target` is true, it also
+  // contains x and u without a load and with all cables intact.
   struct PathNode {
     double time;
     CdprReference at;
@@ -269,12 +269,12 @@ class CdprMpcSolver::Impl {
     }
   }
 
-  // With a load, which changes from call to call, or a broken cable each node is balanced anew, once:
-  // Newton's method starts at a node from the shift of the node before, and at the first one from that of the
-  // last call.
+  // With a load, which changes from call to call, or with a broken cable, each node is balanced anew.
+  // Newton's method starts at a node from the shift of the previous node, and at the first node from that of
+  // the last call.
   void SetTargets(double time, const LoadEstimate& load, const CableVector& broken,
                   const LoadedPlatform& body, ReferenceShift& shift) {
-    constexpr int kFirstSteps = 3;  // of Newton's method at the first node
+    constexpr int kFirstSteps = 3;  // number of Newton steps at the first node
     const bool shifted = load.any() || (broken.array() != 0).any();
     shift.held = true;
     if (shifted)

@@ -13,11 +13,11 @@ namespace tenon {
 
 /// Weights of the squared errors, per second of the horizon.
 struct CdprMpcWeights {
-  double position = 0;          ///< weight of the CoM's position against the reference [1/m^2]
-  double velocity = 0;          ///< weight of the CoM's velocity [s^2/m^2]
-  double attitude = 0;          ///< weight of roll, pitch and yaw [1/rad^2]
-  double angular_velocity = 0;  ///< [s^2/rad^2], about the principal axes of a level platform
-  double tension = 0;           ///< weight of each tension against its reference, or against 0 [1/N^2]
+  double position = 0;          ///< weight of the error of the CoM's position [1/m^2]
+  double velocity = 0;          ///< weight of the error of the CoM's velocity [s^2/m^2]
+  double attitude = 0;          ///< weight of the errors of roll, pitch and yaw [1/rad^2]
+  double angular_velocity = 0;  ///< weight of the angular velocity error about the principal axes [s^2/rad^2]
+  double tension = 0;           ///< weight of each tension's deviation from its reference, or from 0 [1/N^2]
 
   static FieldList Fields() {
     return {Required("position_per_m2", &CdprMpcWeights::position),

@@ -12,7 +12,7 @@ namespace tenon {
 ///     phi = 1/2 (x - x_des,N)^T Q_f (x - x_des,N)
 ///     lower_k <= u <= upper_k
 ///
-/// With a payload the state is about the common CoM and the weight is a full matrix, see SetErrors().
+/// With a payload, the state refers to the common CoM and the weight is a full matrix, see SetErrors().
 ///
 /// n is the number of cables, or Eigen::Dynamic.
 template <int n>

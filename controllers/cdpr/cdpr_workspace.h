@@ -28,8 +28,9 @@ struct WorkspaceCell {
   std::array<int, 3> first{}, size{};  ///< in cells of the grid
   PoseVerdict wrench = PoseVerdict::kUndecided;
   PoseVerdict clear = PoseVerdict::kUndecided;
-  WrenchMargins margins{};     ///< at its centre
-  CableClearance clearance{};  ///< at its centre; default if wrenches fail everywhere in it
+  WrenchMargins margins{};  ///< margins at the part's centre
+  /// Clearance at the part's centre; the default if no pose of the part is wrench-feasible.
+  CableClearance clearance{};
 
   Eigen::Vector3d centre(const WorkspaceGrid& grid) const;
   double volume(const WorkspaceGrid& grid) const;
@@ -61,11 +62,11 @@ struct WorkspaceOptions {
 /// Divides the box into parts that are feasible everywhere, infeasible everywhere, or undecided at the size
 /// of one cell, by bisection. Parts do not overlap and fill the box.
 ///
-/// Rotation vectors whose difference is delta are attitudes that differ by no more than |delta|, for the
-/// sphere of attitudes is curved.
+/// Two rotation vectors that differ by delta describe attitudes that differ by at most |delta|, because the
+/// space of rotations is curved.
 std::vector<WorkspaceCell> MapWorkspace(PoseFeasibility& robot, const WorkspaceOptions& options);
 
-/// A volume, in the coordinates of the grid cubed, between two bounds.
+/// Bounds of a volume, in the cubed unit of the grid's coordinates.
 struct WorkspaceVolume {
   double proven = 0;    ///< volume of cells that are feasible as a whole
   double possible = 0;  ///< volume of cells that are not proven to be infeasible

@@ -87,10 +87,13 @@ Path Path::Spline(const std::vector<Eigen::Vector3d>& points, const std::vector<
   }
 
   // Solves for velocities and accelerations of the inner points such that jerk and snap are continuous there.
-  // For a piece of duration h, with d the difference of its ends a and b:
-  //   jerk(a) h^3 =       60 d - 36 va h - 24 vb h - 9 aa h^2 + 3 ab h^2     jerk(b): a and b of v and -a
-  //   swapped snap(a) h^4 / 12 = -30 d + 16 va h + 14 vb h + 3 aa h^2 - 2 ab h^2     snap(b): the sign
-  //   changes as well
+  // For a piece of duration h between a and b, with the difference d of its ends:
+  //
+  //     jerk(a) h^3 = 60 d - 36 va h - 24 vb h - 9 aa h^2 + 3 ab h^2
+  //     snap(a) h^4 / 12 = -30 d + 16 va h + 14 vb h + 3 aa h^2 - 2 ab h^2
+  //
+  // jerk(b) results from jerk(a) by exchanging va with vb, and aa with -ab; snap(b) likewise, with opposite
+  // sign.
   const int inner = n - 2;
   std::vector<Eigen::Triplet<double>> system;  // banded
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(2 * inner, 3);
@@ -293,10 +296,11 @@ EquilibriumPath::EquilibriumPath(const CdprDescription& robot, const Path& path,
   FitSlopes();
 }
 
-// The slopes m of the spline with two continuous derivatives: m[i-1] + 4 m[i] + m[i+1] = 3 (y[i+1] - y[i-1])
-// / h. At the ends of a path that starts and stops at rest they are zero; a path that starts in motion begins
-// with the slope of its first two nodes. The influence of an end decays by a factor of 3.7 per node, so on a
-// circle the nodes are continued beyond both ends until it is below rounding.
+// The slopes m of the spline with two continuous derivatives: m[i-1] + 4 m[i] + m[i+1] =
+// 3 (y[i+1] - y[i-1]) / h. At the ends of a path that starts and stops at rest they are zero; a path that
+// starts in motion begins with the slope between its first two nodes. The influence of an end decays by a
+// factor of 3.7 per node, so the nodes of a circle are continued beyond both ends until the influence is
+// below rounding.
 void EquilibriumPath::FitSlopes() {
   const int last = num_nodes() - 1;
   if (last == 0) return;

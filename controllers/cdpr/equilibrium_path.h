@@ -25,23 +25,24 @@ struct PathPoint {
 /// that make paths throw a ParameterError that names the invalid number.
 class Path {
  public:
-  /// An endless horizontal circle, counter-clockwise about `center` from center + (radius, 0, 0). The angular
-  /// rate grows from zero to 2 pi / period within `ramp` [s], as 10 x^3 - 15 x^4 + 6 x^5 of x = t / ramp; the
-  /// ramp covers half of the angle at full rate.
+  /// Returns an endless, horizontal, counter-clockwise circle about `center`, from center + (radius, 0, 0).
+  /// The angular rate grows from zero to 2 pi / period within `ramp` [s], as 10 x^3 - 15 x^4 + 6 x^5 of x = t
+  /// / ramp; during the ramp, the path covers half of the angle that it would cover at full rate.
   static Path Circle(const Eigen::Vector3d& center, double radius, double period, double ramp);
 
-  /// A line from rest to rest: p = from + (to - from) (10 x^3 - 15 x^4 + 6 x^5), x = t / duration.
+  /// Returns a line from rest to rest: p = from + (to - from) (10 x^3 - 15 x^4 + 6 x^5), x = t / duration.
   static Path Line(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double duration);
 
-  /// The quintic spline with four continuous derivatives through `points` at `times` [s], from rest to rest.
-  /// It minimises the integral of the squared jerk and does not stop at the points.
+  /// Returns the quintic spline with four continuous derivatives through `points` at `times` [s], from rest
+  /// to rest. It minimises the integral of the squared jerk and does not stop at the points.
   static Path Spline(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& times);
 
-  /// Splines from rest to rest between equal successive points, where the path rests from one time to the
-  /// next. Position, velocity and acceleration are continuous everywhere.
+  /// Returns splines from rest to rest. At two equal successive points the path rests from the time of the
+  /// first to that of the second. Position, velocity and acceleration are continuous everywhere.
   static Path Waypoints(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& times);
 
-  /// A quintic from the motion `from` at `start` [s] to rest at `to` at `end` [s]; undefined before `start`.
+  /// Returns a quintic from the motion `from` at `start` [s] to rest at `to` at `end` [s]; undefined before
+  /// `start`.
   static Path Move(const PathPoint& from, double start, const Eigen::Vector3d& to, double end);
 
   static Path Hold(const Eigen::Vector3d& position);
@@ -50,7 +51,7 @@ class Path {
 
   bool is_periodic() const { return period_ > 0; }
   double start_time() const { return times_.front(); }
-  double end_time() const;  ///< time of coming to rest [s]; infinite for a circle
+  double end_time() const;  ///< time at which the path comes to rest [s]; infinite for a circle
 
   /// The parameter s and its derivatives at a time; constant before the start and after the end.
   struct Parameter {
@@ -67,8 +68,8 @@ class Path {
   using Quintic = Eigen::Matrix<double, 3, 6>;
   std::vector<double> times_{0.0};
   std::vector<Quintic> pieces_;
-  Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // of the circle; where Hold() rests
-  double radius_ = 0, period_ = 0, ramp_ = 0;         // of the circle
+  Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // centre of the circle, or the point of Hold()
+  double radius_ = 0, period_ = 0, ramp_ = 0;         // parameters of the circle
 };
 
 /// The quasi-static reference at a time.
@@ -95,24 +96,25 @@ struct CdprReference {
 
 /// The equilibria along a path, found before the run and interpolated during it (Morlando 2023, sec. 3.5.2).
 ///
-/// At closely spaced s, half a degree on a circle and at most 20 ms on other paths, the attitude Theta(s) and
-/// the tensions u(s) come from SolveInverseGeometricoStatic(); each starts from the one before, so that the
-/// attitude stays on one branch of equilibria. A cubic spline, periodic on a circle, joins them with two
-/// continuous derivatives. The lengths are not interpolated but those of the pose:
+/// At closely spaced s (every half degree on a circle, at most every 20 ms on other paths), the attitude
+/// Theta(s) and the tensions u(s) are computed by SolveInverseGeometricoStatic(). Each solution starts from
+/// the previous one, so that the attitude stays on one branch of equilibria. A cubic spline with two
+/// continuous derivatives interpolates them; on a circle it is periodic. The cable lengths are not
+/// interpolated but computed from the pose:
 ///
 ///     l_i(t)     = |a_i - p(t) - R(Theta(t)) r_i|
 ///     dl_i/dt    = -(W column i) . [v ; w],    v = dp/dt,   w = E(Theta) dTheta/ds ds/dt
 ///
 /// The reference is quasi-static: u does not contain the forces that accelerate the platform. Where a tension
-/// reaches a bound Theta(s) has a kink, which the spline rounds off over two or three nodes.
+/// reaches a bound, Theta(s) has a kink, which the spline smooths over two or three nodes.
 ///
 /// For a controller with a wrong model of the robot, pass the description of that model.
 class EquilibriumPath {
  public:
   /// The options apply to each equilibrium, their warm start to the first point. `attitude`, if given, is the
   /// path of roll, pitch, yaw [rad] and replaces the attitude of the options; not for circles. Throws
-  /// ParameterError naming the time, the point and the reason if a point of the path has no equilibrium, or
-  /// if the branch ends there, so that the attitude would jump.
+  /// ParameterError with the time, the point and the reason if a point of the path has no equilibrium, or if
+  /// the branch ends there, so that the attitude would jump.
   EquilibriumPath(const CdprDescription& robot, const Path& path, const StaticsOptions& options = {},
                   const std::optional<Path>& attitude = {});
 
@@ -133,13 +135,13 @@ class EquilibriumPath {
   CdprDescription robot_;
   Path path_;
   StaticsOptions options_;
-  double first_ = 0, step_ = 1;  // s of the first node, distance of the nodes
-  // Roll, pitch, yaw and the tensions, a column per node: values and derivatives with respect to s.
+  double first_ = 0, step_ = 1;  // s of the first node, spacing of the nodes
+  // Roll, pitch, yaw and the tensions, one column per node: values and derivatives with respect to s.
   Eigen::MatrixXd values_, slopes_;
 };
 
-/// A path chosen during a run; null selects the path of the block's parameters. It has no numbers: logs and
-/// snapshots skip it, and GoalPath computes it again.
+/// A path chosen during a run; null selects the path of the block's parameters. It contains no numbers, so
+/// logs and snapshots omit it, and GoalPath recomputes it.
 struct FollowedPath {
   std::shared_ptr<const EquilibriumPath> path;
 

@@ -12,11 +12,11 @@ namespace tenon {
 /// A goal of the platform, and the motion of its reference at departure.
 struct PlatformGoal {
   bool on = false;
-  double start = 0;     ///< time of departure [s]
+  double start = 0;     ///< departure time [s]
   double duration = 1;  ///< duration of the motion [s]
   Vec<3> position = Vec<3>::Zero(), velocity = Vec<3>::Zero(),
-         acceleration = Vec<3>::Zero();                        ///< at the start, in W [m, m/s, m/s^2]
-  Vec<3> euler = Vec<3>::Zero(), euler_rate = Vec<3>::Zero();  ///< likewise, ZYX [rad, rad/s]
+         acceleration = Vec<3>::Zero();  ///< motion of the reference at departure, in W [m, m/s, m/s^2]
+  Vec<3> euler = Vec<3>::Zero(), euler_rate = Vec<3>::Zero();  ///< ZYX angles at departure [rad, rad/s]
   Vec<3> goal = Vec<3>::Zero();                                ///< goal of the CoM, in W [m]
 
   static FieldList Fields() {
@@ -33,9 +33,9 @@ struct PlatformGoal {
 };
 
 struct GoalPathParams {
-  std::shared_ptr<const EquilibriumPath> path;  ///< without a goal
-  double speed = 0.3;                           ///< towards a goal, at most [m/s]
-  double shortest = 0.5;                        ///< time to a goal [s]
+  std::shared_ptr<const EquilibriumPath> path;  ///< planned path, followed if no goal is set
+  double speed = 0.3;                           ///< maximum speed towards a goal [m/s]
+  double shortest = 0.5;                        ///< minimum duration of a motion to a goal [s]
   void Validate() const;                        ///< throws ParameterError
 };
 
@@ -49,10 +49,10 @@ struct GoalPathParams {
 class GoalPath final : public LeafSystem<GoalPathParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<PlatformGoal> goal{this, {"goal"}, PlatformGoal{}, "where the platform is to go instead"};
+  Parameter<PlatformGoal> goal{this, {"goal"}, PlatformGoal{}, "goal that replaces the planned path"};
   OutputPort<FollowedPath> path{this, {"path"}, {params.path}, Uses(goal), &GoalPath::CalcPath};
 
-  /// The value of `goal` that leads from the reference `from` at `time` to `place` [m]. Throws ParameterError
+  /// Returns the value of `goal` that leads from `reference` at `time` to `place` [m]. Throws ParameterError
   /// with the reason if there is no such path.
   PlatformGoal GoalAt(const Vec<3>& place, double time, const CdprReference& reference) const;
 

@@ -23,14 +23,14 @@ namespace {
 constexpr double kStartAngle = 0.6;         // largest angle of the grid of starts [rad]
 constexpr double kLargestAngle = 1.4;       // largest roll, pitch and yaw of a result [rad]
 constexpr double kLargestNewtonStep = 0.2;  // saturation of a Newton step [rad]
-constexpr double kBoundTolerance = 1e-9;    // of a tension [m g]
+constexpr double kBoundTolerance = 1e-9;    // tolerance of a tension at a bound [m g]
 constexpr double kLeastExcess = 1e-6;       // least excess over a bound that is reported [N]
 constexpr double kLeastStiffness = 1e-6;    // least stiffness of a stable equilibrium [N/m]
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Which tensions are held at a bound: -1 at the lower, +1 at the upper, 0 free.
+// State of each tension: -1 fixed at the lower bound, 1 fixed at the upper bound, 0 free.
 using ActiveSet = std::vector<int>;
 
 // min |u|^2 / 2 subject to F(x) = 0 and lower <= u <= upper, with x = [Theta; u]. Tensions and forces are in
@@ -242,7 +242,7 @@ class StaticsProblem {
     return false;
   }
 
-  // Returns true if the Hessian is positive definite on the null space of the constraints.
+  // Returns whether the Hessian is positive definite on the null space of the constraints.
   static bool IsMinimum(const MatrixXd& kkt, int count) {
     if (count == 6) return true;
     const MatrixXd constraints = kkt.topRightCorner(count, 6);
@@ -282,20 +282,20 @@ bool IsStable(const StaticEquilibrium& equilibrium) {
   return equilibrium.stiffness_min > kLeastStiffness;
 }
 
-// The least-norm minimum found from the grid of starts, preferably a stable one. If cables have no direction
-// at the level attitude, `obstacle` has the reason.
+// Returns the least-norm minimum found from the grid of starts, preferably a stable one. If cables have no
+// direction at the level attitude, `obstacle` contains the reason.
 std::optional<StaticEquilibrium> SearchAttitudes(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
                                                  const StaticsProblem& problem, std::string* obstacle) {
   std::optional<StaticEquilibrium> best;
   for (int start = 0; start < 27; ++start) {
-    // Digits of `start` to base 3; start 0 is the level attitude.
+    // The digits of `start` to base 3 select the angles; start 0 is the level attitude.
     constexpr double kGrid[] = {0, kStartAngle, -kStartAngle};
     const Eigen::Vector3d euler(kGrid[start % 3], kGrid[start / 3 % 3], kGrid[start / 9]);
     VectorXd x;
     try {
       x = problem.Search(problem.Start(euler));
       if (!problem.Polish(&x) || x.head<3>().cwiseAbs().maxCoeff() > kLargestAngle) continue;
-    } catch (const RunError& error) {  // an attachment met its anchor or its pulley
+    } catch (const RunError& error) {  // an attachment coincides with its anchor or touches its pulley
       if (start == 0) *obstacle = error.what();
       continue;
     }
@@ -389,7 +389,7 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
         fmt::format("its equilibria are unstable, the least stiffness is {:.3g} N/m", found->stiffness_min));
   }
   if (!obstacle.empty()) Refuse(robot, p_WB, obstacle);
-  // Find the bound that prevents an equilibrium.
+  // Finds the bound that prevents an equilibrium.
   const StaticsProblem unbounded(robot, p_WB, -kInfinity, kInfinity);
   if (const std::optional<StaticEquilibrium> pushed = SearchAttitudes(robot, p_WB, unbounded, &obstacle)) {
     int worst = 0;

@@ -25,7 +25,7 @@ using internal::SinCos;
 using internal::Sqrt;
 using internal::Transpose;
 
-/// The attitude of one platform, or of four in Lanes.
+/// The attitude of one platform, or of four platforms in Lanes.
 template <class T>
 struct Attitude {
   T sr, cr, sp, cp, sy, cy, cp_inverse;
@@ -99,7 +99,7 @@ KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot) : cabl
   if (n != Eigen::Dynamic && cables_ != n)
     throw ParameterError(
         fmt::format("the model is made for {} cables but the robot '{}' has {}", n, robot.name, cables_));
-  // Cables that only fill up the registers are far away, to avoid divisions by zero, and never pull.
+  // Cables that only pad the registers are far away, which avoids divisions by zero, and never pull.
   anchor_W_.setConstant(Padded(cables_), 3, 1e6);
   attachment_B_.setZero(anchor_W_.rows(), 3);
   for (int i = 0; i < cables_; ++i)
@@ -123,7 +123,7 @@ void KinoCentroidalModel<n>::SetPose(const CdprDescription& robot, const Eigen::
     anchor_W_.row(i) = CalcCableLine(robot, i, p_WB, R_WB).exit_W.transpose();
 }
 
-/// f(x, u), with the state and its rate in three registers, of which the second begins within L.
+/// Computes f(x, u), with the state and its rate in three registers, of which the second begins within L.
 template <int n>
 TENON_INLINE void KinoCentroidalModel<n>::CalcRate(const Lanes (&x)[3], const double* u,
                                                    Lanes (&dx)[3]) const {
@@ -132,7 +132,7 @@ TENON_INLINE void KinoCentroidalModel<n>::CalcRate(const Lanes (&x)[3], const do
   const Attitude<double> attitude({sine[1], sine[2], sine[3]}, {cosine[1], cosine[2], cosine[3]});
   const auto& R = attitude.R;
   const Eigen::Index padded = anchor_W_.rows();
-  Lanes sums[2][4] = {};  // force and torque; of each, one lane a cable
+  Lanes sums[2][4] = {};  // force and torque, each with one lane per cable
   for (Eigen::Index first = 0; first < padded; first += 4) {
     Lanes arm[3], pull[3];
     for (int r = 0; r < 3; ++r) {
@@ -194,7 +194,8 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Step(StepMethod method, double 
   for (int j = 0; j < 3; ++j) *PacketAt(&next[4 * j]) = end[j];
 }
 
-/// The Jacobians of f by blocks, by columns, at four nodes; the rest is zero but for d(dp/dt)/dv = 1.
+/// The Jacobians of f in blocks, column by column, at four nodes. All other entries are zero, except
+/// d(dp/dt)/dv = 1.
 template <int n>
 struct KinoCentroidalModel<n>::Stage {
   Lanes momentum_by_pose[6][6];   ///< rows v, L; columns p, Theta
@@ -202,12 +203,13 @@ struct KinoCentroidalModel<n>::Stage {
   Lanes euler_by_euler[3][3];     ///< d(dTheta/dt)/dTheta
 };
 
-// With a the arm, d the direction, m = a x d, u the tension, s = u / l, the derivatives of the wrench of a
-// cable by p and by a rotation vector in W (see CalcWrenchJacobian() in cdpr_kinematics.h) become
+// With the arm a, the direction d, m = a x d, the tension u and s = u / l, the derivatives of a cable's
+// wrench with respect to p and to a rotation vector in W (see CalcWrenchJacobian() in cdpr_kinematics.h)
+// become
 //     df/dp     = -s (1 - d d^T)
 //     df/dtheta =  s ([a x] + d m^T),   dtau/dp its transpose
 //     dtau/dtheta = s m m^T + M - trace(M) 1,   M = a (s a + u d)^T
-// `u` has a cable's tensions at four nodes side by side; `wrench` gets a cable's d(rate of v, L)/du.
+// `u` holds a cable's tensions at four adjacent nodes; `wrench` receives its d(rate of v, L)/du.
 template <int n>
 template <class Tension, class Wrench>
 TENON_INLINE void KinoCentroidalModel<n>::LinearizeFour(const Lanes (&x)[12], const Tension& u,
@@ -300,7 +302,7 @@ TENON_INLINE void KinoCentroidalModel<n>::LinearizeFour(const Lanes (&x)[12], co
   }
   attitude.EulerRate(w[0], w[1], w[2], &dx[9]);
 
-  // dw = (mobility [L x] - [w x]) dturn, at constant L; E^{-1} w depends on pitch and yaw besides.
+  // dw = (mobility [L x] - [w x]) dturn at constant L; E^{-1} w also depends on pitch and yaw.
   Lanes w_by_euler[3][3];
   for (int r = 0; r < 3; ++r) {
     const Lanes(&M)[3] = mobility[r];
@@ -322,8 +324,8 @@ TENON_INLINE void KinoCentroidalModel<n>::LinearizeFour(const Lanes (&x)[12], co
   f.euler_by_euler[2][2] += across * attitude.sp;
 }
 
-/// A column of [dF/dx  dF/du] - [1  0] at four nodes: number `c` of the block of v, L, p, Theta (0 to 3), or
-/// of the tensions (4), whose d(rate of v, L)/du of all stages is `wrench`.
+/// Computes a column of [dF/dx  dF/du] - [1  0] at four nodes: number `c` in the block of v, L, p or Theta (0
+/// to 3), or of the tensions (4), for which `wrench` is d(rate of v, L)/du of all stages.
 template <int n>
 template <int block>
 TENON_INLINE void KinoCentroidalModel<n>::CalcColumn(const Stage* stages, const StepTableau& tableau,
@@ -345,7 +347,7 @@ TENON_INLINE void KinoCentroidalModel<n>::CalcColumn(const Stage* stages, const 
       if constexpr (block == 3) K[9 + r] = f.euler_by_euler[c][r];
     }
   };
-  // The rest, where S is not zero.
+  // The remaining rows, in which S is not zero.
   const auto add = [&](const Stage& f, auto by_L, auto by_p, auto by_theta) __attribute__((always_inline)) {
     for (int k = 0; k < 3; ++k) {
       for (int r = 0; r < 6; ++r) {

@@ -14,30 +14,31 @@ namespace tenon {
 /// the mass [m^2/s], position of the CoM [m], ZYX Euler angles [rad], all in W.
 using CentroidalState = Eigen::Matrix<double, 12, 1>;
 
-/// The state (3.5) of a platform and its payload, about their common CoM; `euler` are the angles of R_WB.
+/// Returns the state (3.5) of a platform and its payload, about their common CoM; `euler` are the angles of
+/// R_WB.
 CentroidalState CentroidalStateOf(const LoadedPlatform& body, const Eigen::Vector3d& p_WB,
                                   const Eigen::Matrix3d& R_WB, const Eigen::Vector3d& euler,
                                   const Eigen::Vector3d& v_W, const Eigen::Vector3d& w_W);
 CentroidalState CentroidalStateOf(const CdprDescription& robot, const PlatformState& platform,
                                   const Payload& payload = {});
 
-/// d(state of the platform alone)/d(state of `body`, the platform with its payload), both of one motion, near
-/// rest at the attitude `euler` [rad]: v = v' - w x c, p = p' - c, and w = m I^{-1} L' gives L.
+/// Returns d(state of the platform alone)/d(state of `body`, the platform with its payload) for one motion,
+/// near rest at the attitude `euler` [rad]: v = v' - w x c, p = p' - c, and w = m I^{-1} L' gives L.
 Eigen::Matrix<double, 12, 12> ErrorsOfPlatform(const CdprDescription& robot, const LoadedPlatform& body,
                                                const Eigen::Vector3d& euler);
 
 /// The kino-centroidal model of a cable robot with n massless cables, whose input are the tensions u >= 0
-/// (Morlando 2023, eqs. (3.3)-(3.9), with (3.9) as it must read in Euler angles):
+/// (Morlando 2023, eqs. (3.3)-(3.9), with (3.9) corrected for Euler angles):
 ///
 ///     dv/dt     = (1/m) (sum_i u_i lambda_i + f) + g,      g = (0, 0, -9.81)
 ///     dL/dt     = (1/m) (sum_i R r_i x u_i lambda_i + tau)
 ///     dp/dt     = v
 ///     dTheta/dt = E(Theta)^{-1} w,   w = R I^{-1} R^T m L
 ///
-/// f and tau are a constant load. lambda_i is the direction from attachment p + R r_i to anchor; of a robot
-/// with pulleys, to where the cable leaves its pulley at one pose, see SetPose(). Exact for a rigid platform.
-/// Singular at pitch = +-pi/2, where a cable has no length, and not known for angles beyond a million rad:
-/// the result is not finite there.
+/// f and tau are a constant load. lambda_i is the direction from the attachment p + R r_i to the anchor. With
+/// pulleys it points to where the cable leaves its pulley at a given pose, see SetPose(). The model is exact
+/// for a rigid platform. The result is not finite at pitch = +-pi/2, where the Euler angles are singular, for
+/// a cable without length, and for angles beyond a million rad.
 ///
 /// It implements the steps of RungeKutta itself, see TakesOwnSteps. Step() computes four cables at a time,
 /// one in each lane of a register; LinearizeSteps() computes four steps at a time.
@@ -59,8 +60,8 @@ class KinoCentroidalModel {
   void SetPayload(const CdprDescription& robot, const LoadedPlatform& body);
   /// Sets the points where the cables leave their pulleys to those at this pose; before the first call they
   /// are the anchors. Near the pose, forces are exact to first order in the pulley's plane, where the tangent
-  /// turns about the exit point. A pulley of 4 cm moves that point by 4 mm while the platform moves 40 cm on
-  /// a cable of 4 m.
+  /// turns about the exit point. If the platform moves by 40 cm on a cable of 4 m, the exit point of a pulley
+  /// of 4 cm moves by 4 mm.
   void SetPose(const CdprDescription& robot, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
 
   /// @throws ParameterError if n is not Eigen::Dynamic and the robot does not have n cables.
@@ -72,7 +73,7 @@ class KinoCentroidalModel {
 
   /// See TakesOwnSteps.
   struct StepWorkspace {
-    /// d(rate of the momentum)/d(tension) of each cable, in all stages and lanes.
+    /// Derivative of the momentum's rate with respect to the tension of each cable, for all stages and lanes.
     Eigen::Matrix<double, 6 * 4 * StepTableau::kMaxStages, n> wrench;
 
     explicit StepWorkspace(int cables) : wrench(wrench.RowsAtCompileTime, cables) {}
@@ -82,7 +83,8 @@ class KinoCentroidalModel {
                       Tangent* tangents, StepWorkspace& workspace) const;
 
  private:
-  static constexpr int kLanes = n == Eigen::Dynamic ? n : (n + 3) / 4 * 4;  // cables, filled up to registers
+  static constexpr int kLanes =
+      n == Eigen::Dynamic ? n : (n + 3) / 4 * 4;  // number of cables, rounded up to full registers
   struct Stage;
   void CalcRate(const internal::Lanes (&x)[3], const double* u, internal::Lanes (&dx)[3]) const;
   template <class Tension, class Wrench>

@@ -14,13 +14,13 @@ namespace tenon {
 struct LoadEstimatorParams {
   CdprDescription robot;          ///< model of the controller
   Rate rate = Hz(200);            ///< rate of the estimate and of the inertial unit
-  double bandwidth = 20;          ///< b, of force and torque [rad/s]
-  double rest_bandwidth = 5;      ///< b_r, of the rest [rad/s]
-  double mass_bandwidth = 100;    ///< b_m, of the payload's mass [rad/s]
-  double least_mass = 0.05;       ///< dead band of the payload's mass over the platform's
-  double arm_deviation = 0.5;     ///< initial deviation of the payload's place [m]
-  double torque_deviation = 0.5;  ///< measurement noise of the torque that gives the place [N m]
-  double arm_walk = 0.05;         ///< process noise of the payload's place [m/sqrt(s)]
+  double bandwidth = 20;          ///< bandwidth b of force and torque [rad/s]
+  double rest_bandwidth = 5;      ///< bandwidth b_r of the remaining wrench [rad/s]
+  double mass_bandwidth = 100;    ///< bandwidth b_m of the payload's mass [rad/s]
+  double least_mass = 0.05;       ///< dead band of the payload's mass, relative to the platform's mass
+  double arm_deviation = 0.5;     ///< initial standard deviation of the payload's position [m]
+  double torque_deviation = 0.5;  ///< noise of the torque from which the position is estimated [N m]
+  double arm_walk = 0.05;         ///< process noise of the payload's position [m/sqrt(s)]
 
   void Validate() const;  ///< throws ParameterError
 };

@@ -7,7 +7,7 @@
 
 namespace tenon {
 
-/// A platform and a point mass on it, as one rigid body C about their common CoM, whose axes are B's:
+/// A platform with a point mass as one rigid body C. Its origin is the common CoM, its axes are those of B:
 ///
 ///     m = m_B + m_L,   c = m_L r / m,
 ///     I = I_B + m_B (|c|^2 1 - c c^T) + m_L (|r - c|^2 1 - (r - c)(r - c)^T)

@@ -13,10 +13,10 @@
 namespace tenon {
 namespace {
 
-constexpr double kPoint = 1e-9;     // attachments nearer to the CoM count as at the CoM [m]
+constexpr double kPoint = 1e-9;     // distance below which an attachment counts as at the CoM [m]
 constexpr double kRounding = 1e-9;  // rounding of tensions, relative to their upper bound
-constexpr int kTighterBounds = 7;   // number of trials, each with half the last distance
-constexpr double kAway = 0.7;       // part of the largest possible distance from the bounds
+constexpr int kTighterBounds = 7;   // number of trials, each with half of the previous distance
+constexpr double kAway = 0.7;       // fraction of the largest possible distance from the bounds
 
 double Lever(const CdprDescription& robot) {
   double lever = 0;
@@ -37,7 +37,7 @@ int WrenchRows(const CdprDescription& robot) {
   return rows;
 }
 
-/// The longest chord between points at most `angle` apart on a unit sphere.
+/// Returns the longest chord between two points of a unit sphere that are at most `angle` apart.
 double Chord(double angle) {
   return 2 * std::sin(std::min(angle, std::numbers::pi) / 2);
 }
@@ -124,9 +124,9 @@ bool PoseFeasibility::BoundChanges(const PoseBall& poses) {
   return true;
 }
 
-/// The derivatives of [lambda; arm x lambda / lever], see CalcWrenchJacobian(), and half of what bounds its
-/// second derivative along any curve in the set. With s = |db|, b the attachment, |lambda''| <= (1 + sqrt 5)
-/// / 2 s^2 / l^2 + |b''| / l, the largest second derivative of a unit vector.
+/// The derivatives of [lambda; arm x lambda / lever], see CalcWrenchJacobian(), and half of a bound of its
+/// second derivative along any curve in the set. With the attachment b and s = |db|, the second derivative of
+/// a unit vector is bounded by |lambda''| <= (1 + sqrt 5) / 2 s^2 / l^2 + |b''| / l.
 void PoseFeasibility::Differentiate(const PoseBall& poses) {
   distance_ = poses.distance;
   angle_ = poses.angle;
@@ -153,12 +153,12 @@ void PoseFeasibility::Differentiate(const PoseBall& poses) {
   }
 }
 
-/// The largest |row . [dp; dtheta]| over the set.
+/// Returns the largest |row . [dp; dtheta]| over the set.
 double PoseFeasibility::OverBall(const Eigen::Matrix<double, 1, 6>& row) const {
   return row.head<3>().norm() * distance_ + row.tail<3>().norm() * angle_;
 }
 
-/// The largest change of c . w_i for a unit vector c.
+/// Returns the largest change of c . w_i over the set for a unit vector c.
 double PoseFeasibility::ChangeAlong(const SmallVector& c, int cable) const {
   const Matrix6d& derivative = derivative_[static_cast<std::size_t>(cable)];
   const Eigen::Matrix<double, 1, 6> row = c.transpose() * derivative.topRows(rows_);
@@ -173,8 +173,8 @@ PoseVerdict PoseFeasibility::Over(const PoseBall& poses) {
   return FailsOver() ? PoseVerdict::kFails : PoseVerdict::kUndecided;
 }
 
-/// Upper bound of the sum of tensions that produce a required wrench [N]: at the centre for 0, over the whole
-/// set for 1. Infinite unless all cables pull upwards.
+/// Returns an upper bound of the sum of tensions that produce a required wrench [N]: at the centre for 0,
+/// over the whole set for 1. The bound is infinite unless all cables pull upwards.
 double PoseFeasibility::TensionSum(double turned) const {
   double least = kInfinity;
   for (int i = 0; i < cables_.num_cables(); ++i)
@@ -253,7 +253,7 @@ bool PoseFeasibility::FailsOver() const {
   const auto& normal = wrenches_.normal(margins_.facet);
   double sum = 0;
   for (int i = 0; i < robot_.num_cables(); ++i) sum += normal.dot(structure_.col(i));
-  // The more violated of the two opposite facets, and the required wrench that is farthest beyond it.
+  // Selects the more violated of two opposite facets, and the required wrench that is farthest beyond it.
   const bool opposite = (cable.tension_max + cable.tension_min) / 2 * sum > normal.dot(required_.centre);
   const SmallVector c = normal * ((opposite ? -1 : 1) / normal.norm());
   SmallVector wrench = required_.centre;
@@ -270,14 +270,15 @@ bool PoseFeasibility::FailsByFixedNormal(const SmallVector& c, const SmallVector
     at_least += x * low;
     largest = std::max(largest, x);
   }
-  const double spare = TensionSum(1) - robot_.num_cables() * low;  // above the lower bounds
+  const double spare = TensionSum(1) - robot_.num_cables() * low;  // total tension above the lower bounds
   const double by_sum = largest > 0 ? at_least + std::max(spare, 0.0) * largest : at_least;
   return std::min(by_bounds, by_sum) + kRounding * high < c.dot(wrench);
 }
 
-/// The normal c + e of the same cables elsewhere: (c + e) . (w_j + D_j) = 0 for those in the facet, e normal
-/// to c, so |e| <= |c . D| / (sigma - |d|), where |d| is the norm of their d_j and sigma at most the least
-/// singular value of their columns A: 1 / sigma^2 is the trace of (A^T A)^-1.
+/// The normal c + e of the same cables at another pose satisfies (c + e) . (w_j + D_j) = 0 for the cables in
+/// the facet, with e normal to c. Hence |e| <= |c . D| / (sigma - |d|), where |d| is the norm of their d_j
+/// and sigma a lower bound of the smallest singular value of their columns A: 1 / sigma^2 is the trace of
+/// (A^T A)^-1.
 bool PoseFeasibility::FailsByMovingNormal(const SmallVector& c, const SmallVector& wrench) const {
   const auto facet = wrenches_.cables(margins_.facet);
   SmallMatrix columns(rows_, rows_ - 1);

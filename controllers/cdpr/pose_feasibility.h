@@ -22,8 +22,8 @@ constexpr auto EnumNames(PoseVerdict) {
                     Named{PoseVerdict::kUndecided, "undecided"}};
 }
 
-/// A neighbourhood of a pose: the CoM within `distance` [m] of p_WB, the platform turned by at most `angle`
-/// [rad] from R_WB, about any axis.
+/// A neighbourhood of a pose: all poses with the CoM within `distance` [m] of p_WB and with an attitude that
+/// differs from R_WB by a rotation of at most `angle` [rad] about any axis.
 struct PoseBall {
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();
@@ -31,8 +31,9 @@ struct PoseBall {
   double angle = 0;
 };
 
-/// The wrenches [N, N m] that a platform needs: its weight and that of a load at its CoM, any acceleration of
-/// both up to `acceleration` along each axis, and any external force and torque up to these along each axis.
+/// The wrenches that a platform needs [N, N m]: its weight and that of a load at its CoM, accelerations of
+/// both up to `acceleration` along each axis, and external forces and torques up to `force` and `torque`
+/// along each axis.
 struct PlatformDemand {
   double load = 0;          ///< [kg]
   double acceleration = 0;  ///< [m/s^2]
@@ -43,43 +44,47 @@ struct PlatformDemand {
 };
 WrenchBox RequiredWrenches(const CdprDescription& robot, const PlatformDemand& demand);
 
-/// Wrench feasibility of a cable robot (it can produce all required wrenches within its tension bounds) at a
-/// pose and over a set of poses. For six cables or more, or for a point mass (all attachments at the CoM)
-/// with three or more. Pulleys are treated as points.
+/// Wrench feasibility of a cable robot at a pose and over a set of poses: whether the cables can exert all
+/// required wrenches within their tension bounds. For robots with six or more cables, or for a point mass
+/// (all attachments at the CoM) with three or more. Pulleys are treated as points.
 ///
-/// A margin at one pose says nothing of those beside it. Over() bounds what can change. If the CoM moves by
-/// rho and the platform turns by phi, attachment i moves by no more than rho + 2 sin(phi/2) |arm_i|, which
-/// turns its cable by no more than arcsin(move / length), so that its column w_i of W, torques over a lever,
-/// changes by no more than some d_i; and to first order by its derivatives, up to a remainder r_i that is a
-/// bound of the second ones.
+/// The margin at one pose says nothing about neighbouring poses. Over() bounds the changes over the set. If
+/// the CoM moves by rho and the platform turns by phi, attachment i moves by at most rho + 2 sin(phi/2)
+/// |arm_i|. Its cable then turns by at most arcsin(move / length), and its column w_i of W, with torques
+/// divided by a lever, changes by at most some d_i. To first order the column changes by its derivatives; the
+/// remainder is at most r_i, a bound of the second derivatives.
 ///
-/// It holds all over the set: at the centre W u = w for a required wrench w, and elsewhere W + D produces it
-/// with u + G y, where G = W^T (W W^T)^-1 is the pseudo-inverse and (1 + D G) y = -D u. There is such a y if
-/// eps = sum_i d_i |G_i| < 1, and no tension leaves its bounds if for all cables i
+/// **Proof of feasibility.** At the centre, tensions u produce a required wrench w, W u = w. At another pose,
+/// W + D produces w with the tensions u + G y, where G = W^T (W W^T)^-1 is the pseudo-inverse and
+/// (1 + D G) y = -D u. There is such a y if eps = sum_i d_i |G_i| < 1, and all tensions stay within their
+/// bounds if for all cables i
 ///
-///     |G_i| sum_j u_j d_j / (1 - eps) <= the room that u_i has,      or sharper
-///     |G_i J x| + |G_i| (sum_j u_j r_j + |D u| eps / (1 - eps)) <= that,      J x = D u to first order
+///     |G_i| sum_j u_j d_j / (1 - eps) <= m_i,      or more sharply
+///     |G_i J x| + |G_i| (sum_j u_j r_j + |D u| eps / (1 - eps)) <= m_i,      J x = D u to first order
 ///
-/// The first is taken with the tension margin as room, and with bounds of u: upper bounds tighter than the
-/// cables', of which the best of a few is taken, and where all cables pull upwards their sum, since
-/// sum_j u_j (up . w_j) = up . w. The second is taken with a u for each required wrench: small ones away from
-/// the bounds at the middle of the box, see tension_distribution.h, and u + G (w - middle) elsewhere.
+/// with the distance m_i of u_i from its bounds.
 ///
-/// It fails all over the set: a required wrench w is beyond a facet of the centre, c . w > h(c), and still is
-/// with every c . w_i larger by what it can change; or with a normal that follows the cables in its facet,
-/// whose own products stay zero.
+/// The first condition is evaluated with the tension margin as m_i and with upper bounds of u: the best
+/// of several bounds tighter than those of the cables and, if all cables pull upwards, a bound of their sum
+/// by sum_j u_j (up . w_j) = up . w. The second condition is evaluated with one u for each required wrench:
+/// small tensions away from the bounds at the middle of the box, see tension_distribution.h, and u + G (w -
+/// middle) elsewhere.
 ///
-/// Rounding apart, both are proofs, as by interval analysis (Gouttefarde, Daney, Merlet, IEEE Trans. Robotics
-/// 27(1), 2011, doi:10.1109/TRO.2010.2090064). They become sharp as rho and phi vanish.
+/// **Proof of infeasibility.** A required wrench w is beyond a facet at the centre, c . w > h(c), and remains
+/// so if each c . w_i increases by its largest change. The normal c is either constant, or it follows the
+/// cables of its facet, so that their products c . w_i stay zero.
+///
+/// Apart from rounding, both are proofs, as in interval analysis (Gouttefarde, Daney, Merlet, IEEE Trans.
+/// Robotics 27(1), 2011, doi:10.1109/TRO.2010.2090064). They become sharp as rho and phi tend to zero.
 class PoseFeasibility {
  public:
-  /// `required` has six rows. @throws ParameterError for too few cables; for a robot that makes no sense.
+  /// `required` has six rows. @throws ParameterError for too few cables and for an invalid robot.
   PoseFeasibility(const CdprDescription& robot, const WrenchBox& required);
 
-  /// Margins at a pose; minus infinity where a cable has no length.
+  /// Returns the margins at a pose, or minus infinity if a cable has no length.
   WrenchMargins At(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
   PoseVerdict Over(const PoseBall& poses);
-  /// Whether no two cables are nearer than `diameter` [m] and none runs through the platform.
+  /// Returns whether no two cables are nearer than `diameter` [m] and no cable runs through the platform.
   PoseVerdict IsClearOver(const PoseBall& poses, double diameter);
 
   /// Results of the last call, at the centre:
@@ -103,7 +108,7 @@ class PoseFeasibility {
   double TensionSum(double turned) const;
 
   CdprDescription robot_;
-  double lever_;  // of torques: the farthest attachment [m]
+  double lever_;  // divisor of torques: the distance of the farthest attachment [m]
   int rows_;
   WrenchBox required_;  // torques over the lever
   WrenchFeasibility wrenches_;
@@ -111,8 +116,8 @@ class PoseFeasibility {
   CableInterference interference_;
   CableKinematics cables_;
   Eigen::MatrixXd structure_;  // torques over the lever
-  // For each cable over the set of poses: the largest change of its direction and of its column; the
-  // derivatives of its column by p and theta, and what they leave.
+  // Bounds for each cable over the set of poses: the largest change of its direction and of its column, the
+  // derivatives of its column with respect to p and theta, and the remainder.
   double distance_ = 0, angle_ = 0;
   Eigen::VectorXd turn_, change_, remainder_;
   std::vector<Matrix6d> derivative_;

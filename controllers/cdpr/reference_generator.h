@@ -10,17 +10,17 @@
 namespace tenon {
 
 struct ReferenceGeneratorParams {
-  /// Computed once, before the run; several blocks and contexts share it.
+  /// The path and its equilibria, computed once before the run and shared by several blocks and contexts.
   std::shared_ptr<const EquilibriumPath> path;
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError if there is no path
 };
 
-/// Plays an EquilibriumPath: position with two derivatives, and the attitude, cable lengths and tensions of
-/// the static equilibrium there.
+/// Outputs the reference along an EquilibriumPath: position, velocity and acceleration of the CoM, and the
+/// attitude, cable lengths and tensions of the static equilibrium there.
 ///
-/// Ports: in `path`, an optional path that replaces the parameter (see GoalPath); out `reference`, sampled;
-/// `geometry`, the path with a ball at the reference of the CoM.
+/// Ports: input `path`, an optional path that replaces the parameter (see GoalPath); output `reference`,
+/// sampled; output `geometry`, the path with a ball at the reference of the CoM.
 class ReferenceGenerator final : public LeafSystem<ReferenceGeneratorParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -85,8 +85,8 @@ const TensionDistribution& TensionDistributor::Solve(const CableMatrix6& structu
   Vector6d b = wrench;
   b.tail<3>() /= lever;
 
-  // W^T = Q R splits the tensions into those that make a wrench, u_ in the first columns of Q, and N, the
-  // rest.
+  // The decomposition W^T = Q R separates the tensions that produce a wrench, u_ in the first columns of Q,
+  // from the null space N, spanned by the remaining columns.
   qr_.compute(transposed_);
   const int rank = static_cast<int>(qr_.rank());
   Q_.setIdentity();

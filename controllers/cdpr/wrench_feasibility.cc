@@ -22,14 +22,14 @@ using internal::PacketAt;
 using internal::Padded;
 typedef long long Bits __attribute__((vector_size(32)));
 
-/// sum += |numbers|, by clearing the sign bits.
+/// Computes sum += |numbers| by clearing the sign bits.
 TENON_INLINE void AddAbsolute(const Lanes& numbers, Lanes& sum) {
   const Bits bits = (Bits)numbers & 0x7fff'ffff'ffff'ffff;
   sum += (Lanes)bits;
 }
 
-/// The least quotient in each lane, and its index. Quotients are compared without division, which would take
-/// a fifth of the time of a pose.
+/// The smallest quotient in each lane, and its index. Quotients are compared without division, which would
+/// take a fifth of the time that a pose takes.
 struct Least {
   Lanes over = {kLargest, kLargest, kLargest, kLargest}, under = {1, 1, 1, 1};
   Bits which = {};
@@ -208,7 +208,7 @@ TENON_VECTOR_CLONES WrenchMargins WrenchFeasibility::Margins(const WrenchBox& re
       offset -= required.centre[k] * c;
       width += required.half_width[k] * absolute;
     }
-    // The worse of the facets c and -c.
+    // The worse one of the facets c and -c.
     AddAbsolute(offset, distance);
     const Lanes square = *PacketAt(&square_[facet]), absolute_sum = *PacketAt(&absolute_sum_[facet]);
     const Lanes gap = half * absolute_sum - width - distance;

@@ -13,14 +13,14 @@ namespace tenon {
 
 /// Gains of AdmittanceFilter. The defaults are explained in docs/guide_dog.md.
 struct AdmittanceGains {
-  double desired_tension = 30;  ///< f_d [N]
-  double mass = 8;              ///< M_a [kg]
-  double damping = 40;          ///< D_a [N s/m]
-  double stiffness = 100;       ///< K_a, across the path [N/m]
-  double min_forward = 0.03;    ///< lower bound of the forward velocity; the Supervisor stops the robot [m/s]
-  double max_forward = 0.2;     ///< upper bound of the forward velocity due to the leash [m/s]
-  double max_left = 0.05;       ///< bound of the left velocity, to either side [m/s]
-  double acceleration = 0.5;    ///< limit of the acceleration of both velocities [m/s^2]
+  double desired_tension = 30;  ///< desired tension f_d of the leash [N]
+  double mass = 8;              ///< mass M_a of the admittance [kg]
+  double damping = 40;          ///< damping D_a of the admittance [N s/m]
+  double stiffness = 100;       ///< stiffness K_a of the admittance across the path [N/m]
+  double min_forward = 0.03;    ///< minimum forward velocity; only the Supervisor stops the robot [m/s]
+  double max_forward = 0.2;     ///< maximum forward velocity due to the leash [m/s]
+  double max_left = 0.05;       ///< maximum lateral velocity to either side [m/s]
+  double acceleration = 0.5;    ///< maximum acceleration of the forward and lateral velocities [m/s^2]
 
   static FieldList Fields() {
     using G = AdmittanceGains;

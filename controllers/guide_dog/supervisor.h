@@ -14,7 +14,7 @@ namespace tenon {
 
 enum class GuideMode {
   kMove,  ///< follows the command
-  kTurn,  ///< turns into a new direction
+  kTurn,  ///< turns to a new direction
   kStop,  ///< stands and waits for a pull
 };
 constexpr auto EnumNames(GuideMode) {
@@ -24,14 +24,14 @@ constexpr auto EnumNames(GuideMode) {
 
 /// Gains of Supervisor. The defaults are explained in docs/guide_dog.md.
 struct SupervisorGains {
-  double threshold = 50;    ///< sigma, force above which the leash is pulled [N]
-  double release = 40;      ///< force below which the pull has ended [N]
+  double threshold = 50;    ///< tension sigma above which the leash counts as pulled [N]
+  double release = 40;      ///< tension below which a pull ends [N]
   double stop_time = 0.1;   ///< duration of a pull that stops the robot [s]
   double start_time = 0.3;  ///< duration of a pull that starts the robot [s]
-  double dwell = 1;         ///< time in a mode before pulls are evaluated, and memory of obstacles [s]
+  double dwell = 1;         ///< time in a mode without evaluation of pulls, and memory of obstacles [s]
   double turn_rate = 0.3;   ///< limit of the yaw rate [rad/s]
-  double turn_gain = 1;     ///< yaw rate over heading error [1/s]
-  double heading_tolerance = 0.02;  ///< tolerance of the new direction [rad]
+  double turn_gain = 1;     ///< gain from the heading error to the yaw rate [1/s]
+  double heading_tolerance = 0.02;  ///< heading error below which the robot counts as aligned [rad]
   double align_time = 0.3;          ///< time within heading_tolerance that ends a turn [s]
 
   static FieldList Fields() {
@@ -60,10 +60,10 @@ struct GuideEvents {
   bool pulled = false;        ///< the person has pulled the leash
   bool obstacle = false;      ///< an obstacle is ahead
   bool new_obstacle = false;  ///< an obstacle is ahead that was not there while the robot stood
-  bool aligned = false;       ///< the robot has the new direction
+  bool aligned = false;       ///< the robot heads in the new direction
 };
 
-/// The next mode, by the first row that applies; unchanged if none does:
+/// Returns the mode of the first row that applies, or `mode` if none does:
 ///
 /// | from | if           | to   |
 /// | ---- | ------------ | ---- |

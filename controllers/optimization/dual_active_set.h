@@ -58,43 +58,48 @@ struct QpReport {
   std::string Message() const;
 };
 
-/// Solver of strictly convex, dense quadratic programs for control loops: a dual active set method
-/// (Goldfarb and Idnani, Math. Programming 27, 1983). It begins at a minimum over some of the constraints and
-/// adds violated ones, dropping those whose multipliers would turn negative; the cost rises at each step, so
-/// it ends after finitely many, at the solution or at a constraint that contradicts the others.
+/// Solver of strictly convex, dense quadratic programs for control loops, a dual active set method (Goldfarb
+/// and Idnani, Math. Programming 27, 1983). It starts at a minimum over some of the constraints, adds
+/// violated constraints, and drops those whose multipliers would become negative. The cost increases at each
+/// step, so the method ends after finitely many steps: at the solution, or at a constraint that contradicts
+/// the others.
 ///
-/// With H = L D L^T and J = L^-T D^-1/2 the columns V = J^T A^T of the active constraints are factored as
-/// Q (R; 0) by reflections, first those of the equalities, then the active inequalities; x = J Q y. This
-/// gives steps of two kinds:
+/// With H = L D L^T and J = L^-T D^-1/2, the columns V = J^T A^T of the active constraints (equalities, then
+/// inequalities) are factored as Q (R; 0) by reflections; the minimiser is x = J Q y. There are two kinds of
+/// steps:
 ///
-/// - Several at once, where few are violated: all these join, and those that then have negative multipliers
-///   leave, as long as that raises the cost. The reflections are applied and never multiplied out. The start
-///   at a guessed active set is such a step, too: a right guess is one factorisation.
-/// - One at a time, as in the paper, where more are violated, constraints depend on each other, or a step of
-///   the first kind did not raise the cost: with Z = J Q of the inequalities' part, updated by reflections
-///   and rotations.
+/// - Several constraints at once, if few are violated: all violated constraints are added, and those that
+/// then
+///   have negative multipliers are dropped, as long as the cost increases. The reflections are applied
+///   without forming Q. The start at a guessed active set is a step of this kind: if the guess is right, the
+///   solution needs one factorisation.
+/// - One constraint at a time, as in the paper, if many are violated, if constraints depend on each other, or
+/// if
+///   a step of the first kind did not increase the cost. Z = J Q, restricted to the inequalities, is updated
+///   by reflections and rotations.
 ///
-/// Zeros of H between blocks of variables stay zeros in J and cost nothing. The guess is pruned of dependent
-/// constraints and of those with negative multipliers, so any guess is safe and only the number of iterations
-/// depends on it. The solution is refined from its residuals; if they stay above the tolerance, or if the
-/// problem seems infeasible after updates, it starts again from fresh factors. Redundant constraints do no
-/// harm, equalities included.
+/// Zero blocks of H remain zero in J and cost nothing. Dependent constraints and those with negative
+/// multipliers are removed from the guess, so any guess is valid and only the number of iterations depends on
+/// it. The solution is refined by its residuals. If these exceed the tolerance, or if the problem seems
+/// infeasible after updates, the method starts again with a new factorisation. Redundant constraints,
+/// equalities included, do no harm.
 ///
-/// Everything is allocated by the constructor, nothing by Solve(). Copies are independent. Last digits depend
-/// on the processor, see TENON_VECTOR_CLONES.
+/// The constructor allocates all memory; Solve() does not allocate. Copies are independent. The last digits
+/// of results depend on the processor, see TENON_VECTOR_CLONES.
 class DualActiveSet {
  public:
   /// Tolerance of the residuals, relative to the size of their terms.
   static constexpr double kTolerance = 1e-10;
 
-  /// A solver for up to `max_variables` variables and `max_constraints` equalities and inequalities together.
+  /// Constructs a solver for up to `max_variables` variables and for up to `max_constraints` equalities and
+  /// inequalities together.
   DualActiveSet(int max_variables, int max_constraints, int max_iterations = 200);
 
   /// Minimises. `guess` holds indices of inequalities that may be active: those of the last, similar
   /// problem, or none. Throws ParameterError if sizes do not fit together, or exceed what this was made for.
   QpReport Solve(const QuadraticProgram& qp, std::span<const int> guess = {});
 
-  /// The minimiser found by the last Solve() that was ok.
+  /// The minimiser found by the last successful Solve().
   auto x() const { return Eigen::Map<const Eigen::VectorXd>(x_.data(), n_); }
   /// The multipliers of the equalities, then of the inequalities (>= 0, zero if not active), with
   /// H x + g = A^T multipliers.
@@ -165,19 +170,19 @@ class DualActiveSet {
   // Pivots of the factorisation: the independent equalities, then the active inequalities.
   int num_independent_ = 0, num_active_ = 0;
   std::vector<int> independent_, active_;
-  Numbers reflectors_, tau_;  // I - tau w w^T: w in columns, from their pivots to ends_
+  Numbers reflectors_, tau_;  // reflections I - tau w w^T; columns w have nonzeros from their pivots to ends_
   std::vector<int> ends_, column_ends_;
-  Numbers R_equalities_, inverse_alpha_;  // the equalities' part of R, and 1 / the diagonal of all of R
-  Numbers R_, inverse_;                   // the inequalities' part, and 1 / its diagonal
+  Numbers R_equalities_, inverse_alpha_;  // R of the equalities, and the inverse of R's whole diagonal
+  Numbers R_, inverse_;                   // R of the inequalities, and the inverse of its diagonal
   Numbers columns_, norms2_;              // J^T a of the active inequalities, reflected by the equalities
-  Numbers bounds_;                        // of these, less what the equalities make of y
-  Numbers work_, work_bounds_;            // columns on their way into R
-  Numbers y_, y_equalities_;              // x = J Q y; its part from the equalities
-  Numbers slope_, slope_equalities_;      // (J Q)^T g; reflected by the equalities alone
-  double gain_ = 0;                       // twice what the active inequalities cost
+  Numbers bounds_;              // bounds of the active inequalities, minus the contribution of the equalities
+  Numbers work_, work_bounds_;  // columns and bounds that are being added to R
+  Numbers y_, y_equalities_;    // y of x = J Q y, and its part due to the equalities
+  Numbers slope_, slope_equalities_;  // (J Q)^T g, and J^T g after the reflections of the equalities
+  double gain_ = 0;                   // twice the cost increase by the active inequalities
   bool z_is_formed_ = false;
-  Numbers Z_;           // the columns of J Q that belong to no equality, once formed,
-  Numbers transposed_;  // and the columns of A_in
+  Numbers Z_;           // columns of J Q that belong to no equality, if z_is_formed_
+  Numbers transposed_;  // columns of A_in, if z_is_formed_
 
   Numbers x_, u_, lambda_, multipliers_;
   Numbers g_, slack_, residual_, pull_, misses_, lengths2_;

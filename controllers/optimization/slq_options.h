@@ -29,7 +29,7 @@ constexpr auto EnumNames(SlqBounds) {
 struct SlqOptions {
   StepMethod method = StepMethod::kRungeKutta4;
   SlqBounds bounds = SlqBounds::kProjectedNewton;
-  int max_iterations = 1;   ///< most iterations per Solve(); 1 is the real-time iteration
+  int max_iterations = 1;   ///< maximum number of iterations per Solve(); 1 is the real-time iteration
   double tolerance = 1e-9;  ///< tolerance of the expected decrease of the cost, relative to 1 + cost
 };
 

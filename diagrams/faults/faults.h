@@ -28,8 +28,8 @@ constexpr auto EnumNames(FaultKind) {
 struct Fault {
   FaultKind kind = FaultKind::kDropOut;    ///< type of the fault
   std::vector<std::string> elements = {};  ///< names of elements of the signal, joints or cables; empty: all
-  double start_s = 0;                      ///< begin of the fault
-  std::optional<double> duration_s;        ///< empty: to the end of the run
+  double start_s = 0;                      ///< start time of the fault
+  std::optional<double> duration_s;        ///< duration of the fault; empty: until the end of the run
   std::optional<double> size;      ///< size of spike and offset [unit of the signal], or of loss: 1 loses all
   std::optional<double> period_s;  ///< period of spikes; empty: a single spike
   std::optional<int> samples;      ///< delay of `late` in ticks
@@ -49,7 +49,7 @@ struct Fault {
 /// A fault at one of the places of a robot.
 template <NamedEnum Place>
 struct FaultAt : Fault {
-  Place at{};  ///< signal or mechanical part
+  Place at{};  ///< signal or mechanical part at which the fault occurs
   static FieldList Fields() {
     FieldList fields{Required("at", &FaultAt::at)};
     for (const Field& field : Fault::Fields()) fields.push_back(field);

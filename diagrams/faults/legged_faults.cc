@@ -15,7 +15,7 @@ constexpr const char* kNoEstimator =
 constexpr const char* kNoFootSensors =
     "the feet have no sensors; set sensors.foot_force.mounted to world or shank, or choose torque_sensor";
 
-/// The places of one diagram.
+/// The places of one diagram at which faults can occur.
 struct Places {
   QuadrupedWorld* world;
   FaultPoint<Vec<12>> torque;

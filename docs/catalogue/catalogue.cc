@@ -60,7 +60,7 @@
 namespace tenon::docs {
 namespace {
 
-/// Stands for the argument of a template; no block has this size otherwise.
+/// Stands for the template argument; no block has this size otherwise.
 using T = Vec<7>;
 
 template <class Scenario>

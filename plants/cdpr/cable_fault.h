@@ -13,8 +13,8 @@
 namespace tenon {
 
 enum class CableFaultKind {
-  kStuck,   ///< the drum of the winch does not turn: the cable keeps its rest length, and pulls by its strain
-  kBroken,  ///< the cable does not pull, from then on
+  kStuck,   ///< the winch's drum does not turn: the cable keeps its rest length, and its strain its tension
+  kBroken,  ///< the cable has no tension until the end of the run
 };
 constexpr auto EnumNames(CableFaultKind) {
   return std::array{Named{CableFaultKind::kStuck, "stuck"}, Named{CableFaultKind::kBroken, "broken"}};
@@ -23,7 +23,7 @@ constexpr auto EnumNames(CableFaultKind) {
 struct CableFaultParams {
   CableFaultKind kind = CableFaultKind::kStuck;
   int num_cables = 0;            ///< number of the robot's cables
-  std::vector<int> cables = {};  ///< that fail, from 0; empty: all
+  std::vector<int> cables = {};  ///< indices of the faulty cables, from 0; empty: all cables
   FaultSchedule schedule = {};   ///< default: the whole run; broken cables stay broken
   Rate rate = Hz(1000);
 
@@ -50,7 +50,7 @@ class CableFault final : public LeafSystem<CableFaultParams> {
   using LeafSystem::LeafSystem;
   InputPort<CableFaults> others{this, {"others"}, CableFaults{}};
   InputPort<bool> active{this, {"active"}, true};
-  Parameter<FaultSchedule> schedule{this, {"schedule"}, params.schedule, "when it acts"};
+  Parameter<FaultSchedule> schedule{this, {"schedule"}, params.schedule, "time in which the fault acts"};
   Scratch<bool> acted{this, "acted"};
   OutputPort<bool> acting{
       this, {"acting"}, Sampled{params.rate}, Uses(time, schedule, active, acted), &CableFault::CalcActing};

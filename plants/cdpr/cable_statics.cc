@@ -10,9 +10,10 @@ namespace tenon {
 namespace {
 
 constexpr int kMostTurns = 100;
-constexpr double kWrapTolerance = 1e-12;  // [rad], and of lengths relative to the cable's
+constexpr double kWrapTolerance =
+    1e-12;  // tolerance of wrap angles [rad], and of lengths relative to that of the cable
 
-/// Lead of the cable from the winch: over a pulley, or through the anchor.
+/// Course of the cable from the winch: over a pulley, or through the anchor.
 struct Lead {
   double radius = 0;
   double x = 0, z = 0;  // from anchor to attachment, in the pulley's plane [m]
@@ -42,8 +43,8 @@ struct Wrap {
   }
 };
 
-/// Hangs a cable from the attachment to the pulley, which it leaves tangentially; for the radius 0, to the
-/// anchor.
+/// Computes the shape of a cable from the attachment to the pulley, which it leaves tangentially, or to the
+/// anchor if the radius is 0.
 void HangOnPulley(const CdprDescription& robot, int index, const Lead& lead, double rest_length,
                   double weight, CableStatics* out) {
   const double EA = robot.cable.axial_stiffness;
@@ -151,7 +152,7 @@ double CalcRestLength(const CdprDescription& robot, int index, const Vec<3>& spa
   const double EA = robot.cable.axial_stiffness;
   if (!(weight > 0)) return length / (1 + tension / EA);
 
-  // At this length the tension is too high at both ends. It falls with the length down to its minimum.
+  // At this length the tension is too high at both ends. It decreases with the length down to its minimum.
   const double shortest = length / (1 + (tension + weight * length) / EA);
   const auto tension_of = [&](double rest_length) {
     return CalcCableStatics(robot, index, span_W, rest_length, gravity).tension;

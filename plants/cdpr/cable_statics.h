@@ -19,27 +19,27 @@ namespace tenon {
 /// cable's length in each step. The cable between anchor and winch has no weight.
 struct CableStatics {
   Vec<3> direction_W = Vec<3>::Zero();  ///< unit vector of the force at the attachment
-  double length = 0;                    ///< attachment to anchor, along the cable, under strain [m]
-  double tension = 0;                   ///< at the anchor, where the winch is [N]
-  double tension_loss = 0;              ///< by weight, from anchor to attachment [N]
+  double length = 0;                    ///< length along the strained cable from attachment to anchor [m]
+  double tension = 0;                   ///< tension at the anchor, where the winch is [N]
+  double tension_loss = 0;              ///< decrease of the tension by weight, from anchor to attachment [N]
   double elastic_length =
       0;  ///< EA over the stiffness along direction_W at the attachment; l0 if straight [m]
-  double elastic_energy = 0;        ///< [J]
-  double potential_energy = 0;      ///< energy of its weight, 0 at z = 0 [J]
-  Vec<3> plane_W = Vec<3>::Zero();  ///< horizontal unit vector from the anchor to the attachment, of a pulley
-  Vec<3> exit_W = Vec<3>::Zero();   ///< where it leaves the pulley, or the anchor [m]
-  Vec<3> toward_W = Vec<3>::Zero();  ///< horizontal unit vector in which the catenary runs to there
-  ElasticCatenary catenary{};        ///< shape from the attachment to there, if it has weight
+  double elastic_energy = 0;    ///< [J]
+  double potential_energy = 0;  ///< potential energy of the cable's weight, 0 at z = 0 [J]
+  Vec<3> plane_W =
+      Vec<3>::Zero();  ///< with a pulley, horizontal unit vector from the anchor to the attachment
+  Vec<3> exit_W = Vec<3>::Zero();    ///< point where the cable leaves the pulley, or the anchor [m]
+  Vec<3> toward_W = Vec<3>::Zero();  ///< horizontal unit vector of the catenary towards exit_W
+  ElasticCatenary catenary{};        ///< shape from the attachment to exit_W, if the cable has weight
 };
 
-/// Statics of cable `index` of `robot`, with `span_W` from its attachment to its anchor [m] and the gravity
-/// [m/s^2].
-/// Does not allocate.
-/// @throws RunError when the cable has no length, is reeled in completely or ends within its pulley's rim.
+/// Computes the statics of cable `index` of `robot`, with `span_W` from its attachment to its anchor [m] and
+/// the gravity [m/s^2]. Does not allocate.
+/// @throws RunError if the cable has no length, is reeled in completely, or ends within its pulley's rim.
 CableStatics CalcCableStatics(const CdprDescription& robot, int index, const Vec<3>& span_W,
                               double rest_length, double gravity);
 
-/// The length l0 to pay out for a tension at the anchor [m].
+/// Returns the rest length to pay out for a tension at the anchor [m].
 /// @throws RunError as CalcCableStatics(), and if the cable's weight alone exceeds the tension at any length.
 double CalcRestLength(const CdprDescription& robot, int index, const Vec<3>& span_W, double tension,
                       double gravity);

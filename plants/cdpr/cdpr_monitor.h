@@ -13,7 +13,7 @@ struct CdprMonitorParams {
   CdprDescription robot;
   bool forbid_slack = true;        ///< a slack cable ends the run
   double max_tension_ratio = 1.1;  ///< largest tension over the winches' tension_max
-  double floor = 0;                ///< least height of attachments and CoM in W [m]
+  double floor = 0;                ///< minimum height of attachments and CoM in W [m]
   Rate rate = Hz(1000);
 
   void Validate() const;  ///< throws ParameterError
@@ -34,10 +34,11 @@ class CdprMonitor final : public LeafSystem<CdprMonitorParams> {
   using LeafSystem::LeafSystem;
   InputPort<CableSignals> cables{this, {"cables"}};
   InputPort<PlatformState> platform{this, {"platform"}};
-  Parameter<bool> forbid_slack{this, {"forbid_slack"}, params.forbid_slack, "if not, cables may be slack"};
+  Parameter<bool> forbid_slack{
+      this, {"forbid_slack"}, params.forbid_slack, "whether a slack cable ends the run"};
   Parameter<double> max_tension_ratio{
       this, {"max_tension_ratio"}, params.max_tension_ratio, "of a cable, to the winches' tension_max"};
-  Parameter<double> floor{this, {"floor", "m"}, params.floor, "height that no attachment may be below"};
+  Parameter<double> floor{this, {"floor", "m"}, params.floor, "minimum height of attachments and CoM"};
   Monitor tension{this, "tension", Sampled{params.rate}, Uses(cables, forbid_slack, max_tension_ratio),
                   &CdprMonitor::CheckTension};
   Monitor place{this, "place", Sampled{params.rate}, Uses(platform, floor), &CdprMonitor::CheckPlace};

@@ -15,14 +15,15 @@ namespace tenon {
 
 struct CdprPlantParams {
   CdprDescription robot;
-  Vec<3> p_WB = Vec<3>::Zero();   ///< the CoM at the start [m]
-  Vec<3> euler = Vec<3>::Zero();  ///< roll, pitch, yaw at the start [rad]
-  Vec<3> v_W = Vec<3>::Zero();    ///< velocity at the start [m/s]
-  Vec<3> w_W = Vec<3>::Zero();    ///< angular velocity at the start [rad/s]
-  CableVector initial_tension;    ///< one per cable [N]: gives rest lengths and motors at the start
-  CableVector homed_length{};     ///< measured at the start [m]; empty: from attachments to anchors
-  double gravity = kGravity;      ///< [m/s^2]
-  bool lock_winches = false;      ///< the drums do not turn: rest lengths are constant
+  Vec<3> p_WB = Vec<3>::Zero();   ///< initial position of the CoM [m]
+  Vec<3> euler = Vec<3>::Zero();  ///< initial roll, pitch, yaw [rad]
+  Vec<3> v_W = Vec<3>::Zero();    ///< initial velocity [m/s]
+  Vec<3> w_W = Vec<3>::Zero();    ///< initial angular velocity [rad/s]
+  CableVector
+      initial_tension;  ///< initial tension of each cable [N], from which rest lengths and motors follow
+  CableVector homed_length{};  ///< initial measured lengths [m]; empty: from attachments to anchors
+  double gravity = kGravity;   ///< [m/s^2]
+  bool lock_winches = false;   ///< locks the drums, so that rest lengths are constant
 
   /// Throws ParameterError, also if the robot's description is not valid.
   void Validate() const;
@@ -49,18 +50,19 @@ struct CdprPlantParams {
 ///
 ///     m a = sum_i T_i e_i + m g + f_ext,   I alpha + w x I w = sum_i (R_WB r_i) x T_i e_i + tau_ext,
 ///
-/// with e_i the direction from attachment to anchor. The quaternion's length has no meaning for the motion;
-/// 5 (1 - |q|^2) q in its derivative brings it back to 1, so that equilibria are isolated points.
+/// with e_i the direction from attachment to anchor. The length of the quaternion q does not affect the
+/// motion; the term 5 (1 - |q|^2) q in its derivative restores unit length, so that equilibria are isolated
+/// points.
 ///
-/// **Cables** follow CableStatics, by default straight springs if longer than their rest length l0. The
-/// material's damping time, damping / EA, damps them along the direction of their end:
+/// **Cables** follow CableStatics; by default they are straight springs if longer than their rest length l0.
+/// The material's damping time, damping / EA, determines their damping in the direction of the cable's end:
 ///
 ///     T = max(0, T_e + c (dl/dt - dl0/dt)),   c = (damping / EA) dT_e/dl;
 ///     straight  T_e = k (l - l0) and c = damping / l0 if l > l0, else both 0;   k = EA / l0.
 ///
-/// The damping makes T jump when a slack cable becomes taut at a nonzero rate. A cable with mass sags, has
-/// more tension at its anchor than at its attachment, and is never without tension. It is in static
-/// equilibrium at every instant. Not modelled: its own oscillation, and the friction of pulleys (see
+/// The damping makes T jump when a slack cable becomes taut at a nonzero rate. A cable with mass sags, has a
+/// larger tension at its anchor than at its attachment, and is never without tension. It is in static
+/// equilibrium at every instant. Not modelled: the cable's own oscillation, and the friction of pulleys (see
 /// WinchErrors).
 ///
 /// **Winches.** The motor follows the command u, d T_m/dt = (max(0, u) - T_m) / time constant, u limited by
@@ -73,14 +75,15 @@ struct CdprPlantParams {
 /// affected. In torque mode the speed of a stuck drum decays with the motor's time constant.
 ///
 /// **Payload.** When the signal changes, mass and inertia change at once and exactly while pose and velocity
-/// stay: an added mass has the velocity of its point of attachment. Use a sampled source, so that the signal
-/// changes at ticks and no integration step straddles the change.
+/// do not: an added mass has the velocity of its point of attachment. Use a sampled source, so that the
+/// signal changes at ticks and no integration step contains the change.
 ///
-/// At the start the cables carry `initial_tension`, straight l0 = l / (1 + T / EA), and so do the motors;
-/// that throws ParameterError where CalcRestLength throws. Not modelled: limits of the winches' speed.
+/// At the start the cables have the tension `initial_tension`, straight l0 = l / (1 + T / EA), and so have
+/// the motors. The constructor throws ParameterError where CalcRestLength throws. Not modelled: speed limits
+/// of the winches.
 ///
 /// Throws RunError where CalcCableStatics() does, if a drum is empty, if the command does not have one entry
-/// per cable, if the faults have neither that size nor none, and if the payload's mass is negative.
+/// per cable, if the faults have neither one entry per cable nor none, and if the payload's mass is negative.
 class CdprPlant final : public LeafSystem<CdprPlantParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -89,9 +92,9 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   struct CableForces {
     CableSignals signals;
     std::vector<CableStatics> statics{};
-    CableVector reeling{};    ///< radius on the drum over that at the start
+    CableVector reeling{};    ///< radius of each cable on its drum, relative to the initial radius
     PlatformWrench wrench{};  ///< wrench of all cables, about the CoM
-    double energy = 0;        ///< elastic [J]
+    double energy = 0;        ///< elastic energy [J]
     double potential = 0;     ///< potential energy of the cables' weight [J]
   };
   /// Cables and encoder offsets at the start, after homing.
@@ -99,7 +102,7 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
     Eigen::VectorXd rest_length;                  ///< [m]
     Eigen::VectorXd length_offset;                ///< true minus measured length, and rest length [m]
     std::vector<double> drum_angle, drum_radius;  ///< angles and radii of drums with layers [rad, m]
-    std::vector<int> partner;                     ///< at a differential; -1: none
+    std::vector<int> partner;                     ///< partner of each cable at a differential; -1: none
   };
   const Start start = StartOf(params);
 

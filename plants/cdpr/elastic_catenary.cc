@@ -11,8 +11,8 @@ namespace tenon {
 namespace {
 
 constexpr int kMostIterations = 200;
-constexpr double kTolerance = 2e-14;        // of the ends' distance, relative to length and distance
-constexpr double kLeastHorizontal = 1e-16;  // of H over the cable's weight; below, a slack cable is folded
+constexpr double kTolerance = 2e-14;  // tolerance of the ends' distance, relative to length and distance
+constexpr double kLeastHorizontal = 1e-16;  // H over the cable's weight, below which a slack cable is folded
 
 /// The shape of a cable under the forces (H, V_m).
 struct Hanging {
@@ -26,7 +26,7 @@ struct Hanging {
     tension_start = std::hypot(H, V - half);
     tension_end = std::hypot(H, V + half);
     slope = 2 * V / (tension_start + tension_end);
-    // asinh(V_e/H) - asinh(V_s/H) = log((V_e + T_e) / (V_s + T_s)), evaluated from the lower end.
+    // Evaluates asinh(V_e/H) - asinh(V_s/H) = log((V_e + T_e) / (V_s + T_s)) from the lower end.
     const double v = slope >= 0 ? V - half : -V - half;
     const double t = slope >= 0 ? tension_start : tension_end;
     const double lower = v >= 0 ? v + t : H * H / (t - v);

@@ -8,24 +8,24 @@
 
 namespace tenon {
 
-/// One rigid body that moves freely, as a Simbody model (a Free mobilizer with a quaternion), and perhaps a
-/// point mass fixed to it.
+/// One rigid body that moves freely, as a Simbody model (a Free mobilizer with a quaternion), optionally with
+/// a point mass fixed to it.
 ///
-/// Simbody gives the spatial inertia M in W, from which comes the gyroscopic force b. The mass properties of
-/// its bodies belong to the topology and cannot change in a run, so the point mass m at r = R_WB p_B adds its
-/// own share: with the spatial inertia M_m about the body's origin and w the angular velocity, all spatial
-/// vectors angular before linear,
+/// Simbody computes the spatial inertia M in W, from which the gyroscopic force b follows. Simbody's mass
+/// properties belong to the topology and cannot change during a run, so the point mass m at r = R_WB p_B is
+/// added here. With its spatial inertia M_m about the body's origin and the angular velocity w, and with
+/// spatial vectors angular before linear,
 ///
 ///     (M + M_m) [alpha; a] = [torque; force] - b - [r x c; c],   c = m w x (w x r),
 ///
-/// which is exact, with one Cholesky factorisation for both. It needs Simbody's Position stage alone: forward
-/// dynamics, which for one body solves the same six equations, would take five times as long and allocate.
-/// Gravity accelerates all masses alike: it is added to a last, as is exact.
+/// which is exact and needs one Cholesky factorisation for both. Only Simbody's Position stage is used: its
+/// forward dynamics, which solves the same six equations for one body, would take five times as long and
+/// allocate. Gravity accelerates all masses equally, so it is added to a at the end, which is exact.
 ///
-/// Copies share the Simbody System, which is constant, and have a Simbody State each, so that threads can run
-/// one of them each. This requires a System without force subsystems; forces are therefore arguments.
-/// Values depend only on the arguments of the last Calc. Calc does not allocate. Throws ParameterError if
-/// Simbody refuses the inertia.
+/// Copies share the Simbody System, which is constant, and own a Simbody State, so that threads can use one
+/// copy each. For this reason forces are arguments, and the System has no force subsystem. Results depend
+/// only on the arguments of the last Calc, which does not allocate. Throws ParameterError if Simbody rejects
+/// the inertia.
 class FreeRigidBody {
  public:
   /// An empty object, to be assigned to.
@@ -36,11 +36,11 @@ class FreeRigidBody {
   FreeRigidBody& operator=(const FreeRigidBody& other);
   ~FreeRigidBody();
 
-  /// Computes what the functions below return. The quaternion may have any length but zero.
+  /// Computes the results of the functions below. The quaternion may have any non-zero length.
   void Calc(const PlatformState& x, const PlatformWrench& wrench, const Payload& payload, double gravity);
 
   const PlatformAcceleration& acceleration() const { return acceleration_; }
-  /// d q_WB / dt, which leaves the length of the quaternion as it is.
+  /// d q_WB / dt, which does not change the length of the quaternion.
   const Vec<4>& quaternion_rate() const { return quaternion_rate_; }
   /// Kinetic energy of body and point mass [J].
   double kinetic_energy() const { return kinetic_energy_; }

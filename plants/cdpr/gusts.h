@@ -9,9 +9,9 @@
 namespace tenon {
 
 struct Gust {
-  Vec<3> force_W = Vec<3>::Zero();  ///< F, at its peak [N]
-  double start = 0;                 ///< t_0 [s]
-  double duration = 1;              ///< T [s]
+  Vec<3> force_W = Vec<3>::Zero();  ///< peak force F [N]
+  double start = 0;                 ///< start time t_0 [s]
+  double duration = 1;              ///< duration T [s]
 };
 
 struct GustsParams {
@@ -19,8 +19,8 @@ struct GustsParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Gusts of wind on a platform, as forces at its CoM. Each is a discrete gust with the 1-cosine profile of
-/// aviation (EASA CS-25, 25.341), and those that overlap add up:
+/// Gusts of wind on a platform, as forces at its CoM. Each gust has the 1-cosine profile of the discrete gust
+/// in aviation (EASA CS-25, 25.341); overlapping gusts are added:
 ///
 ///     f(t) = F (1 - cos(2 pi (t - t_0) / T)) / 2   for t_0 <= t < t_0 + T, else 0
 ///

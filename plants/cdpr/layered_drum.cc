@@ -5,7 +5,7 @@
 namespace tenon {
 
 DrumTurn TurnOf(const DrumProperties& drum, double wound) {
-  const double full = 2 * std::numbers::pi * drum.turns_per_layer;  // turn of a layer [rad]
+  const double full = 2 * std::numbers::pi * drum.turns_per_layer;  // angle of a full layer [rad]
   const double pitch = std::numbers::sqrt3 / 2 * drum.cable_diameter;
   DrumTurn turn{0, drum.radius};
   while (wound > full * turn.radius) {

@@ -6,8 +6,8 @@ namespace tenon {
 
 /// Angle of a drum that has wound up a length of cable, and the radius of its current layer.
 ///
-/// Each layer has N turns; those of the next lie in the grooves between them, so that the radius grows by
-/// sqrt(3)/2 of the cable's diameter D from layer to layer:
+/// Each layer has N turns. The turns of the next layer lie in the grooves between them, so the radius
+/// increases by sqrt(3)/2 of the cable's diameter D from layer to layer:
 ///
 ///     r_k = r + k D sqrt(3)/2,   layer k holds 2 pi r_k N,
 ///

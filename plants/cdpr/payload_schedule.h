@@ -11,11 +11,11 @@ struct PayloadScheduleParams {
   Payload payload;        ///< none by default
   double attach_s = 0;    ///< [s]
   double release_s = 0;   ///< [s]
-  Rate rate = Hz(100);    ///< the instants are rounded up to its ticks
+  Rate rate = Hz(100);    ///< rate of the ticks to which both times are rounded up
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Attaches a payload to a platform at one time and releases it at another:
+/// Attaches a payload to a platform at one time and releases it at a later time:
 ///
 ///     payload(t) = the payload if attach <= t < release, else none
 ///
@@ -26,8 +26,8 @@ class PayloadSchedule final : public LeafSystem<PayloadScheduleParams> {
  public:
   using LeafSystem::LeafSystem;
   Parameter<Payload> load{this, {"load"}, params.payload, "load on the platform"};
-  Parameter<double> attach{this, {"attach", "s"}, params.attach_s, "when it is hung"};
-  Parameter<double> release{this, {"release", "s"}, params.release_s, "when it is let go"};
+  Parameter<double> attach{this, {"attach", "s"}, params.attach_s, "time at which the load is attached"};
+  Parameter<double> release{this, {"release", "s"}, params.release_s, "time at which the load is released"};
   OutputPort<Payload> payload{this,
                               {"payload"},
                               Sampled{params.rate},

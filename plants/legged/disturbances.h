@@ -35,7 +35,8 @@ struct SineForceParams {
 class SineForce final : public LeafSystem<SineForceParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<ExternalForce> amplitude{this, {"amplitude"}, params.amplitude, "where, and how much"};
+  Parameter<ExternalForce> amplitude{
+      this, {"amplitude"}, params.amplitude, "point of application and amplitude"};
   Parameter<double> angular_frequency{
       this, {"angular_frequency", "rad/s"}, params.angular_frequency, "angular frequency of the sine"};
   Parameter<double> start{this, {"start", "s"}, params.start, "start of the force"};
@@ -67,9 +68,10 @@ struct PulseForceParams {
 class PulseForce final : public LeafSystem<PulseForceParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<ExternalForce> push{this, {"push"}, params.push, "where, and how much"};
+  Parameter<ExternalForce> push{this, {"push"}, params.push, "point of application and force"};
   Parameter<double> start{this, {"start", "s"}, params.start, "start of the force"};
-  Parameter<double> duration{this, {"duration", "s"}, params.duration, "infinity for a permanent force"};
+  Parameter<double> duration{
+      this, {"duration", "s"}, params.duration, "duration of the force; infinity: permanent"};
   OutputPort<ExternalForce> force{
       this, {"force"}, Sampled{params.rate}, Uses(time, push, start, duration), &PulseForce::CalcForce};
 
@@ -95,7 +97,8 @@ struct RandomForceParams {
 class RandomForce final : public LeafSystem<RandomForceParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<bool> on_trunk{this, {"on_trunk"}, params.on_trunk, "at B's origin instead of a leg"};
+  Parameter<bool> on_trunk{
+      this, {"on_trunk"}, params.on_trunk, "whether the force acts at B's origin instead of on a leg"};
   Parameter<double> lower{this, {"lower", "N"}, params.lower, "lower bound of the magnitude"};
   Parameter<double> upper{this, {"upper", "N"}, params.upper, "upper bound of the magnitude"};
   Random random{this, "random"};

@@ -59,7 +59,7 @@ class JointLock final : public LeafSystem<JointLockParams> {
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<JointLocks> others{this, {"others"}, JointLocks{}};
   InputPort<bool> active{this, {"active"}, true};
-  Parameter<FaultSchedule> schedule{this, {"schedule"}, params.schedule, "when it acts"};
+  Parameter<FaultSchedule> schedule{this, {"schedule"}, params.schedule, "time in which the fault acts"};
   Scratch<Memory> memory{this, "memory"};
   OutputPort<bool> acting{
       this, {"acting"}, Sampled{params.rate}, Uses(time, schedule, active), &JointLock::CalcActing};

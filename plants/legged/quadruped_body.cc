@@ -246,8 +246,8 @@ struct QuadrupedBody::Work {
   std::array<const SimTK::SpatialInertia*, kNumBodies> inertias;
   LeggedState x;
   // The equations of motion, with spatial vectors in W about the trunk's origin, angular before linear.
-  Vec<3> origin;  // of the trunk
-  Vec<3> com;     // of the robot
+  Vec<3> origin;  // origin of the trunk
+  Vec<3> com;     // centre of mass of the robot
   std::array<FootMotion, kNumLegs> feet;
   std::array<Vector6<PerLeg>, kJointsPerLeg> axes;  // spatial velocities at unit joint speeds
   Vec<6> trunk_bias;                                // trunk's rows of the bias force

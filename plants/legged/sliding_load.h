@@ -56,7 +56,8 @@ class SlidingLoad final : public LeafSystem<SlidingLoadParams> {
   using LeafSystem::LeafSystem;
   InputPort<LeggedState> robot{this, {"robot"}};
   Parameter<double> mass{this, {"mass", "kg"}, params.mass, "mass of the load; 0: no load"};
-  Parameter<double> friction{this, {"friction"}, params.friction, "between trunk and load"};
+  Parameter<double> friction{
+      this, {"friction"}, params.friction, "friction coefficient between trunk and load"};
   Parameter<double> slip_speed{
       this, {"slip_speed", "m/s"}, params.slip_speed, "speed at which friction is 71 % of its bound"};
   ContinuousState<LoadMotion> motion{this, {"motion"}, Start(params)};

@@ -36,7 +36,7 @@ struct CableProperties {
   double tension_min = 0;  ///< lower bound of the commanded tension [N]
   double tension_max = 0;  ///< upper bound of the commanded tension [N]
   double mass_per_length =
-      0;  ///< without strain [kg/m]; only for the plant, controllers assume massless cables
+      0;  ///< mass per unstrained length [kg/m]; only for the plant, controllers assume massless cables
 
   static FieldList Fields() {
     return {Required("axial_stiffness_N", &CableProperties::axial_stiffness),
@@ -140,8 +140,8 @@ struct CdprDescription {
             Required("cable_properties", &CdprDescription::cable),
             Required("winch", &CdprDescription::winch)};
   }
-  /// Throws ParameterError for what no robot can have: a mass that is not positive, an inertia that no rigid
-  /// body has, too few cables, two cables in one place, and what the parts refuse.
+  /// Throws ParameterError for a mass that is not positive, an inertia that no rigid body has, too few
+  /// cables, two cables in one place, and invalid properties of the parts.
   void Validate() const;
 };
 

@@ -26,7 +26,7 @@ Matrix3d FastPointInertia(double mass, const Vector3d& c) {
 /// Pose, velocity, and acceleration at nu' = 0 of a body.
 struct Frame {
   Matrix3d R;
-  Vector3d p;         // of its origin, relative to B's origin
+  Vector3d p;         // position of its origin, relative to B's origin
   Vector3d w, v;      // angular velocity; velocity of its origin
   Vector3d alpha, a;  // angular acceleration; acceleration of its origin
 

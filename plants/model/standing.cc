@@ -14,7 +14,7 @@
 namespace tenon {
 namespace {
 
-/// The first joint that is out of its range, or kNumJoints.
+/// Returns the first joint that is out of its range, or kNumJoints.
 int JointBeyondItsRange(const QuadrupedDescription& robot, const Vec<12>& q) {
   int j = 0;
   while (j < kNumJoints && q[j] >= robot.joint(j).lower && q[j] <= robot.joint(j).upper) ++j;
@@ -42,7 +42,8 @@ LeggedState StandingOn(const QuadrupedDescription& robot, const GroundPlane& gro
   x.p_WB = com_W - R_WB * com_B;
   x.q_WB = QuaternionFromRotation(R_WB);
   const double center_height =
-      robot.foot_radius / ground.Normal()[2];  // of a foot's sphere that touches the plane
+      robot.foot_radius /
+      ground.Normal()[2];  // height of the centre of a foot's sphere that touches the plane
   std::array<Eigen::Vector3d, kNumLegs> target;
   for (std::size_t i = 0; i < kNumLegs; ++i) target[i] = above(dynamics.feet[i].p_W, center_height);
 
@@ -55,7 +56,7 @@ LeggedState StandingOn(const QuadrupedDescription& robot, const GroundPlane& gro
   // Newton's method for each leg; the trunk is moved to keep the CoM at its target.
   constexpr int kMostSteps = 100;
   constexpr double kTolerance = 1e-9;                    // m
-  constexpr double kLongestStep = std::numbers::pi / 8;  // of a joint angle [rad]
+  constexpr double kLongestStep = std::numbers::pi / 8;  // largest step of a joint angle [rad]
   std::array<double, kNumLegs> error{};
   for (int step = 0; step < kMostSteps; ++step) {
     model.Calc(x, &dynamics);

@@ -13,9 +13,9 @@ struct YamlFile;
 /// Reads a robot from a YAML file such as plants/robots/dogbot.yaml, which names a URDF file and adds
 /// properties that URDF lacks. Throws ParameterError that begins with the file and the place in it for
 ///  - errors of the YAML reader, such as unknown and missing keys;
-///  - an unreadable URDF, a missing foot, a leg that does not have three revolute joints, other movable
-///  joints, and joints
-///    without limits of torque and speed;
+///  - an unreadable URDF, a missing foot, a leg that does not have three revolute joints, or other movable
+///    joints;
+///  - joints without limits of torque and speed;
 ///  - a body without mass or with a physically impossible inertia;
 ///  - feet whose position in the nominal stance contradicts their name (front: x > 0, left: y > 0).
 QuadrupedDescription LoadQuadruped(const std::string& path);

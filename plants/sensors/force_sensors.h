@@ -35,7 +35,8 @@ class JointTorqueSensor final : public LeafSystem<ForceSensorParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
-  Parameter<SensorError> error{this, {"error"}, params.error, "of each component; absolute and bias in N m"};
+  Parameter<SensorError> error{
+      this, {"error"}, params.error, "error of each component; absolute and bias in N m"};
   Random noise{this, "noise"};
   OutputPort<Vec<12>> measured{this,
                                {"measured", "N m", kJointElements},
@@ -57,7 +58,8 @@ class FootForceSensor final : public LeafSystem<FootForceSensorParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<FootForces> forces{this, {"forces"}};
-  Parameter<SensorError> error{this, {"error"}, params.error, "of each component; absolute and bias in N"};
+  Parameter<SensorError> error{
+      this, {"error"}, params.error, "error of each component; absolute and bias in N"};
   Random noise{this, "noise"};
   OutputPort<FootForces> measured{
       this, {"measured"}, Sampled{params.rate}, Uses(forces, error, noise), &FootForceSensor::CalcMeasured};

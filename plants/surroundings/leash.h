@@ -13,8 +13,8 @@ namespace tenon {
 struct LeashParams {
   double nominal_length = 1.5;         ///< l0, length above which the leash is taut [m]
   double stiffness = 200;              ///< stiffness of leash and arm in series [N/m]
-  double dissipation = 0.33;           ///< damping over tension [s/m]
-  Vec<3> attachment_B{-0.25, 0, 0.1};  ///< attachment on the trunk, in B [m]
+  double dissipation = 0.33;           ///< damping coefficient over tension [s/m]
+  Vec<3> attachment_B{-0.25, 0, 0.1};  ///< attachment of the leash on the trunk, in B [m]
 
   static FieldList Fields() {
     return {{"nominal_length_m", &LeashParams::nominal_length},
@@ -48,7 +48,8 @@ class Leash final : public LeafSystem<LeashParams> {
       this, {"nominal_length", "m"}, params.nominal_length, "length above which the leash is taut"};
   Parameter<double> stiffness{
       this, {"stiffness", "N/m"}, params.stiffness, "stiffness of leash and arm in series"};
-  Parameter<double> dissipation{this, {"dissipation", "s/m"}, params.dissipation, "damping over tension"};
+  Parameter<double> dissipation{
+      this, {"dissipation", "s/m"}, params.dissipation, "damping coefficient over tension"};
   OutputPort<LeashState> leash{
       this, {"leash"}, Uses(robot, person, nominal_length, stiffness, dissipation), &Leash::CalcLeash};
   OutputPort<ExternalForce> force{this, {"force"}, Uses(leash), &Leash::CalcForce};

@@ -10,10 +10,10 @@
 
 namespace tenon {
 
-/// A pillar.
+/// A cylindrical obstacle, such as a pillar.
 struct Obstacle {
-  Vec<2> centre = Vec<2>::Zero();  ///< in W [m]
-  double radius = 0;               ///< radius [m]
+  Vec<2> centre = Vec<2>::Zero();  ///< centre of the pillar in W [m]
+  double radius = 0;               ///< radius of the pillar [m]
 
   static FieldList Fields() {
     return {Required("centre_m", &Obstacle::centre), Required("radius_m", &Obstacle::radius)};
@@ -23,7 +23,7 @@ struct Obstacle {
 struct ObstacleDetectorParams {
   std::vector<Obstacle> obstacles;
   double range = 1.2;       ///< detection range ahead of B's origin [m]
-  double half_width = 0.4;  ///< half width of the strip ahead [m]
+  double half_width = 0.4;  ///< half width of the monitored strip ahead of the robot [m]
 
   static FieldList Fields() {
     return {{"obstacles", &ObstacleDetectorParams::obstacles},

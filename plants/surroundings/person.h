@@ -28,11 +28,11 @@ constexpr auto EnumNames(Activity) {
 struct PersonPhase {
   Activity activity = Activity::kWalk;  ///< activity of the person in the phase
   double duration = 0;                  ///< duration of the phase [s]
-  double speed = 0;                     ///< mean speed of kFollow and kWalk [m/s]
+  double speed = 0;                     ///< mean speed of a person who follows or walks [m/s]
   double speed_amplitude = 0;           ///< amplitude of the speed, at most `speed` [m/s]
-  double angular_frequency = 0;         ///< frequency of the speed [rad/s]
-  double direction = 0;                 ///< direction of kWalk and kPull in W, from x towards y [rad]
-  double force = 0;                     ///< force of kPull [N]
+  double angular_frequency = 0;         ///< angular frequency of the speed's variation [rad/s]
+  double direction = 0;  ///< direction in W in which the person walks or pulls, from x towards y [rad]
+  double force = 0;      ///< force with which the person pulls [N]
 
   static FieldList Fields() {
     return {Required("activity", &PersonPhase::activity),
@@ -45,11 +45,12 @@ struct PersonPhase {
   }
 };
 
-/// The defaults model an adult who walks slowly and yields by 5 cm to 30 N, see docs/guide_dog.md.
+/// Parameters of Person. The defaults model an adult who walks slowly and yields by 5 cm to a force of 30 N,
+/// see docs/guide_dog.md.
 struct PersonParams {
-  double mass = 70;                 ///< m [kg]
-  double damping = 420;             ///< C [N s/m]
-  double stiffness = 630;           ///< K [N/m]
+  double mass = 70;                 ///< mass m of the person [kg]
+  double damping = 420;             ///< damping C of the person's motion [N s/m]
+  double stiffness = 630;           ///< stiffness K of the person's stance [N/m]
   double felt_tension = 5;          ///< tension of the leash at which the person follows at full speed [N]
   double hand_height = 0.75;        ///< height of the hand above the ground [m]
   Vec<2> start = Vec<2>::Zero();    ///< initial position in W [m]

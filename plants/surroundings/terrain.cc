@@ -155,8 +155,8 @@ Terrain::Terrain(const TerrainParams& params) : friction_(params.friction), boxe
   }
   if (boxes_.empty()) return;
 
-  // Where a point has a box near: as far as a foot reaches, and below its top, which on a slope is not above
-  // its foot.
+  // The region in which a point has a box near it: up to the reach of a foot around the box, and below its
+  // top. On a slope, the top is not directly above the footprint.
   const auto half_of = [&](const TerrainBox& box) -> Vec<2> {
     const Vec<2> aside = (box.height / normal[2] * R_WS_.row(2).head<2>().transpose()).cwiseAbs();
     return box.size / 2 + aside.cwiseMax(kMaxRadius);

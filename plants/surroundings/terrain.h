@@ -12,10 +12,10 @@ namespace tenon {
 
 /// Box on the ground with sides along x and y.
 struct TerrainBox {
-  Vec<2> centre = Vec<2>::Zero();  ///< centre of its footprint [m]
-  Vec<2> size = Vec<2>::Zero();    ///< edges of its footprint [m]
-  double height = 0;               ///< height of its top above the plane [m]
-  double friction = 0;             ///< coefficient of its faces, 0 to 10
+  Vec<2> centre = Vec<2>::Zero();  ///< centre of the box's footprint [m]
+  Vec<2> size = Vec<2>::Zero();    ///< edge lengths of the box's footprint [m]
+  double height = 0;               ///< height of the box's top above the plane [m]
+  double friction = 0;             ///< friction coefficient of the box's faces, 0 to 10
 
   static FieldList Fields() {
     return {Required("centre_m", &TerrainBox::centre), Required("size_m", &TerrainBox::size),
@@ -26,8 +26,8 @@ struct TerrainBox {
 
 /// Kind of boxes in a field.
 struct BoxKind {
-  double height = 0;    ///< height of its top above the plane [m]
-  double friction = 0;  ///< coefficient, 0 to 10
+  double height = 0;    ///< height of the boxes above the plane [m]
+  double friction = 0;  ///< friction coefficient of the boxes, 0 to 10
 
   static FieldList Fields() {
     return {Required("height_m", &BoxKind::height), Required("friction", &BoxKind::friction)};
@@ -37,9 +37,9 @@ struct BoxKind {
 /// Boxes of equal size on a grid with a random offset. Each cell has a box with the probability `coverage`,
 /// of a random kind. Equal seeds yield equal boxes.
 struct BoxField {
-  Vec<2> lower = Vec<2>::Zero(), upper = Vec<2>::Zero();  ///< corners of the field [m]
+  Vec<2> lower = Vec<2>::Zero(), upper = Vec<2>::Zero();  ///< bounds of the field along x and y [m]
   Vec<2> size{0.3, 0.3};                                  ///< edges of a box [m]
-  double gap = 0.1;       ///< between neighbours; feet get stuck in gaps narrower than a foot [m]
+  double gap = 0.1;       ///< gap between adjacent cells; feet get stuck in gaps narrower than a foot [m]
   double coverage = 0.5;  ///< probability of a box in a cell, 0 to 1
   std::vector<BoxKind> kinds;
   std::uint64_t seed = 1;  ///< seed of the layout, added to the run's seed
@@ -60,10 +60,10 @@ struct BoxField {
 /// A plane through the origin of W, with boxes on it. Defaults: level, without boxes.
 struct TerrainParams {
   Vec<2> grade = Vec<2>::Zero();  ///< slope of the plane, dz/dx and dz/dy
-  double friction = 1;            ///< coefficient of the plane, 0 to 10
+  double friction = 1;            ///< friction coefficient of the plane, 0 to 10
   std::vector<TerrainBox>
-      boxes;  ///< in coordinates of the plane: x up its slope seen from above, z its normal
-  std::optional<BoxField> field;  ///< further boxes
+      boxes;  ///< boxes in coordinates of the plane: x up its slope seen from above, z along its normal
+  std::optional<BoxField> field;  ///< field of additional, random boxes
 
   static FieldList Fields() {
     return {{"grade", &TerrainParams::grade},

@@ -13,7 +13,7 @@ namespace tenon {
 
 /// One diagram of signals over time.
 struct Plot {
-  std::string title{};  ///< above the plot
+  std::string title{};  ///< title above the plot
   /// Names as in logs, "cart.x.position"; "cart.x" stands for all elements of the signal.
   std::vector<std::string> signals{};
   /// References of the signals in the same order, drawn dashed; there may be fewer than signals.

@@ -115,7 +115,8 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   InputPort<ImuMeasurement> imu{this, {"imu"}};
-  Parameter<ComObserverGains> gains{this, {"gains"}, params.gains, "bandwidths, and source of the force"};
+  Parameter<ComObserverGains> gains{
+      this, {"gains"}, params.gains, "bandwidths of the filters and source of the force"};
 
   DiscreteState<Vec<3>> specific_force_W{this,
                                          {"specific_force_W", "m/s^2"}};  ///< at the start of the interval

@@ -34,7 +34,7 @@ std::vector<double> ButterworthGains(int order, double bandwidth);
 /// Order and bandwidth of an estimator designed by ButterworthGains.
 struct ButterworthDesign {
   int order = 1;           ///< order of the estimator
-  double bandwidth = 100;  ///< cut-off frequency, at -3 dB [rad/s]
+  double bandwidth = 100;  ///< cut-off frequency at -3 dB [rad/s]
 
   static FieldList Fields() {
     return {Required("order", &ButterworthDesign::order),

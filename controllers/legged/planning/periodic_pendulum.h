@@ -11,8 +11,8 @@ namespace tenon {
 ///
 ///     x'' = w^2 (x - p),    w^2 = g / height,
 ///
-/// along a path: cycle n + 1 is cycle n after a rigid motion in the plane, for a robot that walks straight or
-/// in circles. The motion is unique.
+/// along a path: the motion of each cycle is that of the previous cycle after a rigid motion in the plane, as
+/// for a robot that walks straight or in circles. The solution is unique.
 ///
 /// In closed form: a = x + x'/w and b = x - x'/w obey a' = w (a - p) and b' = -w (b - p), so over a phase of
 /// duration T that ends at a_T and begins at b_0
@@ -61,8 +61,8 @@ class PeriodicPendulum {
  private:
   struct Place {
     const Phase* phase;    // null while at rest
-    double t;              // in it
-    PlanarPath beginning;  // of the cycle
+    double t;              // time since the start of the phase
+    PlanarPath beginning;  // path at the beginning of the cycle
   };
   Place Find(double t) const;
 

@@ -8,7 +8,7 @@ namespace tenon {
 struct StepReflex {
   bool enabled = true;      ///< whether the reflex acts
   double lag = 0.03;        ///< horizontal tracking error above which the reflex triggers [m]
-  double force = 0.05;      ///< force against the motion above which it triggers, over the weight m g
+  double force = 0.05;      ///< force against the motion above which the reflex triggers, over the weight m g
   double retreat = 0.02;    ///< distance by which the foot moves back before it lands [m]
   double height = 0.1;      ///< lower bound of the next step's height [m]
   double rise_phase = 0.3;  ///< fraction of the next step in which the foot moves straight up
@@ -24,11 +24,11 @@ struct StepReflex {
 /// Shape of the steps and choice of the footholds.
 struct StepProperties {
   double height = 0.05;             ///< height of the feet above the higher of lift-off and foothold [m]
-  double touchdown_speed = 0.5;     ///< planned, downwards; a late foot descends 9 cm in 0.25 s [m/s]
+  double touchdown_speed = 0.5;     ///< planned downward speed of the foot at touchdown [m/s]
   double search_depth = 0.2;        ///< largest depth of a searching foot below its foothold [m]
   double velocity_feedback = 0.03;  ///< displacement of the foothold per CoM velocity error [s]
   double retarget_phase = 0.7;      ///< swing phase up to which the foothold is updated at every tick
-  bool wrench_shift = true;         ///< shift the footholds against the estimated wrench
+  bool wrench_shift = true;         ///< whether the estimated wrench shifts the footholds
   double free_shift = 0.08;         ///< dead band of the foothold shift [m]
   double shift_bandwidth = 16;      ///< cut-off frequency of the foothold shift [rad/s]
   double free_offset = 0.03;        ///< dead band of the CoM error that moves the footholds [m]

@@ -11,14 +11,14 @@ namespace tenon {
 
 /// Part of a walk with one gait and constant velocities: a straight line, an arc or a turn in place.
 struct WalkSegment {
-  Gait gait = Gait::kStand;             ///< gait, or kStand
-  double forward = 0;                   ///< velocity along the robot's x [m/s]
-  double left = 0;                      ///< velocity along the robot's y [m/s]
-  double yaw_rate = 0;                  ///< positive to the left [rad/s]
-  std::optional<double> duration = {};  ///< alternative to `length` [s]
-  std::optional<double> length = {};    ///< length of the path, alternative to `duration` [m]
-  double squat_amplitude = 0;           ///< amplitude of the CoM's height [m]
-  double squat_frequency = 0.5;         ///< frequency of the CoM's height [Hz]
+  Gait gait = Gait::kStand;             ///< gait of the segment, or `stand`
+  double forward = 0;                   ///< velocity along the robot's x axis [m/s]
+  double left = 0;                      ///< velocity along the robot's y axis [m/s]
+  double yaw_rate = 0;                  ///< yaw rate, positive to the left [rad/s]
+  std::optional<double> duration = {};  ///< duration of the segment, alternative to `length` [s]
+  std::optional<double> length = {};    ///< length of the segment's path, alternative to `duration` [m]
+  double squat_amplitude = 0;           ///< amplitude of the oscillation of the CoM's height [m]
+  double squat_frequency = 0.5;         ///< frequency of the oscillation of the CoM's height [Hz]
 
   static FieldList Fields() {
     return {Required("gait", &WalkSegment::gait),
@@ -33,9 +33,9 @@ struct WalkSegment {
 };
 
 struct WalkScheduleParams {
-  std::vector<WalkSegment> segments;  ///< in order
-  double acceleration = 0.5;          ///< between segments [m/s^2]
-  double yaw_acceleration = 1;        ///< angular acceleration between segments [rad/s^2]
+  std::vector<WalkSegment> segments;  ///< segments of the walk in chronological order
+  double acceleration = 0.5;          ///< acceleration from the velocity of one segment to the next [m/s^2]
+  double yaw_acceleration = 1;        ///< acceleration from the yaw rate of one segment to the next [rad/s^2]
   Rate rate = Hz(100);
 
   static FieldList Fields() {

@@ -48,8 +48,9 @@ class JointPd final : public LeafSystem<JointPdParams> {
 
   InputPort<JointMotion> joints{this, {"joints"}};
   InputPort<Vec<12>> reference{this, {"reference", "rad"}, params.robot.stance};
-  Parameter<double> stiffness{this, {"stiffness", "N m/rad"}, params.stiffness, "K_p"};
-  Parameter<double> damping{this, {"damping", "N m s/rad"}, params.damping, "K_d"};
+  Parameter<double> stiffness{
+      this, {"stiffness", "N m/rad"}, params.stiffness, "gain K_p of the joint angles"};
+  Parameter<double> damping{this, {"damping", "N m s/rad"}, params.damping, "gain K_d of the joint speeds"};
   OutputPort<Vec<12>> torque{this,
                              {"torque", "N m", kJointElements},
                              Sampled{params.rate},

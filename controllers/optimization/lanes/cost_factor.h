@@ -17,10 +17,10 @@ namespace tenon::internal {
 template <int n>
 using KnownSize = std::integral_constant<int, n>;
 
-/// H = L D L^T of a symmetric, positive definite matrix, and J = L^-T D^-1/2, by elimination in rows of H
-/// beside those of the identity. Where H consists of blocks along its diagonal, so does J, and what is zero
-/// is left out; leading variables that H couples with no other are blocks of their own. Sizes are int or
-/// KnownSize; for the latter H counts as one block.
+/// Factorisation H = L D L^T of a symmetric, positive definite matrix, and J = L^-T D^-1/2, by elimination in
+/// the rows of H and of an identity matrix beside it. J has the same diagonal blocks as H, and zeros outside
+/// of the blocks are skipped. Leading variables that H does not couple with others are blocks of size one.
+/// Sizes are int or KnownSize; with KnownSize, H is treated as one block.
 class CostFactor {
  public:
   explicit CostFactor(int max_size) {
@@ -146,7 +146,7 @@ class CostFactor {
     }
   }();
 
-  // Where the nonzeros of rows first to first + 3 of H begin and end, and of row j of L^T.
+  // Ranges of the nonzeros in rows first to first + 3 of H, and in row j of L^T.
   template <class Size>
   TENON_INLINE int Begin(int first, Size) const {
     if constexpr (!kOneBlock<Size>) return block_begin_[static_cast<std::size_t>(first)];
@@ -183,7 +183,7 @@ class CostFactor {
     }
     return failed;
   }
-  // The pivots of four rows, which begin with the current `first`.
+  // Eliminates the four rows that begin with the current `first`.
   template <class First, class Size>
   TENON_INLINE int EliminateGroup(First first, double negligible, Size n) {
     const int N = Padded(n), width = 2 * N, begin = Begin(first, n), end = End(first, n);
@@ -231,7 +231,8 @@ class CostFactor {
         if (j == num_single_ && end == j + 1) ++num_single_;
       }
       num_single_ = PaddedDown(num_single_);
-      // By groups: from where the first one's block begins to where the last one's ends.
+      // Extends the ranges to groups of four rows, from the begin of the first row's block to the end of the
+      // last's.
       for (int first = Singles(n); first < n; first += 4) {
         int stop = row_end_[static_cast<std::size_t>(std::min(first + 4, n) - 1)];
         while (row_end_[static_cast<std::size_t>(stop - 1)] > stop)
@@ -243,11 +244,10 @@ class CostFactor {
     }
   }
 
-  Numbers rows_;  // of H
-  Numbers
-      elimination_;  // rows of what remains of H, each beside its row of L^-1, which becomes a column of J
-  Numbers diagonal_, pivots_, roots_;  // of H, D, D^-1/2
-  int num_single_ = 0;                 // leading blocks of one variable, rounded down to a multiple of four
+  Numbers rows_;         // rows of H
+  Numbers elimination_;  // remaining rows of H, each beside its row of L^-1, which becomes a column of J
+  Numbers diagonal_, pivots_, roots_;  // diagonals of H, D and D^-1/2
+  int num_single_ = 0;  // number of leading blocks of size one, rounded down to a multiple of four
   std::vector<int> block_begin_, block_end_, row_end_;
 };
 

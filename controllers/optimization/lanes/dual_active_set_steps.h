@@ -26,11 +26,13 @@ using internal::PaddedDown;
 using internal::Products;
 using internal::Reflect;
 
-// A column of V counts as dependent on others if at most this part of it is normal to them. A violated
-// constraint is then in conflict with them; a guessed one is dropped and may be added later.
+// Relative length of the part of a column of V that is normal to the other columns, below which the column
+// counts as dependent. A violated constraint with a dependent column contradicts the others; a guessed one is
+// dropped and may be added later.
 constexpr double kDependent = 1e-12, kDependentGuess = 1e-6;
 constexpr double kNegligible = 1e-13;
-// Largest number of violated constraints that join at once; of more, too many would leave again.
+// Maximum number of violated constraints that are added at once; if more were added, too many would be
+// dropped again.
 constexpr int kFew = 3;
 
 struct RowView {
@@ -68,8 +70,8 @@ TENON_INLINE bool AreZero(const double* a) {
 
 // Several at once
 
-// Column `column` of V, zero from `end` on, after those before it as pivot k. Returns false if it depends on
-// them.
+// Adds column `column` of V, which is zero from `end` on, as pivot k. Returns false if it depends on the
+// columns before it.
 template <class Size>
 TENON_INLINE bool DualActiveSet::MakePivot(const double* column, int end, double independence, int k, Size n,
                                            internal::Pivot* pivot) {
@@ -157,7 +159,7 @@ TENON_INLINE void DualActiveSet::MoveColumn(int from, int to, int N) {
   bounds_[to] = bounds_[from];
 }
 
-// Factors the columns `first` to `count` after those before them, and drops dependent ones.
+// Factors the columns `first` to `count` after the existing ones, and drops dependent columns.
 template <class Size>
 TENON_INLINE void DualActiveSet::FactorColumns(int first, int count, Size n) {
   const int N = Padded(n), e = num_independent_, width = count - first;
@@ -195,7 +197,7 @@ TENON_INLINE void DualActiveSet::FactorColumns(int first, int count, Size n) {
   Copy(slope, slope_.data(), 0, N);
 }
 
-// Solves R u = t for the inequalities' part of R; overwrites t.
+// Solves R u = t for the inequalities' part of R, in place.
 template <class Size>
 TENON_INLINE void DualActiveSet::SolveR(double* t, double* u, Size n) const {
   const int N = Padded(n);
@@ -205,8 +207,8 @@ TENON_INLINE void DualActiveSet::SolveR(double* t, double* u, Size n) const {
   }
 }
 
-// Makes the inequalities `first` to `count` of active_ active, drops those whose multipliers would be
-// negative, and finds the minimum. Returns how many were dropped.
+// Adds the inequalities `first` to `count` of active_ to the active set, drops those whose multipliers would
+// be negative, and computes the minimum. Returns the number of dropped inequalities.
 template <class Size>
 TENON_VECTOR_CLONES int DualActiveSet::Join(const QuadraticProgram& qp, int first, int count, Size n) {
   const int N = Padded(n), e = num_independent_;
@@ -353,8 +355,8 @@ TENON_VECTOR_CLONES DualActiveSet::Outcome DualActiveSet::AddViolated(const Quad
     if (primal_step <= dual_step) break;
     Drop(blocking, n);
   }
-  // The reflection of what remains of d takes Z's columns to Z - tau (Z d - alpha z_q) w^T, w = d - alpha
-  // e_q.
+  // The reflection of the remaining part of d changes Z's columns to Z - tau (Z d - alpha z_q) w^T with
+  // w = d - alpha e_q.
   const int q = num_active_;
   const double length = std::sqrt(normal), alpha = d_[q] > 0 ? -length : length;
   double* const Z = Z_.data();
@@ -373,7 +375,8 @@ TENON_VECTOR_CLONES DualActiveSet::Outcome DualActiveSet::AddViolated(const Quad
   return {QpStatus::kSolved};
 }
 
-// Takes a column out of R, and makes R triangular again by rotations, of Z and d, too.
+// Removes a column from R, and restores the triangular form of R by rotations, which are also applied to Z
+// and d.
 template <class Size>
 TENON_INLINE void DualActiveSet::Drop(int position, Size n) {
   const int N = Padded(n);

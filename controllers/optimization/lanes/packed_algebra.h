@@ -107,9 +107,9 @@ TENON_INLINE void Reflect(const double* w, double tau, double* columns, std::ptr
   for (; c < count; ++c, columns += stride) AddColumn(w, -tau * Dot(w, columns, from, to), columns, from, to);
 }
 
-/// A reflector I - tau w w^T that takes a column to alpha e_k, from row k on, and ends before row `end`.
-/// `head` holds the column's numbers in the four rows around k, zero before it. It is used instead of w,
-/// which differs in row k and is available later.
+/// Computes a reflector I - tau w w^T that takes a column to alpha e_k from row k on and ends before row
+/// `end`. `head` holds the column's numbers in the four rows around k, with zeros before k. It is used
+/// instead of w, which differs from the column in row k and is available later.
 struct Pivot {
   const double* w;
   Lanes head;
