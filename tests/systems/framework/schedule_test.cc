@@ -86,8 +86,8 @@ TEST(ScheduleTest, KnowsWhenTheIntegratorHasToStartAgain) {
 }
 
 TEST(ScheduleTest, PeriodsWithoutACommonTickAreRefused) {
-  const auto refused = ThrowsMessage<BuildError>(AllOf(
-      HasSubstr("'a' and 'b' have no common tick above a picosecond"), HasSubstr("round their periods")));
+  const auto refused =
+      ThrowsMessage<BuildError>(AllOf(HasSubstr("'a'"), HasSubstr("'b'"), HasSubstr("tick")));
   EXPECT_THAT([] { Schedule({{{1, 99999999977}, {0, 1}, "a"}, {{1, 99999999947}, {0, 1}, "b"}}); }, refused);
   // Denominators whose common multiple exceeds 64 bits.
   EXPECT_THAT([] { Schedule({{{1, 3}, {0, 1}, "a"}, {{1, std::int64_t{1} << 62}, {0, 1}, "b"}}); }, refused);

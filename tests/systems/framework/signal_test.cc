@@ -23,6 +23,7 @@ using internal::Archive;
 using internal::Finiteness;
 using internal::kBitwise;
 using internal::TypeInfoOf;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -200,7 +201,8 @@ std::string DoublesError(const std::vector<double>& numbers) {
 TEST(SignalTest, RefusesDoublesThatNoElementCanHold) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(DoublesError<Step>({0.5, 0, 1, 1, -128}), "no error");
-  EXPECT_EQ(DoublesError<Step>({0.5, 0, 9, 1, 0}), "'sides.1' cannot be 9: give 0 (left), 1 (right)");
+  EXPECT_THAT(DoublesError<Step>({0.5, 0, 9, 1, 0}),
+              AllOf(HasSubstr("'sides.1'"), HasSubstr("0 (left), 1 (right)")));
   EXPECT_THAT(DoublesError<Step>({0.5, 0, 0.5, 1, 0}), HasSubstr("'sides.1'"));
   EXPECT_THAT(DoublesError<Step>({0.5, 0, 1, 2, 0}), HasSubstr("'stands'"));
   EXPECT_THAT(DoublesError<Step>({0.5, 0, 1, 1, 2.7}), HasSubstr("'count'"));

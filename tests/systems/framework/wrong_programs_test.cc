@@ -78,8 +78,7 @@ TEST(WrongProgramsTest, LambdasOfALocalClassAreToldApartOrRefused) {
     EXPECT_EQ(context->Eval(block.one), 1);
     EXPECT_EQ(context->Eval(block.two), 2);
   } catch (const BuildError& error) {
-    EXPECT_NE(std::string(error.what()).find("with that of another member"), std::string::npos)
-        << error.what();
+    EXPECT_NE(std::string(error.what()).find("another member"), std::string::npos) << error.what();
   }
 }
 
@@ -196,8 +195,7 @@ TEST(WrongProgramsTest, MembersHaveDifferentNamesThatCanBeWritten) {
   for (const char* name : {"", "a.b", "a,b", "a b", "a\"b", "a'b"}) {
     DiagramBuilder named;
     named.Add<Emitter>("block", Spec(name, "m"));
-    EXPECT_TRUE(Throws<BuildError>([&] { named.Build(); },
-                                   "a member of 'block' cannot be named '" + std::string(name)));
+    EXPECT_TRUE(Throws<BuildError>([&] { named.Build(); }, "'block'", "'" + std::string(name)));
   }
 }
 

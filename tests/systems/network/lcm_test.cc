@@ -159,26 +159,24 @@ TEST(LcmTypeTest, SaysWhyItRefusesAMessage) {
     return reason;
   };
   std::vector<char> message = Encoded(test::Extreme(), 0);
-  EXPECT_THAT(reason(Encoded(Vec<2>(1, 2), 0)),
-              testing::MatchesRegex(
-                  "the message has another type than EverythingSample: its fingerprint is 0x.*, not 0x.*"));
+  EXPECT_THAT(reason(Encoded(Vec<2>(1, 2), 0)), testing::ContainsRegex("EverythingSample.* 0x.* 0x"));
   EXPECT_THAT(reason({}), testing::HasSubstr("0 bytes"));
   EXPECT_THAT(reason({message.begin(), message.end() - 1}),
               testing::HasSubstr(std::to_string(message.size() - 1) + " bytes"));
   message.push_back(0);
-  EXPECT_EQ(reason(message), "the message is longer than its type");
+  EXPECT_THAT(reason(message), testing::HasSubstr("longer"));
   message.pop_back();
   message[16] = 2;  // fingerprint and timestamp are in front
   EXPECT_THAT(reason(message), testing::HasSubstr("'on'"));
   test::Leg leg;
-  EXPECT_EQ(LcmType(TypeInfoOf<test::Leg>())
-                .Decode(Encoded(test::Leg{.phase = static_cast<test::Phase>(9)}, 0), &timestamp, &leg),
-            "'phase' = 9 must be one of 0 (stance), 1 (swing)");
+  EXPECT_THAT(LcmType(TypeInfoOf<test::Leg>())
+                  .Decode(Encoded(test::Leg{.phase = static_cast<test::Phase>(9)}, 0), &timestamp, &leg),
+              testing::ContainsRegex("'phase' = 9.*0 .stance., 1 .swing."));
   EXPECT_EQ(leg, test::Leg());
   Cloud cloud = test::SomeCloud();
   cloud.weights.resize(3);
-  EXPECT_EQ(LcmType(TypeInfoOf<Cloud>()).Decode(Encoded(test::SomeCloud(), 0), &timestamp, &cloud),
-            "'weights_size' is 2, but the signal has 3");
+  EXPECT_THAT(LcmType(TypeInfoOf<Cloud>()).Decode(Encoded(test::SomeCloud(), 0), &timestamp, &cloud),
+              testing::ContainsRegex("'weights_size'.* 2.* 3"));
 }
 
 // ---- Blocks ----
