@@ -6,14 +6,13 @@
 
 namespace tenon::apps {
 
-/// The app tenon-cdpr. A program with a block of its own, such as a controller, is written as for
-/// QuadrupedApp.
+/// The app tenon-cdpr. See QuadrupedApp for a program with a block of its own, such as a controller.
 class CdprApp : public Customisable<CdprApp, CdprLoop> {
  public:
   /// The main function: reads the command line (see --help), runs the scenario once or once for each
   /// controller, prints the figures and returns the exit code. Errors are printed on stderr.
   int Run(int argc, char** argv) const;
-  /// The app for campaigns.
+  /// Returns the app for campaigns.
   ScenarioApp AsScenarioApp() const;
 };
 

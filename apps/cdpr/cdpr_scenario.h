@@ -269,9 +269,9 @@ struct CdprScenario {
   /// Tolerance of the path: deviations in position may reach this part of the path's length (of one turn of a
   /// circle), deviations in heading this part of half a turn. A run that exceeds it counts as not finished.
   double path_tolerance = 0.1;
-  ReportScenario report;  ///< contents of the report
+  ReportScenario report;                                  ///< contents of the report
   std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
-  std::optional<YamlText> custom;  ///< keys of a program with blocks of its own, see Customisable
+  std::optional<YamlText> custom;                         ///< keys of a customised program, see Customisable
 
   static FieldList Fields() {
     return {Required("app", &CdprScenario::app),

@@ -14,14 +14,14 @@
 
 namespace tenon::apps {
 
-/// The keys of a customisation that has none of its own.
+/// Empty keys, for a customisation that has no keys.
 struct NoKeys {
   static FieldList Fields() { return {}; }
 };
 
-/// Throws KeyError if a scenario has keys that only another program knows.
+/// Throws KeyError if a scenario has the key `custom`, whose contents are known only to another program.
 void RefuseCustomKeys(const std::optional<YamlText>& custom);
-/// Replaces the key `custom` by those of a customisation.
+/// Replaces the key `custom` in a list of keys by the keys of a customisation.
 std::vector<ScenarioKey> WithCustomKeys(std::vector<ScenarioKey> keys, std::vector<ScenarioKey> own);
 
 /// A change that a user's program makes to the diagram of an app before each run, with keys of its own in the
@@ -31,7 +31,7 @@ class Customisation {
  public:
   Customisation() = default;
 
-  /// See Customisable::Customise.
+  /// Function that changes the diagram, see Customisable::Customise.
   template <HasFields Keys, class Hook>
   static Customisation Of(Hook hook) {
     Customisation made;
@@ -85,16 +85,16 @@ class Customisation {
   std::function<void(DiagramBuilder&, Diagram&, const YamlDocument& written, Outputs&)> apply_;
 };
 
-/// The name of the customised variant of a comparison.
+/// Name of the customised variant in a comparison.
 inline constexpr const char* kMine = "mine";
 
-/// Whether a customisation has replaced the block of a port.
+/// Returns whether a customisation has replaced the block of a port.
 inline bool IsReplaced(const Source& port) {
   return &port.Current() != &port;
 }
 
-/// Base of the apps whose diagram a program can change. With a change, `--compare` runs it as the variant
-/// `mine` beside the shipped ones, which run without it.
+/// Base of the apps whose diagram a program can change. With a change, `--compare` also runs the variant
+/// `mine` with the change; the shipped variants run without it.
 template <class App, class Diagram>
 class Customisable {
  public:

@@ -35,7 +35,7 @@ class Outputs {
   /// a force, `scale` is in m/N. It is shown and hidden with the other shapes of its role.
   void Arrow(std::string name, ShapeRole role, const OutputPort<Vec<3>>& point_W,
              const OutputPort<Vec<3>>& vector_W, double scale);
-  /// Draws other shapes, of a block of your own.
+  /// Draws shapes that a block of your own outputs.
   void Show(const OutputPort<Geometry>& shapes) { shapes_.push_back(&shapes); }
   /// Adds a plot of logged signals to the report, with references that are drawn dashed.
   void Plot(std::string title, std::vector<const Source*> signals,
@@ -52,9 +52,9 @@ class Outputs {
   void AddTo(Simulator& simulator) const;
   /// Adds the figures of a completed run.
   void AddTo(Summary& summary) const;
-  /// Adds the signals and shapes that the lists lack.
+  /// Adds the signals and shapes of this object to the lists, unless they are already in them.
   void AddTo(std::vector<const Source*>& signals, std::vector<const OutputPort<Geometry>*>& shapes) const;
-  /// The plots, with the signals' paths in the built diagram.
+  /// Returns the plots, with the paths of their signals in the built diagram.
   std::vector<tenon::Plot> plots() const;
 
  private:

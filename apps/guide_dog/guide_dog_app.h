@@ -6,13 +6,12 @@
 
 namespace tenon::apps {
 
-/// The app tenon-guide-dog. A program with a block of its own, such as a supervisor, is written as for
-/// QuadrupedApp.
+/// The app tenon-guide-dog. See QuadrupedApp for a program with a block of its own, such as a supervisor.
 class GuideDogApp : public Customisable<GuideDogApp, GuideDog> {
  public:
   /// The main function, see RunApp.
   int Run(int argc, char** argv) const;
-  /// The app for campaigns.
+  /// Returns the app for campaigns.
   ScenarioApp AsScenarioApp() const;
 };
 

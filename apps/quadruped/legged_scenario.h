@@ -161,7 +161,7 @@ struct LeggedScenario {
   bool scale_forces = false;
   ReportScenario report;                                  ///< contents of the report
   std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
-  std::optional<YamlText> custom;  ///< keys of a program with blocks of its own, see Customisable
+  std::optional<YamlText> custom;                         ///< keys of a customised program, see Customisable
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError

@@ -6,13 +6,13 @@
 
 namespace tenon::apps {
 
-/// The app tenon-quadruped. A program with a block of its own runs all scenarios that walk, with the options,
+/// The app tenon-quadruped. A program with a block of its own runs all walking scenarios with the options,
 /// hardware, faults, figures, report and live page of the shipped app; a campaign runs it by `app: ./my_app`:
 ///
+///     using tenon::QuadrupedWalk, tenon::DiagramBuilder;
 ///     int main(int argc, char** argv) {
 ///       return tenon::apps::QuadrupedApp()
-///           .Customise<Keys>([](tenon::DiagramBuilder& builder, tenon::QuadrupedWalk& walk, const Keys&
-///           keys) {
+///           .Customise<Keys>([](DiagramBuilder& builder, QuadrupedWalk& walk, const Keys& keys) {
 ///             builder.Replace<MyObserver>(walk.observer, {.gain = keys.gain_per_s});
 ///           })
 ///           .Run(argc, argv);
@@ -23,7 +23,7 @@ class QuadrupedApp : public Customisable<QuadrupedApp, QuadrupedWalk> {
   /// for each observer, prints the figures and returns the exit code. Errors are printed on stderr.
   int Run(int argc, char** argv) const;
 
-  /// The app for campaigns. It refuses a scenario with a sweep, which is a campaign itself.
+  /// Returns the app for campaigns. It refuses a scenario with a sweep, which is a campaign itself.
   ScenarioApp AsScenarioApp() const;
 };
 
