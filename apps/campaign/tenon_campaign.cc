@@ -371,7 +371,7 @@ int main(int argc, char** argv) {
   app.add_flag("--dry-run", arguments.dry_run, "check the campaign, show its first runs and stop");
   app.add_option("--replay", arguments.replay, "repeat this run with all logs and a report in --out/run_RUN")
       ->type_name("RUN");
-  app.add_option("--merge", arguments.merge, "merge parts into --out")->type_name("DIR...");
+  app.add_option("--merge", arguments.merge, "merge the parts of a campaign into --out")->type_name("DIR...");
   app.add_flag("--list", arguments.list, "list the shipped campaigns and stop");
   app.add_flag("--keys", arguments.keys, "list all keys of a campaign's file and stop");
   app.footer(

@@ -77,9 +77,10 @@ int CdprApp::Run(int argc, char** argv) const {
   bool compare = false;
   line.add_option(
       "--controller", controller,
-      "mpc_equilibrium, mpc_zero, pd, pd_feedforward or pd_offset_free (the scenario's, unless given)");
-  line.add_flag("--compare", compare,
-                "one run per controller, each in a directory of its own below --out, and one report of all")
+      "mpc_equilibrium, mpc_zero, pd, pd_feedforward or pd_offset_free (default: the scenario's)");
+  line.add_flag(
+          "--compare", compare,
+          "make one run for each controller, each in its own directory below --out, and one report of all")
       ->excludes("--controller");
   return RunMain(line, argc, argv, [&]() -> int {
     if (PrintsInstead(arguments, app)) return kRan;

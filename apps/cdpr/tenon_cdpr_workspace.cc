@@ -69,35 +69,37 @@ int Run(Arguments arguments) {
 int main(int argc, char** argv) {
   using namespace tenon::apps;
   CLI::App app(
-      "Finds where a cable robot of six cables or more can be: positions at one attitude, attitudes at one "
-      "position, at rest "
-      "and with what is required, proven cell by cell; tension margins, stiffness and interference.",
+      "Computes the workspace of a cable robot with six or more cables, proven cell by cell: positions at "
+      "one "
+      "attitude and attitudes at one position, at rest and with the required wrenches; with tension margins, "
+      "stiffness and interference.",
       "tenon-cdpr-workspace");
   Arguments arguments;
   app.add_option("ROBOT", arguments.robot, "name of a shipped robot, or a YAML file")->required();
   auto& params = arguments.params;
   app.add_option("--load", params.demand.load, "mass at the platform's CoM [kg]")->capture_default_str();
   app.add_option("--acceleration", params.demand.acceleration,
-                 "of platform and load, up to this along each axis [m/s^2]")
+                 "maximum acceleration of platform and load along each axis [m/s^2]")
       ->capture_default_str();
-  app.add_option("--force", params.demand.force, "external force, up to this along each axis [N]")
+  app.add_option("--force", params.demand.force, "maximum external force along each axis [N]")
       ->capture_default_str();
-  app.add_option("--torque", params.demand.torque, "external torque, up to this about each axis [N m]")
+  app.add_option("--torque", params.demand.torque, "maximum external torque about each axis [N m]")
       ->capture_default_str();
-  app.add_option("--attitude", arguments.euler, "roll, pitch, yaw of all positions [rad] (default: level)")
+  app.add_option("--attitude", arguments.euler,
+                 "roll, pitch, yaw for the map of positions [rad] (default: level)")
       ->expected(3);
   app.add_option("--low", arguments.low,
-                 "lower corner of the positions [m] (default: of the anchors, or the floor)")
+                 "lower corner of the positions [m] (default: that of the anchors, down to the floor)")
       ->expected(3);
-  app.add_option("--high", arguments.high, "upper corner of the positions [m] (default: of the anchors)")
+  app.add_option("--high", arguments.high, "upper corner of the positions [m] (default: that of the anchors)")
       ->expected(3);
   app.add_option("--cell", params.cell, "size of the smallest cells [m] (default: 1/48 of the longest edge)");
   app.add_option("--position", arguments.position,
-                 "of all attitudes [m] (default: the middle of the workspace)")
+                 "position for the map of attitudes [m] (default: the middle of the workspace)")
       ->expected(3);
-  app.add_option("--turn", params.turn, "attitudes: turned up to this about each axis [rad]")
+  app.add_option("--turn", params.turn, "range of the map of attitudes about each axis, either way [rad]")
       ->capture_default_str();
-  app.add_option("--cable-diameter", params.cable_diameter, "cables nearer than this touch [m]")
+  app.add_option("--cable-diameter", params.cable_diameter, "distance below which two cables touch [m]")
       ->capture_default_str();
   app.add_option("--set", arguments.settings,
                  "override a value of the robot: --set cable_properties.tension_max_N=2000")

@@ -194,8 +194,9 @@ int Tune(const std::string& robot, int evaluations) {
     std::rethrow_exception(search.error);
   }
   if (!search.best_failure.empty()) {
-    Say(fmt::format("tenon-tune-pd: no gains were found that hold all motions; the best ones end with: {}\n",
-                    search.best_failure));
+    Say(fmt::format(
+        "tenon-tune-pd: no gains were found that complete all motions; the best ones end with: {}\n",
+        search.best_failure));
     return kLimitBroken;
   }
   fmt::print("best: stiffness_N_per_m: {:.0f}, damping_N_s_per_m: {:.0f} (cost {:.3f})\n",
@@ -211,12 +212,12 @@ int main(int argc, char** argv) {
   std::string robot = "cdpr_4";
   int evaluations = 60;
   app.add_option("--robot", robot, "a shipped robot or a YAML file")->capture_default_str();
-  app.add_option("--evaluations", evaluations, "at most so many trials of gains")
+  app.add_option("--evaluations", evaluations, "maximum number of trials of gains")
       ->capture_default_str()
       ->check(tenon::apps::PositiveInteger());
   app.footer(
       "Writes no files: every trial and the best gains are printed.\n"
-      "Exit codes: 0 gains were found; 2 bad usage or robot; 3 no gains hold all motions; 4 numerical "
+      "Exit codes: 0 gains were found; 2 bad usage or robot; 3 no gains complete all motions; 4 numerical "
       "failure; "
       "130, 143 stopped by Ctrl-C, SIGTERM.");
   return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Tune(robot, evaluations); });

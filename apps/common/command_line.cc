@@ -35,7 +35,7 @@ void AddScenarioArguments(CLI::App& app, CommonArguments& arguments) {
 
 void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
   AddScenarioArguments(app, arguments);
-  app.add_option("--duration", arguments.duration, "simulated time [s], instead of the scenario's")
+  app.add_option("--duration", arguments.duration, "simulated time [s] (default: the scenario's)")
       ->check(Positive());
   app.add_option("--out", arguments.out, "directory for all output (default: out/SCENARIO)");
   app.add_option("--graph", arguments.graph, "write the diagram to this file, .svg or .dot, and run");
@@ -71,8 +71,9 @@ void AddLiveArguments(CLI::App& app, CommonArguments& arguments) {
       app.add_flag("--live{8080}", arguments.live,
                    "show and steer the run in a browser; --live PORT, default 8080 or the next free port")
           ->check(port);
-  app.add_option("--live-address", arguments.live_address,
-                 "address to listen at, for browsers on other machines, which need the printed token")
+  app.add_option(
+         "--live-address", arguments.live_address,
+         "address at which the server listens, for browsers on other machines, which need the printed token")
       ->needs(live);
   app.add_option("--replay", arguments.replay, "repeat a live run from its live.jsonl, without a browser")
       ->excludes(live);

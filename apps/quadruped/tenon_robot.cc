@@ -7,7 +7,7 @@ int main(int argc, char** argv) {
   using namespace tenon::apps;
   CLI::App line("Makes a robot's YAML file from its URDF, draws it, lets it stand and trot.", "tenon-robot");
   RobotArguments arguments;
-  line.add_option("URDF", arguments.urdf, "of a quadruped with three joints a leg; see docs/robots.md")
+  line.add_option("URDF", arguments.urdf, "URDF of a quadruped with three joints per leg, see docs/robots.md")
       ->required();
   line.add_option("--out", arguments.out,
                   "directory for NAME.yaml, the URDF, NAME.svg and the trial runs (default: out/NAME)");
@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
       ->type_name("JOINT=ANGLE")
       ->allow_extra_args(false);
   line.footer(
-      "Exit codes: 0 the robot trots; 2 bad usage or URDF; 3 it fell, or did what no robot can; 4 numerical "
+      "Exit codes: 0 the robot trots; 2 bad usage or URDF; 3 it fell or exceeded physical limits; 4 "
+      "numerical "
       "failure; 5 a file could not be written; 130, 143 stopped by Ctrl-C, SIGTERM.");
   return RunMain(line, argc, argv, [&] { return ProposeRobot(arguments); });
 }

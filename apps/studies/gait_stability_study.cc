@@ -100,7 +100,7 @@ void ComparePush(const DiscreteLinearModel& map, const Context& at_begin, const 
   perturbed->Set(plant.motion, motion);
   Simulator with(std::move(perturbed), simulation), without(at_begin.Clone(), simulation);
   fmt::print(
-      "a push of {} m/s: deviation of the robot after each stride\n  stride  simulated  foretold    error\n",
+      "a push of {} m/s: deviation of the robot after each stride\n  stride  simulated predicted    error\n",
       options.push);
   for (int k = 1; k <= options.strides; ++k) {
     const double t = map.time + k * map.period;

@@ -12,12 +12,13 @@ int main(int argc, char** argv) {
   AddScenarioArguments(line, arguments);
   line.footer(
       "Writes no files: all results are printed. The last segment of the walk is extended without end, and\n"
-      "disturbances are left out.\n"
+      "disturbances are removed.\n"
       "Exit codes: 0 analysed; 2 bad usage or scenario; 4 the robot fell, or numerical failure.");
   GaitStabilityOptions options;
-  line.add_option("--settle", options.settle, "strides before the one that is linearised")
+  line.add_option("--settle", options.settle, "number of strides before the one that is linearised")
       ->check(CLI::NonNegativeNumber);
-  line.add_option("--strides", options.strides, "strides over which the decay of a push is compared")
+  line.add_option("--strides", options.strides,
+                  "number of strides over which the decay of a push is compared")
       ->check(PositiveInteger());
   line.add_option("--push", options.push, "change of the trunk's velocity to the left [m/s]");
   line.add_option("--steps", options.steps, "step sizes of the finite differences");

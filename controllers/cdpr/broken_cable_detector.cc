@@ -7,7 +7,7 @@
 namespace tenon {
 
 void BrokenCableDetectorParams::Validate() const {
-  Demand(num_cables > 0, fmt::format("num_cables = {} must be that of the robot", num_cables));
+  Demand(num_cables > 0, fmt::format("num_cables = {} must be the number of the robot's cables", num_cables));
   Demand(share > 0 && share < 1,
          fmt::format("share = {} must be between 0 and 1: a part of the tension", share));
   Demand(least_tension > 0,

@@ -8,13 +8,14 @@
 namespace tenon {
 
 void CablePdParams::Validate() const {
-  Demand(
-      std::isfinite(stiffness_N_per_m) && stiffness_N_per_m > 0,
-      fmt::format("stiffness_N_per_m = {} must be finite and positive: a length error would not be corrected",
-                  stiffness_N_per_m));
+  Demand(std::isfinite(stiffness_N_per_m) && stiffness_N_per_m > 0,
+         fmt::format(
+             "stiffness_N_per_m = {} must be finite and positive: otherwise length errors are not corrected",
+             stiffness_N_per_m));
   Demand(std::isfinite(damping_N_s_per_m) && damping_N_s_per_m >= 0,
-         fmt::format("damping_N_s_per_m = {} must be finite and not negative: it would feed oscillations",
-                     damping_N_s_per_m));
+         fmt::format(
+             "damping_N_s_per_m = {} must be finite and not negative: otherwise it amplifies oscillations",
+             damping_N_s_per_m));
 }
 
 void CablePd::CalcCommand(const CableSignals& cables, const CdprReference& reference, double stiffness,

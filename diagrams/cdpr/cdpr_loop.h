@@ -36,8 +36,8 @@ class CdprLoop final : public Subdiagram {
   CdprControl control;
 
   OutputPort<CableVector> command{this, {"command", "N"}};  ///< command of the controller
-  OutputPort<PlatformState> platform{this, {"platform"}};   ///< the true one
-  OutputPort<CableSignals> cables{this, {"cables"}};        ///< the true ones
+  OutputPort<PlatformState> platform{this, {"platform"}};   ///< true state of the platform
+  OutputPort<CableSignals> cables{this, {"cables"}};        ///< true lengths and tensions
   OutputPort<PoseMeasurement> pose{this, {"pose"}};         ///< measured pose, with its latency
   OutputPort<ImuMeasurement> inertial{this, {"inertial"}};  ///< measurement of the IMU, with its latency
 };

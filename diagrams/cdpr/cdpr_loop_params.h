@@ -47,7 +47,7 @@ struct CdprLoopParams {
   std::optional<LoadEstimatorParams> load;
   CdprEstimatorParams estimator;
   Vec<3> start_offset = Vec<3>::Zero();  ///< offset of the platform from the start of the path [m]
-  Vec<3> start_turn = Vec<3>::Zero();    ///< added to roll, pitch, yaw there [rad]
+  Vec<3> start_turn = Vec<3>::Zero();    ///< offset of the initial roll, pitch, yaw [rad]
   PayloadScheduleParams payload;
   GustsParams gusts;
   std::optional<HangingLoadParams> hanging_load;  ///< a load that swings under the platform

@@ -57,7 +57,7 @@ struct FaultAt : Fault {
   }
 };
 
-/// A fault that the diagram cannot have.
+/// Error for a fault that is not possible in the diagram.
 class FaultError : public ParameterError {
  public:
   FaultError(std::size_t index, const std::string& what) : ParameterError(what), index_(index) {}
@@ -128,13 +128,13 @@ SignalFaultKind SignalKind(const Fault& fault);
 template <class T>
 class FaultPoint {
  public:
-  /// A place that the diagram does not have. Insert throws an error with this reason.
+  /// Constructs a place that the diagram does not have: Insert throws an error with this reason.
   explicit FaultPoint(const char* reason) : reason_(reason) {}
   FaultPoint(const OutputPort<T>& output, std::vector<InputPort<T>*> readers, Rate rate,
              T initial = internal::Zeroed<T>())
       : output_(&output), readers_(std::move(readers)), rate_(rate), initial_(initial) {}
 
-  /// Adds a fault behind the faults that are there already. Throws ParameterError.
+  /// Inserts a fault after the existing ones. Throws ParameterError.
   void Insert(FaultInserter& inserter, const Fault& fault, const std::string& name) {
     if (output_ == nullptr) internal::ThrowUnread(reason_);
     internal::DemandPeriod(fault, rate_);

@@ -17,8 +17,8 @@ struct GuideDogParams : QuadrupedWalkParams {
   LeashParams leash;
 };
 
-/// Parameters of a guide dog that walks as `walk` says, with the default person and leash. The person stands
-/// still: set PersonParams::phases.
+/// Returns the parameters of a guide dog with the walk of `walk` and the default person and leash. The person
+/// stands still; set PersonParams::phases to move her.
 GuideDogParams MakeGuideDog(const QuadrupedWalkParams& walk);
 
 /// A walking quadruped that leads a person on a leash (Morlando 2023, section 2.5.4 and figure 2.29).

@@ -38,9 +38,9 @@ void DriveProperties::Validate() const {
   CheckNotNegative("damping_N_m_s_per_rad", damping);
   constexpr double kMostDamping = 1e4;  // N m s/rad; with a leg's inertia a time constant of microseconds
   if (damping > kMostDamping)
-    throw ParameterError(
-        fmt::format("damping_N_m_s_per_rad is {} but must be at most {}: a joint with more does not move",
-                    damping, kMostDamping));
+    throw ParameterError(fmt::format(
+        "damping_N_m_s_per_rad is {} but must be at most {}: with a higher value, the joint hardly moves",
+        damping, kMostDamping));
   CheckNotNegative("friction_N_m", friction);
   if (!(full_torque_speed_ratio >= 0 && full_torque_speed_ratio < 1))
     throw ParameterError(
