@@ -32,9 +32,9 @@ class CablePd final : public LeafSystem<CablePdParams> {
   InputPort<CableSignals> cables{this, {"cables"}};
   InputPort<CdprReference> reference{this, {"reference"}};
   Parameter<double> stiffness{
-      this, {"stiffness", "N/m"}, params.stiffness_N_per_m, "tension per error of the length"};
+      this, {"stiffness", "N/m"}, params.stiffness_N_per_m, "tension per length error"};
   Parameter<double> damping{
-      this, {"damping", "N s/m"}, params.damping_N_s_per_m, "tension per error of its rate"};
+      this, {"damping", "N s/m"}, params.damping_N_s_per_m, "tension per error of the length's rate"};
   OutputPort<CableVector> command{this,
                                   {"command", "N"},
                                   CableVector::Zero(params.robot.num_cables()),

@@ -101,8 +101,7 @@ class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
   InputPort<PoseMeasurement> pose{this, {"pose"}};
   InputPort<ImuMeasurement> inertial{this, {"inertial"}};
   InputPort<CableSignals> cables{this, {"cables"}, CableSignals{}};
-  Parameter<CdprNoise> noise{
-      this, {"noise"}, params.noise, "standard deviations that the filter believes in"};
+  Parameter<CdprNoise> noise{this, {"noise"}, params.noise, "noise model of the filter"};
   Scratch<Memory> memory{this, "memory", FirstMemory(params)};
   OutputPort<PlatformEstimate> estimate{this,
                                         {"estimate"},

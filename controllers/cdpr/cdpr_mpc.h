@@ -44,13 +44,14 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
   InputPort<FollowedPath> path{this, {"path"}, FollowedPath{}};
   Parameter<CdprMpcWeights> weights{
       this, {"weights"}, params.weights, "weights of the squared errors, per second"};
-  Parameter<CdprMpcWeights> terminal_weights{
-      this,
-      {"terminal_weights"},
-      params.terminal_weights,
-      "of the errors at the horizon's end, if the terminal cost is given"};
-  Parameter<int> max_fallbacks_in_a_row{
-      this, {"max_fallbacks_in_a_row"}, params.max_fallbacks_in_a_row, "failed solves, more end the run"};
+  Parameter<CdprMpcWeights> terminal_weights{this,
+                                             {"terminal_weights"},
+                                             params.terminal_weights,
+                                             "weights of the final errors for a diagonal terminal cost"};
+  Parameter<int> max_fallbacks_in_a_row{this,
+                                        {"max_fallbacks_in_a_row"},
+                                        params.max_fallbacks_in_a_row,
+                                        "consecutive failed solves above which the run ends"};
   Shared<CdprMpcCost> cost{this, "cost", Uses(weights, terminal_weights), &CdprMpc::CalcCost};
   Scratch<CdprPlan> warm_start{this, "warm_start", CdprMpcSolver::FirstPlan(params)};
   Workspace<CdprMpcSolver> solver{this, "solver", CdprMpcSolver(params)};

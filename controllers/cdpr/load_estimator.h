@@ -77,7 +77,7 @@ class LoadEstimator final : public LeafSystem<LoadEstimatorParams> {
   InputPort<ImuMeasurement> inertial{this, {"inertial"}};
   InputPort<CableSignals> cables{this, {"cables"}};
   Parameter<double> bandwidth{
-      this, {"bandwidth", "rad/s"}, params.bandwidth, "with which a change of the load is followed"};
+      this, {"bandwidth", "rad/s"}, params.bandwidth, "bandwidth of the estimated force and torque"};
   Scratch<Memory> memory{this, "memory"};
   OutputPort<LoadEstimate> load{this,
                                 {"load"},

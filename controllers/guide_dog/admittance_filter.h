@@ -91,8 +91,7 @@ class AdmittanceFilter final : public LeafSystem<AdmittanceFilterParams> {
   InputPort<WalkCommand> command{this, {"command"}};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}};
   InputPort<LeggedState> state{this, {"state"}};
-  Parameter<AdmittanceGains> gains{
-      this, {"gains"}, params.gains, "the admittance, and limits of the velocity"};
+  Parameter<AdmittanceGains> gains{this, {"gains"}, params.gains, "admittance and limits of the velocities"};
 
  private:
   /// Transition of (offset, velocity, force) over a tick.

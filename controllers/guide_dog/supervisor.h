@@ -137,8 +137,7 @@ class Supervisor final : public LeafSystem<SupervisorParams> {
   InputPort<WrenchEstimate> wrench{this, {"wrench"}};
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<bool> obstacle{this, {"obstacle"}, false};
-  Parameter<SupervisorGains> gains{
-      this, {"gains"}, params.gains, "threshold of a pull, and gains of turning"};
+  Parameter<SupervisorGains> gains{this, {"gains"}, params.gains, "thresholds of pulls and gains of turns"};
   Scratch<GuideStatus> memory{this, "memory", GuideStatus()};
   OutputPort<GuideStatus> status{this,
                                  {"status"},

@@ -37,7 +37,7 @@ class CdprMonitor final : public LeafSystem<CdprMonitorParams> {
   Parameter<bool> forbid_slack{
       this, {"forbid_slack"}, params.forbid_slack, "whether a slack cable ends the run"};
   Parameter<double> max_tension_ratio{
-      this, {"max_tension_ratio"}, params.max_tension_ratio, "of a cable, to the winches' tension_max"};
+      this, {"max_tension_ratio"}, params.max_tension_ratio, "maximum tension over the winches' tension_max"};
   Parameter<double> floor{this, {"floor", "m"}, params.floor, "minimum height of attachments and CoM"};
   Monitor tension{this, "tension", Sampled{params.rate}, Uses(cables, forbid_slack, max_tension_ratio),
                   &CdprMonitor::CheckTension};

@@ -82,9 +82,8 @@ class YamlDocument {
 
   /// Replaces one value as the option `--set a.b=3` does. `value_text` is YAML; the key is a path of map keys
   /// and list indices (`anchors.2`). Missing map keys are added; lists do not grow. A name becomes a map of
-  /// changes: `robot.mass_kg=6` turns `robot: cdpr_4` into {file: cdpr_4, mass_kg: 6}. Errors about the value
-  /// name
-  /// `--set a.b=3` instead of a line of the file.
+  /// changes: `robot.mass_kg=6` turns `robot: cdpr_4` into {file: cdpr_4, mass_kg: 6}. Errors in the value
+  /// name the option `--set a.b=3` instead of a line of the file.
   void Set(std::string_view dotted_key, std::string_view value_text);
 
   /// Adds the keys of `base` that this document lacks, recursively in maps; lists and scalars of this

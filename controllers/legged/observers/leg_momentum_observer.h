@@ -111,7 +111,7 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   Parameter<LegObserverGains> gains{
-      this, {"gains"}, params.gains, "gains of the estimator, and dynamics of the legs"};
+      this, {"gains"}, params.gains, "gains of the estimator and model of the legs' dynamics"};
   Shared<DisturbanceFilter> filter{this, "filter", Uses(gains), &LegMomentumObserver::CalcFilter};
 
   DiscreteState<Vec<12>> held_torque{
