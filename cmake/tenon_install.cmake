@@ -19,7 +19,8 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/examples DESTINATION ${CMAKE_INSTAL
   COMPONENT tenon_development)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tenon_runtime)
 
-# `cpack`, run in the build directory, writes the Debian packages `libtenon`, `libtenon-dev` and `tenon-apps`, or archives of them.
+# `cpack`, run in the build directory, writes the Debian packages `libtenon`, `libtenon-dev`, `tenon-apps` and
+# `python3-tenon`, or archives of them.
 set(CPACK_PACKAGE_NAME tenon)
 set(CPACK_PACKAGE_VENDOR "The Tenon authors")
 set(CPACK_PACKAGE_CONTACT "The Tenon authors <tenon@example.org>")
@@ -27,7 +28,7 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
-set(CPACK_COMPONENTS_ALL tenon_runtime tenon_development tenon_apps)
+set(CPACK_COMPONENTS_ALL tenon_runtime tenon_development tenon_apps tenon_python)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_ARCHIVE_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -46,9 +47,19 @@ set(CPACK_DEBIAN_TENON_DEVELOPMENT_PACKAGE_SUGGESTS "libgtest-dev, libgmock-dev"
 set(CPACK_DEBIAN_TENON_APPS_PACKAGE_NAME tenon-apps)
 set(CPACK_DEBIAN_TENON_APPS_PACKAGE_DEPENDS "${runtime} (= ${PROJECT_VERSION}), libjs-three, libjs-dygraphs")
 set(CPACK_DEBIAN_TENON_APPS_PACKAGE_SUGGESTS "graphviz")
+set(CPACK_DEBIAN_TENON_PYTHON_PACKAGE_NAME python3-tenon)
+set(CPACK_DEBIAN_TENON_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_TENON_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_TENON_PYTHON_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_TENON_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11)")
+set(CPACK_DEBIAN_TENON_PYTHON_PACKAGE_RECOMMENDS "tenon-apps (= ${PROJECT_VERSION}), python3-matplotlib")
+set(CPACK_DEBIAN_TENON_PYTHON_PACKAGE_SUGGESTS "python3-pandas")
+set(CPACK_DEBIAN_TENON_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/debian/postinst
+  ${PROJECT_SOURCE_DIR}/cmake/debian/prerm)
 set(CPACK_COMPONENT_TENON_RUNTIME_DESCRIPTION "Shared libraries, robots, gaits, profiles and scenarios")
 set(CPACK_COMPONENT_TENON_DEVELOPMENT_DESCRIPTION "Headers, CMake package and examples")
 set(CPACK_COMPONENT_TENON_APPS_DESCRIPTION "Simulations from the command line")
+set(CPACK_COMPONENT_TENON_PYTHON_DESCRIPTION "Running simulations from Python, reading and plotting their results")
 if(PROJECT_IS_TOP_LEVEL)
   include(CPack)
 endif()

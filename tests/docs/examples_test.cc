@@ -32,5 +32,10 @@ TEST(ExamplesTest, TheFilesOfTheTutorialShip) {
   }
 }
 
+TEST(ExamplesTest, TheProgramOfThePythonPageShips) {
+  EXPECT_THAT(Read("docs/python.md"),
+              ::testing::HasSubstr("```python\n" + Read("docs/examples/python/payload.py") + "```"));
+}
+
 }  // namespace
 }  // namespace tenon::docs::examples_test
