@@ -1,15 +1,9 @@
+#include <tenon/plants/robots/internal/mesh_import.h>
 #include <tenon/plants/robots/mesh_file.h>
-#include <tenon/systems/framework/types/errors.h>
 
-#include <assimp/Importer.hpp>
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-#include <fmt/format.h>
 #include <meshoptimizer.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -20,42 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kLargestFile = 200'000'000;  // [bytes]
 constexpr float kNicely = 0.02F;  // error up to which the topology is kept, relative to the mesh's extent
-
-TriangleMesh Import(const fs::path& file) {
-  const auto fail = [&](const std::string& why) {
-    throw ParameterError(fmt::format("the mesh '{}' cannot be read: {}; export it as STL, OBJ or COLLADA",
-                                     file.string(), why));
-  };
-  std::error_code error;
-  if (!fs::is_regular_file(file, error)) fail("there is no such file");
-  if (fs::file_size(file, error) > kLargestFile) fail("it is larger than 200 MB");
-  Assimp::Importer importer;
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene = importer.ReadFile(
-      file.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices | aiProcess_SortByPType);
-  if (scene == nullptr) fail(importer.GetErrorString());
-  TriangleMesh mesh;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-    const aiMesh& part = *scene->mMeshes[m];
-    const auto first = static_cast<std::uint32_t>(mesh.corners.size());
-    for (unsigned i = 0; i < part.mNumVertices; ++i) {
-      const aiVector3D& p = part.mVertices[i];
-      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) fail("a corner is not finite");
-      mesh.corners.push_back({p.x, p.y, p.z});
-    }
-    for (unsigned i = 0; i < part.mNumFaces; ++i) {
-      const aiFace& face = part.mFaces[i];
-      if (face.mNumIndices != 3) continue;
-      mesh.triangles.push_back(
-          {first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
-    }
-  }
-  if (mesh.triangles.empty()) fail("it has no triangles");
-  return mesh;
-}
 
 /// Merges equal corners and removes unused ones.
 TriangleMesh Joined(const TriangleMesh& mesh) {
@@ -94,6 +53,7 @@ std::shared_ptr<const TriangleMesh> ReadMesh(const fs::path& file) {
     fs::file_time_type written;
     std::shared_ptr<const TriangleMesh> mesh;
   };
+  const auto reduce = [](const TriangleMesh& mesh) { return Simplified(Joined(mesh)); };
   static std::mutex mutex;
   static std::map<std::string, Entry> read;
   std::error_code error;
@@ -102,7 +62,7 @@ std::shared_ptr<const TriangleMesh> ReadMesh(const fs::path& file) {
   Entry& entry = read[fs::weakly_canonical(file).string()];
   if (entry.mesh == nullptr || entry.written != written) {
     entry.mesh = nullptr;
-    entry = {written, std::make_shared<const TriangleMesh>(Simplified(Joined(Import(file))))};
+    entry = {written, std::make_shared<const TriangleMesh>(internal::ImportMesh(file, reduce))};
   }
   return entry.mesh;
 }

@@ -4,12 +4,19 @@
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <numbers>
 #include <set>
+#include <sstream>
+#include <string>
 
 namespace tenon::mesh_file_test {
 namespace {
@@ -152,9 +159,83 @@ TEST_F(MeshFileTest, RefusesBadFiles) {
   EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "points.obj"); }, "points.obj"));
   std::ofstream(home / "far.obj") << "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n";
   EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "far.obj"); }, "far.obj"));
+  for (const char* other : {"ply\nformat ascii 1.0\n", "<svg/>", "#usda 1.0\n", "glTF", ""}) {
+    std::ofstream(home / "other.stl") << other;
+    EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "other.stl"); }, "neither STL")) << other;
+    fs::remove(home / "other.stl");
+  }
   test::WriteTetrahedron(home / "large.stl");
   fs::resize_file(home / "large.stl", 200'000'001);
   EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "large.stl"); }, "200 MB"));
+}
+
+TEST_F(MeshFileTest, TheContentDeterminesTheFormat) {
+  for (const char* name : {"t.stl", "t.obj", "t.dae"}) {
+    test::WriteTetrahedron(home / name);
+    const fs::path misnamed = home / (std::string(name) + ".blend");
+    fs::rename(home / name, misnamed);
+    EXPECT_EQ(ReadMesh(misnamed)->triangles.size(), 4u) << name;
+  }
+}
+
+/// Text of a COLLADA file with a tetrahedron, one part of which is replaced.
+std::string Collada(const fs::path& home, const std::string& part, const std::string& replacement) {
+  test::WriteTetrahedron(home / "whole.dae");
+  std::ostringstream text;
+  text << std::ifstream(home / "whole.dae").rdbuf();
+  std::string all = text.str();
+  const std::size_t at = all.find(part);
+  EXPECT_NE(at, all.npos) << part;
+  return at == all.npos ? all : all.replace(at, part.size(), replacement);
+}
+
+std::string Repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+// Each of these makes a reader without limits crash, hang or use all memory.
+TEST_F(MeshFileTest, RefusesHostileFilesSoon) {
+  std::string polygon, corners = "f";
+  for (int i = 0; i < 30'000; ++i) {
+    const double turn = 2 * std::numbers::pi * i / 30'000, radius = 1 + 0.5 * (i % 2);
+    polygon += fmt::format("v {} {} 0\n", radius * std::cos(turn), radius * std::sin(turn));
+    corners += fmt::format(" {}", i + 1);
+  }
+  std::string entities = "<?xml version=\"1.0\"?><!DOCTYPE COLLADA [<!ENTITY a \"aaaaaaaaaa\">";
+  for (char c = 'b'; c < 'l'; ++c)
+    entities +=
+        fmt::format("<!ENTITY {} \"{}\">", c, Repeated(fmt::format("&{};", static_cast<char>(c - 1)), 10));
+  const std::string node = "<node><instance_geometry url=\"#t\"/></node>";
+  const std::map<std::string, std::string> files{
+      {"polygon.obj", polygon + corners + "\n"},
+      {"index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"},
+      {"negative.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -9\n"},
+      {"index.dae", Collada(home, "1 2 3</p>", "1 2 900000</p>")},
+      {"accessor.dae", Collada(home, "count=\"4\" stride=\"3\"", "count=\"400000\" stride=\"3\"")},
+      {"short.dae", Collada(home, "1000 0 0 0 2000 0 0 0 3000", "1000")},
+      {"itself.dae",
+       Collada(home, node,
+               "<node id=\"n\"><instance_geometry url=\"#t\"/><instance_node url=\"#n\"/></node>")},
+      {"deep.dae", Collada(home, node, Repeated("<node>", 20'000) + node + Repeated("</node>", 20'000))},
+      {"bomb.dae", Collada(home, "<?xml version=\"1.0\"?>", entities + "]>")},
+      {"count.stl", std::string(80, ' ') + "\xff\xff\xff\x7f" + std::string(50, 'x')}};
+  for (const auto& [name, text] : files) {
+    std::ofstream(home / name) << text;
+    ::rusage before{}, after{};
+    ::getrusage(RUSAGE_CHILDREN, &before);
+    EXPECT_TRUE(Throws<ParameterError>([&, file = home / name] { ReadMesh(file); }, name));
+    ::getrusage(RUSAGE_CHILDREN, &after);
+    EXPECT_LE(after.ru_utime.tv_sec - before.ru_utime.tv_sec, 2) << name;
+  }
+}
+
+TEST_F(MeshFileTest, OpensNoOtherFile) {
+  ASSERT_EQ(::mkfifo((home / "pipe.mtl").c_str(), 0600), 0);
+  std::ofstream(home / "t.obj") << "mtllib pipe.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+  EXPECT_EQ(ReadMesh(home / "t.obj")->triangles.size(), 1u);
+  EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "pipe.mtl"); }, "pipe.mtl"));
 }
 
 }  // namespace

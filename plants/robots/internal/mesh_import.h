@@ -1,0 +1,22 @@
+#pragma once
+
+#include <tenon/systems/geometry.h>
+
+#include <filesystem>
+#include <functional>
+#include <string_view>
+
+namespace tenon::internal {
+
+/// Reads a mesh in STL, OBJ or COLLADA, which its content determines, not its name. The library assimp reads
+/// it in a child process, because a damaged file may let it crash or use all time and memory: the child has
+/// 1 s of processor time and 200 MB of memory, and more for files of more than a few megabytes. It opens no
+/// other file. `reduce` is called in the child. Throws ParameterError with the name of the file.
+TriangleMesh ImportMesh(const std::filesystem::path& file,
+                        const std::function<TriangleMesh(TriangleMesh)>& reduce);
+
+/// Checks the text of a COLLADA file: elements are nested at most 100 deep, there are no entities, and the
+/// accessors stay within their arrays. Throws std::runtime_error with the reason.
+void CheckCollada(std::string_view text);
+
+}  // namespace tenon::internal
