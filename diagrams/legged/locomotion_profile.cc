@@ -79,13 +79,13 @@ struct RelativeProfile {
             Required("observer", &RelativeProfile::observer)};
   }
   static std::vector<RenamedKey> Renamed() {
-    return {{"whole_body.com_stiffness_N_per_m", "com_stiffness_mg_per_l, its value over m g / l,"},
-            {"whole_body.com_damping_N_s_per_m", "com_damping_mg_t_per_l, its value over m g t / l,"},
-            {"whole_body.com_limit_m", "com_limit_l, its value over l,"},
-            {"whole_body.swing_limit_m_per_s2", "swing_limit_g, its value over g,"},
-            {"ground.roughness_m", "roughness_l, its value over l,"},
-            {"ground.level_walk_m", "level_walk_l, its value over l,"},
-            {"ground.start_roughness_m", "start_roughness_l, its value over l,"}};
+    return {{"whole_body.com_stiffness_N_per_m", "com_stiffness_mg_per_l, its value over m g / l"},
+            {"whole_body.com_damping_N_s_per_m", "com_damping_mg_t_per_l, its value over m g t / l"},
+            {"whole_body.com_limit_m", "com_limit_l, its value over l"},
+            {"whole_body.swing_limit_m_per_s2", "swing_limit_g, its value over g"},
+            {"ground.roughness_m", "roughness_l, its value over l"},
+            {"ground.level_walk_m", "level_walk_l, its value over l"},
+            {"ground.start_roughness_m", "start_roughness_l, its value over l"}};
   }
   void Validate() const {
     Demand(
