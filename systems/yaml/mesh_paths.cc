@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 #include <iterator>
 #include <sstream>
 #include <string_view>
@@ -30,11 +31,33 @@ std::vector<fs::path> PackageFolders(const fs::path& urdf) {
   return folders;
 }
 
+/// The name of a ROS package in its package.xml, which may differ from that of its directory; empty if the
+/// directory is no package.
+std::string NameOfPackage(const fs::path& directory) {
+  std::ifstream in(directory / "package.xml");
+  const std::string text(std::istreambuf_iterator<char>(in), {});
+  const std::size_t begin = text.find("<name>"), end = text.find("</name>");
+  if (begin == text.npos || end == text.npos || end < begin) return "";
+  constexpr std::string_view kBlanks = " \t\r\n";
+  const std::string name = text.substr(begin + 6, end - begin - 6);
+  const std::size_t first = name.find_first_not_of(kBlanks);
+  return first == name.npos ? "" : name.substr(first, name.find_last_not_of(kBlanks) - first + 1);
+}
+
+fs::path WithoutFirst(const fs::path& path) {
+  fs::path rest;
+  for (auto part = std::next(path.begin()); part != path.end(); ++part) rest /= *part;
+  return rest;
+}
+
 }  // namespace
 
 std::optional<fs::path> FindMesh(const std::string& name, const fs::path& urdf) {
-  constexpr std::string_view kPackage = "package://", kFile = "file://";
+  constexpr std::string_view kPackage = "package://", kFile = "file://", kFind = "file://$(find ";
   std::error_code error;
+  if (const std::size_t end = name.find(')'); name.starts_with(kFind) && end != name.npos)
+    return FindMesh(
+        std::string(kPackage) + name.substr(kFind.size(), end - kFind.size()) + name.substr(end + 1), urdf);
   if (!name.starts_with(kPackage)) {
     const fs::path file = name.starts_with(kFile) ? fs::path(name.substr(kFile.size()))
                                                   : fs::absolute(urdf).parent_path() / name;
@@ -45,6 +68,9 @@ std::optional<fs::path> FindMesh(const std::string& name, const fs::path& urdf) 
   if (inside.empty() || inside.is_absolute()) return {};
   for (const fs::path& folder : PackageFolders(urdf)) {
     if (const fs::path file = folder / inside; fs::is_regular_file(file, error)) return file;
+    if (const fs::path file = folder / WithoutFirst(inside);
+        NameOfPackage(folder) == inside.begin()->string() && fs::is_regular_file(file, error))
+      return file;
   }
   return {};
 }
