@@ -49,6 +49,8 @@ struct LimitsOfJoints {
 struct RobotFile {
   std::string name;
   std::string urdf;
+  std::string trunk_link;
+  internal::LinkAxis forward = internal::LinkAxis::kX, up = internal::LinkAxis::kZ;
   PerLeg<std::string> feet;
   std::optional<PerLeg<Eigen::Vector3d>> foot_centres;
   double foot_radius = 0;
@@ -62,6 +64,9 @@ struct RobotFile {
   static FieldList Fields() {
     return {Required("name", &RobotFile::name),
             Required("urdf", &RobotFile::urdf),
+            {"trunk_link", &RobotFile::trunk_link},
+            {"forward", &RobotFile::forward},
+            {"up", &RobotFile::up},
             Required("feet", &RobotFile::feet),
             Required("foot_radius_m", &RobotFile::foot_radius),
             {"foot_centres_m", &RobotFile::foot_centres},
@@ -73,6 +78,8 @@ struct RobotFile {
             Required("contact", &RobotFile::contact)};
   }
   void Validate() const {
+    if (internal::Along(forward).dot(internal::Along(up)) != 0)
+      throw ParameterError("forward and up must be at right angles: choose another axis");
     if (!(foot_radius > 0))
       throw ParameterError(
           fmt::format("foot_radius_m is {} m but must be positive; give the radius of the "
@@ -128,6 +135,9 @@ QuadrupedDescription ReadRobot(const YamlDocument& document, std::vector<std::st
     robot.stance.segment<kJointsPerLeg>(kJointsPerLeg * leg) =
         file.stance.InOrder()[static_cast<std::size_t>(leg)];
   internal::UrdfReading reading;
+  reading.trunk = file.trunk_link;
+  reading.forward = file.forward;
+  reading.up = file.up;
   reading.feet = file.feet.InOrder();
   if (file.foot_centres) reading.foot_centres = file.foot_centres->InOrder();
   for (const auto& [joint, angle] : file.locked) reading.locked[joint] = angle;

@@ -17,8 +17,10 @@
 namespace tenon::internal {
 namespace {
 
-/// Maximal correction of an inertia, relative to its largest entry, in the link with most of its body's mass.
-constexpr double kMostMended = 0.05;
+/// Largest plausible radius of gyration of a link, and that of a link whose inertia is a placeholder,
+/// relative to the length of a leg or, for links of the trunk, to twice the distance of the hips from their
+/// centre.
+constexpr double kMostGyration = 0.75, kUsualGyration = 0.25;
 constexpr std::array<const char*, kJointsPerLeg> kLimitKeys{"abduction", "hip_pitch", "knee"};
 
 /// Returns the nearest physically possible inertia, for which the second moments of mass along the principal
@@ -40,7 +42,8 @@ class Reader {
   std::vector<std::string> Read() {
     CheckLocked();
     for (int leg = 0; leg < kNumLegs; ++leg) FindLeg(leg, reading_.feet[static_cast<std::size_t>(leg)]);
-    Add(*model_->getRoot(), 0, Eigen::Isometry3d::Identity());
+    Add(*FloatingLink(*model_), 0, PoseOfRoot());
+    MeasureExtents();
     for (int leg = 0; leg < kNumLegs; ++leg) FinishLeg(leg);
     robot_.trunk = Finished(0, Eigen::Vector3d::Zero());
     for (std::size_t body = 0; body < looks_.size(); ++body) {
@@ -66,6 +69,25 @@ class Reader {
   void Warn(fmt::format_string<Args...> format, Args&&... args) {
     const std::string what = fmt::format(format, std::forward<Args>(args)...);
     warnings_.push_back(fmt::format("{}: {}", file_.PlaceOf(what), what));
+  }
+
+  /// Returns the pose of the link that floats in the robot's frame B.
+  Eigen::Isometry3d PoseOfRoot() const {
+    Eigen::Isometry3d T_RB = Eigen::Isometry3d::Identity();
+    if (!reading_.trunk.empty()) {
+      urdf::LinkConstSharedPtr link = model_->getLink(reading_.trunk);
+      if (link == nullptr)
+        Fail("there is no link '{}', the trunk; correct its name under 'trunk_link'",
+             Excerpt(reading_.trunk));
+      for (; link != FloatingLink(*model_) && link->parent_joint != nullptr; link = link->getParent()) {
+        if (Turns(*link->parent_joint) && !LockedAt(*link->parent_joint))
+          Fail("the link '{}' moves relative to the root; give a link of the trunk under 'trunk_link'",
+               reading_.trunk);
+        T_RB = ToEigen(link->parent_joint->parent_to_joint_origin_transform) * T_RB;
+      }
+    }
+    T_RB.rotate(RotationOf(reading_.forward, reading_.up));
+    return T_RB.inverse();
   }
 
   void CheckLocked() const {
@@ -239,6 +261,20 @@ class Reader {
   }
 
   /// Transforms the joints and bodies of a leg from B to the joints' frames.
+  /// Measures the length of a leg and the distance of the hips from their centre, while the joints are in B.
+  void MeasureExtents() {
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (int leg = 0; leg < kNumLegs; ++leg) centre += JointOf(kJointsPerLeg * leg).p_PJ / kNumLegs;
+    for (int leg = 0; leg < kNumLegs; ++leg) {
+      const auto at = static_cast<std::size_t>(leg);
+      const Eigen::Vector3d hip = JointOf(kJointsPerLeg * leg + 1).p_PJ,
+                            knee = JointOf(kJointsPerLeg * leg + 2).p_PJ,
+                            foot = poses_.at(reading_.feet[at]) * reading_.foot_centres[at];
+      leg_extent_ = std::max(leg_extent_, (knee - hip).norm() + (foot - knee).norm());
+      trunk_extent_ = std::max(trunk_extent_, (JointOf(kJointsPerLeg * leg).p_PJ - centre).norm());
+    }
+  }
+
   void FinishLeg(int leg) {
     LegDescription& out = robot_.legs[static_cast<std::size_t>(leg)];
     Eigen::Vector3d parent = Eigen::Vector3d::Zero();
@@ -257,8 +293,8 @@ class Reader {
 
   /// Returns the inertia that a link contributes to a body of given mass, corrected if it is impossible.
   /// Links that only define frames often have invented inertias.
-  RigidInertia Believed(const Part& part, double body_mass) {
-    const RigidInertia& given = part.inertia;
+  RigidInertia Believed(const Part& part, double extent) {
+    RigidInertia given = part.inertia;
     if (given.mass < 0)
       Fail("link '{}' has the mass {} kg; give a positive mass, or no <inertial> at all", part.link,
            given.mass);
@@ -266,14 +302,26 @@ class Reader {
       if (!given.inertia.isZero(0)) Warn("link '{}' has an inertia but no mass and is ignored", part.link);
       return {};
     }
+    const double usual = kUsualGyration * extent,
+                 gyration = std::sqrt(given.inertia.trace() / 2 / given.mass);
+    if (!reading_.strict && given.inertia.isZero(0)) {
+      given.inertia = 2.0 / 3 * given.mass * usual * usual * Eigen::Matrix3d::Identity();
+      Warn("link '{}' has a mass but no inertia; taken with a radius of gyration of {:.3g} m", part.link,
+           usual);
+    } else if (!reading_.strict && gyration > kMostGyration * extent) {
+      given.inertia *= std::pow(usual / gyration, 2);
+      Warn(
+          "link '{}': its inertia is that of a body with a radius of gyration of {:.3g} m, which is too "
+          "large "
+          "for this robot and may be a placeholder; taken with {:.3g} m",
+          part.link, gyration, usual);
+    }
     try {
       CheckInertia(given.inertia);
       return given;
     } catch (const ParameterError& error) {
       const Eigen::Matrix3d mended = Mended(given.inertia);
-      const double change = (mended - given.inertia).cwiseAbs().maxCoeff();
-      const bool is_small = change < kMostMended * given.inertia.cwiseAbs().maxCoeff();
-      if (given.mass > body_mass / 2 && !is_small) Fail("link '{}': {}", part.link, error.what());
+      if (reading_.strict) Fail("link '{}': {}", part.link, error.what());
       const Eigen::Vector3d taken = mended.selfadjointView<Eigen::Lower>().eigenvalues();
       Warn("link '{}': {}; taken with {:.3g}, {:.3g}, {:.3g} kg m^2", part.link, error.what(), taken[0],
            taken[1], taken[2]);
@@ -284,10 +332,9 @@ class Reader {
   RigidInertia Finished(int body, const Eigen::Vector3d& origin) {
     const std::vector<Part>& parts = parts_[static_cast<std::size_t>(body)];
     const std::string& names = names_[static_cast<std::size_t>(body)];
-    double mass = 0;
-    for (const Part& part : parts) mass += std::max(part.inertia.mass, 0.0);
     RigidInertia sum;
-    for (const Part& part : parts) sum = sum + Believed(part, mass);
+    const double extent = body == 0 ? 2 * trunk_extent_ : leg_extent_;
+    for (const Part& part : parts) sum = sum + Believed(part, extent);
     if (!(sum.mass > 0))
       Fail("the body of link {} has no mass; give one of them an <inertial> with a positive mass", names);
     try {
@@ -312,6 +359,7 @@ class Reader {
   std::array<std::vector<Part>, 1 + kNumJoints> parts_;  // parts of each body
   std::array<std::string, 1 + kNumJoints> names_;        // names of the links of each body
   std::array<TriangleMesh, 1 + kNumJoints> looks_;       // appearance of the bodies that have meshes
+  double leg_extent_ = 0, trunk_extent_ = 0;             // length of a leg, distance of the hips [m]
   int num_missing_ = 0;                                  // number of unreadable meshes
   std::string missing_;                                  // reason for the first unreadable mesh
   std::vector<std::string> warnings_;
@@ -330,6 +378,17 @@ void JointLimits::Validate() const {
         fmt::format("range_rad is {} to {}, but the first must be below the second; leave it "
                     "out for the URDF's",
                     (*range)[0], (*range)[1]));
+}
+
+Eigen::Vector3d Along(LinkAxis axis) {
+  const int index = static_cast<int>(axis);
+  return (index < 3 ? 1 : -1) * Eigen::Vector3d::Unit(index % 3);
+}
+
+Eigen::Matrix3d RotationOf(LinkAxis forward, LinkAxis up) {
+  Eigen::Matrix3d R;
+  R << Along(forward), Along(up).cross(Along(forward)), Along(up);
+  return R;
 }
 
 std::vector<std::string> ReadUrdf(const std::filesystem::path& path, const UrdfReading& reading,

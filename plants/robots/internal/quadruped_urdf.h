@@ -27,8 +27,24 @@ struct JointLimits {
   void Validate() const;  ///< throws ParameterError
 };
 
+/// An axis of the trunk link.
+enum class LinkAxis { kX, kY, kZ, kMinusX, kMinusY, kMinusZ };
+constexpr auto EnumNames(LinkAxis) {
+  return std::array{Named{LinkAxis::kX, "x"},       Named{LinkAxis::kY, "y"},
+                    Named{LinkAxis::kZ, "z"},       Named{LinkAxis::kMinusX, "-x"},
+                    Named{LinkAxis::kMinusY, "-y"}, Named{LinkAxis::kMinusZ, "-z"}};
+}
+Eigen::Vector3d Along(LinkAxis axis);  ///< unit vector
+/// The rotation from the robot's axes (x forward, y left, z up) to those of the trunk link, for two axes at
+/// right angles.
+Eigen::Matrix3d RotationOf(LinkAxis forward, LinkAxis up);
+
 /// Properties in a robot's YAML file that determine how its URDF is read.
 struct UrdfReading {
+  bool strict = false;              ///< refuse inertias that no body has, instead of correcting them
+  std::string trunk;                ///< link whose origin is that of the robot's frame; empty: the root
+  LinkAxis forward = LinkAxis::kX;  ///< axis of that link along which the robot faces
+  LinkAxis up = LinkAxis::kZ;       ///< axis of that link that points up
   std::array<std::string, kNumLegs> feet;  ///< names of the feet's links
   std::array<Eigen::Vector3d, kNumLegs> foot_centres{
       Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),

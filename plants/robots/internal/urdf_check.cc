@@ -69,6 +69,9 @@ class Check {
                       kMaxUrdfBytes));
     XML_SetUserData(parser_.get(), this);
     XML_SetElementHandler(parser_.get(), &OnStart, &OnEnd);
+    XML_SetStartDoctypeDeclHandler(parser_.get(), &OnDoctype);
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+      Fail(1, "the file is in UTF-16; save it as UTF-8");
     const bool parsed =
         XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), XML_TRUE) == XML_STATUS_OK;
     if (failure_) std::rethrow_exception(failure_);
@@ -103,6 +106,12 @@ class Check {
   static void OnEnd(void* self, const char*) {
     Try(self, [](Check& check) { check.End(); });
   }
+  static void OnDoctype(void* self, const char*, const char*, const char*, int) {
+    Try(self, [](Check& check) {
+      check.Fail(check.Line(),
+                 "the file has a DOCTYPE, which a URDF does not need; remove it and its entities");
+    });
+  }
   static void Try(void* self, const auto& handle) {
     auto& check = *static_cast<Check*>(self);
     if (check.failure_) return;  // the parser may call again after a failure
@@ -117,11 +126,13 @@ class Check {
   std::size_t Byte() const { return static_cast<std::size_t>(XML_GetCurrentByteIndex(parser_.get())); }
 
   void End() {
-    if (open_.size() == 3 && open_.back() == "inertial" && !has_mass_)
+    const bool inertial = foreign_ == 0 && open_.size() == 3 && open_.back() == "inertial";
+    if (inertial && !has_mass_)
       Fail(Line(), "{}: its <inertial> has no mass; write <mass value=\"...\"/>, in kg", owner_);
-    if (open_.size() == 3 && open_.back() == "inertial" && !has_inertia_)
+    if (inertial && !has_inertia_)
       Fail(Line(), "{}: its <inertial> has no inertia; write <inertia ixx=\"...\" .../>, in kg m^2", owner_);
     open_.pop_back();
+    if (foreign_ > open_.size()) foreign_ = 0;
     if (open_.size() == 1) EndOfOwner();
   }
 
@@ -141,6 +152,15 @@ class Check {
       }
       return "";
     };
+    if (open_.empty()) CheckRoot(element);
+    if (open_.size() == 1 && element != "link" && element != "joint" && element != "material" &&
+        !element.starts_with("xacro:"))
+      foreign_ = 2;
+    if (foreign_ != 0) {
+      in_joint_ = false;
+      open_.emplace_back(element);
+      return;
+    }
     if (element.starts_with("xacro:"))
       Fail(Line(), "this is a xacro file; expand its macros first: xacro {} > {}.urdf", file_, StemOf(file_));
     std::size_t count = 0;
@@ -182,6 +202,18 @@ class Check {
     }
     for (const char** at = attributes; *at != nullptr; at += 2) CheckNumbers(element, at[0], at[1]);
     open_.emplace_back(element);
+  }
+
+  /// Refuses files of other formats by their first element.
+  void CheckRoot(std::string_view element) const {
+    if (element == "robot") return;
+    const std::string_view format = element == "mujoco"    ? "an MJCF file of MuJoCo"
+                                    : element == "sdf"     ? "an SDF file of Gazebo"
+                                    : element == "COLLADA" ? "a mesh"
+                                                           : "no URDF";
+    Fail(Line(),
+         "the file is {}: its first element is <{}>, that of a URDF is <robot>; give the robot's URDF",
+         format, Excerpt(element));
   }
 
   void CheckNumbers(std::string_view element, std::string_view attribute, std::string_view text) const {
@@ -245,6 +277,7 @@ class Check {
   std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser_{
       XML_ParserCreate(nullptr), &XML_ParserFree};
   std::vector<std::string> open_;                ///< open elements
+  std::size_t foreign_ = 0;                      ///< depth of an element such as <gazebo>, which is skipped
   std::string owner_;                            ///< the enclosing link or joint, for messages
   bool in_joint_ = false;                        ///< whether the enclosing element is a joint
   bool has_mass_ = false, has_inertia_ = false;  ///< elements of the current <inertial>

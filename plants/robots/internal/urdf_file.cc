@@ -84,6 +84,14 @@ RigidInertia ToRigidInertia(const urdf::Inertial& in) {
   return RigidInertia{in.mass, Eigen::Vector3d::Zero(), inertia}.In(T.linear(), T.translation());
 }
 
+urdf::LinkConstSharedPtr FloatingLink(const urdf::ModelInterface& model) {
+  urdf::LinkConstSharedPtr link = model.getRoot();
+  while (link->inertial == nullptr && link->child_joints.size() == 1 &&
+         link->child_joints[0]->type == urdf::Joint::FLOATING)
+    link = model.getLink(link->child_joints[0]->child_link_name);
+  return link;
+}
+
 bool Turns(const urdf::Joint& joint) {
   return joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
 }

@@ -30,6 +30,9 @@ UrdfFile ParseUrdf(const std::filesystem::path& path);
 
 Eigen::Isometry3d ToEigen(const urdf::Pose& pose);
 RigidInertia ToRigidInertia(const urdf::Inertial& in);
+/// Returns the link whose frame moves freely: the root, or the child of its floating joint if the root is a
+/// link without a body such as `world`.
+urdf::LinkConstSharedPtr FloatingLink(const urdf::ModelInterface& model);
 /// Returns whether a joint is revolute or continuous.
 bool Turns(const urdf::Joint& joint);
 
