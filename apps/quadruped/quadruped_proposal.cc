@@ -1,8 +1,11 @@
 #include <tenon/apps/quadruped/quadruped_proposal.h>
+#include <tenon/apps/quadruped/urdf_legs.h>
 #include <tenon/plants/model/gravity.h>
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/internal/urdf_file.h>
+#include <tenon/plants/robots/mesh_file.h>
 #include <tenon/systems/yaml/internal/yaml_writer.h>
+#include <tenon/systems/yaml/mesh_paths.h>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -21,14 +24,18 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
+using internal::LinkAxis;
 using std::numbers::pi;
 
-constexpr double kAlong = 0.8;    // minimum cosine of the angle between a joint's axis and a coordinate axis
 constexpr double kFarFoot = 0.4;  // minimum distance of a foot from the knee, relative to the thigh
 constexpr double kAlike = 0.05;   // difference of bending up to which the knee points backward [rad]
 constexpr double kMargin = 0.02;  // distance from the ends of a joint's range [rad]
 // Distances from hip to foot in the stance that are tried in turn, relative to the length of the leg.
 constexpr double kBending[] = {0.7, 0.65, 0.75, 0.6, 0.8, 0.55, 0.85, 0.5, 0.9};
+constexpr double kTip = 0.05;  // the end of a mesh that is fitted by a sphere, over the length of the shank
+// Placeholders: a torque limit above this multiple of weight times leg length, and a speed limit below this
+// multiple of sqrt(g / leg length), which a trot exceeds.
+constexpr double kMostTorque = 5, kLeastSpeed = 1;
 constexpr std::array<const char*, kJointsPerLeg> kKinds{"abduction", "hip_pitch", "knee"};
 
 struct Foot {
@@ -38,18 +45,20 @@ struct Foot {
   Vector3d p_B = Vector3d::Zero();     ///< centre in B with all joints at 0 [m]
 };
 
-/// The revolute joints of a chain, starting at the root.
-using Chain = std::vector<urdf::JointConstSharedPtr>;
-
 class Proposal {
  public:
-  Proposal(const std::filesystem::path& path, const std::map<std::string, double, std::less<>>& locked)
-      : path_(path), file_(internal::ParseUrdf(path)), locked_(locked.begin(), locked.end()) {}
+  Proposal(const std::filesystem::path& path, const std::map<std::string, double, std::less<>>& locked,
+           std::optional<LinkAxis> forward, bool strict)
+      : path_(path),
+        file_(internal::ParseUrdf(path)),
+        strict_(strict),
+        found_(FindUrdfLegs(file_, {{locked.begin(), locked.end()}, forward})),
+        notes_(found_.notes) {}
 
   QuadrupedProposal Make() {
-    Walk(*file_.model->getRoot(), Isometry3d::Identity(), {});
-    ChooseLegs();
+    for (std::size_t i = 0; i < kNumLegs; ++i) feet_[i] = FindFoot(legs_[i]);
     Read();
+    ReplacePlaceholders();
     CheckAxes();
     for (int leg = 0; leg < kNumLegs; ++leg) Bend(leg);
     return {Write(), notes_};
@@ -65,87 +74,13 @@ class Proposal {
     notes_.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
 
-  /// Collects the poses of all links, and the chains that end in a body without further revolute joints.
-  bool Walk(const urdf::Link& link, const Isometry3d& T_BL, Chain chain) {
-    poses_[link.name] = T_BL;
-    bool turns = false;
-    for (const auto& joint : link.child_joints) {
-      Isometry3d T_BJ = T_BL * internal::ToEigen(joint->parent_to_joint_origin_transform);
-      const auto angle = locked_.find(joint->name);
-      Chain below = chain;
-      const bool is_free = internal::Turns(*joint) && angle == locked_.end();
-      if (is_free) below.push_back(joint);
-      if (angle != locked_.end())
-        T_BJ.rotate(Eigen::AngleAxisd(angle->second,
-                                      Vector3d(joint->axis.x, joint->axis.y, joint->axis.z).normalized()));
-      const bool more = Walk(*file_.model->getLink(joint->child_link_name), T_BJ, below);
-      if (is_free && !more) chains_.push_back(below);
-      turns = turns || is_free || more;
-    }
-    return turns;
-  }
-
-  static std::string Names(const Chain& chain) {
-    std::vector<std::string> names;
-    for (const auto& joint : chain) names.push_back(joint->name);
-    return fmt::format("{}", fmt::join(names, " - "));
-  }
-
-  double Lowest(const urdf::Link& link) const {
-    double z = poses_.at(link.name).translation().z();
-    for (const auto& child : link.child_links) z = std::min(z, Lowest(*child));
-    return z;
-  }
   const urdf::Link& LinkOf(const urdf::Joint& joint) const {
     return *file_.model->getLink(joint.child_link_name);
   }
 
-  void ChooseLegs() {
-    std::vector<Chain> legs;
-    for (const Chain& chain : chains_)
-      if (chain.size() == kJointsPerLeg) legs.push_back(chain);
-    std::stable_sort(legs.begin(), legs.end(), [this](const Chain& a, const Chain& b) {
-      return Lowest(LinkOf(*a.back())) < Lowest(LinkOf(*b.back()));
-    });
-    if (legs.size() < kNumLegs) {
-      std::string found;
-      for (const Chain& chain : chains_) found += fmt::format("; {} ({})", Names(chain), chain.size());
-      Fail(
-          "found {} chains of three joints that turn, but a quadruped has four legs of abduction, hip pitch "
-          "and knee; fix other joints by --lock JOINT=ANGLE. Chains{}",
-          legs.size(), found.empty() ? ": none" : found);
-    }
-    legs.resize(kNumLegs);
-    std::set<std::string> used;
-    for (const Chain& leg : legs)
-      for (const auto& joint : leg) used.insert(joint->name);
-    for (const Chain& chain : chains_) {
-      for (const auto& joint : chain) {
-        if (!used.insert(joint->name).second) continue;
-        const double angle =
-            joint->type == urdf::Joint::REVOLUTE && joint->limits->lower < joint->limits->upper
-                ? std::clamp(0.0, joint->limits->lower, joint->limits->upper)
-                : 0;
-        locked_[joint->name] = angle;
-        Note("joint '{}' belongs to no leg: locked at {:.3g} rad", joint->name, angle);
-      }
-    }
-    const auto hip = [this](const Chain& leg) -> Vector3d {
-      return poses_.at(leg[1]->child_link_name).translation();
-    };
-    std::stable_sort(legs.begin(), legs.end(),
-                     [&](const Chain& a, const Chain& b) { return hip(a).x() > hip(b).x(); });
-    for (const std::size_t first : {0, 2})
-      if (hip(legs[first]).y() < hip(legs[first + 1]).y()) std::swap(legs[first], legs[first + 1]);
-    for (std::size_t i = 0; i < kNumLegs; ++i) {
-      legs_[i] = legs[i];
-      feet_[i] = FindFoot(legs[i]);
-    }
-  }
-
   /// Searches the collision shapes and frames of a link and of all links below it.
   void Search(const urdf::Link& link, const Vector3d& knee, Foot* sphere, Foot* frame) const {
-    const Isometry3d& T_BL = poses_.at(link.name);
+    const Isometry3d& T_BL = found_.poses.at(link.name);
     const auto consider = [&](Foot* best, const Vector3d& centre, double radius) {
       const Vector3d p = T_BL * centre;
       if (best->link.empty() || (p - knee).norm() > (best->p_B - knee).norm() + 1e-9)
@@ -164,10 +99,10 @@ class Proposal {
     for (const auto& child : link.child_links) Search(*child, knee, sphere, frame);
   }
 
-  Foot FindFoot(const Chain& leg) {
+  Foot FindFoot(const UrdfChain& leg) {
     const urdf::Link& shank = LinkOf(*leg.back());
-    const Vector3d knee = poses_.at(shank.name).translation();
-    const double thigh = (knee - poses_.at(leg[1]->child_link_name).translation()).norm();
+    const Vector3d knee = found_.poses.at(shank.name).translation();
+    const double thigh = (knee - found_.poses.at(leg[1]->child_link_name).translation()).norm();
     Foot sphere, frame;
     Search(shank, knee, &sphere, &frame);
     const auto far = [&](const Foot& foot) {
@@ -175,18 +110,65 @@ class Proposal {
     };
     if (far(sphere) && (sphere.p_B - knee).norm() > 0.9 * (frame.p_B - knee).norm()) return sphere;
     if (far(frame)) return frame;
-    Fail(
-        "link '{}', below the knee '{}', has no foot: neither a frame on a fixed joint nor a sphere among "
-        "its "
-        "collision shapes; add a link by a fixed joint at the centre of the foot",
-        shank.name, leg.back()->name);
+    if (const std::optional<Foot> tip = TipOfMeshes(shank)) return *tip;
+    if (shank.inertial == nullptr || !(shank.inertial->mass > 0))
+      Fail(
+          "link '{}', below the knee '{}', has no foot: no frame on a fixed joint, no sphere among its "
+          "collision "
+          "shapes, no mesh that can be read, no mass; add a link by a fixed joint at the centre of the foot",
+          shank.name, leg.back()->name);
+    const Vector3d com = internal::ToEigen(shank.inertial->origin).translation();
+    const Vector3d centre = thigh * com.normalized();
+    if (feet_[0].link.empty())
+      Note(
+          "no shape or mesh shows the feet: each is guessed as far from the knee as the knee from the hip, "
+          "{:.3g} m; correct foot_centres_m",
+          thigh);
+    return {shank.name, centre, 0, found_.poses.at(shank.name) * centre};
+  }
+
+  /// Returns a sphere at the end of a shank's meshes that is farthest from the knee; empty without meshes.
+  std::optional<Foot> TipOfMeshes(const urdf::Link& shank) {
+    std::vector<Vector3d> corners;  // in the shank
+    const auto add = [&](const auto& shapes) {
+      for (const auto& shape : shapes) {
+        if (shape->geometry == nullptr || shape->geometry->type != urdf::Geometry::MESH) continue;
+        const auto& mesh = static_cast<const urdf::Mesh&>(*shape->geometry);
+        const auto file = FindMesh(mesh.filename, file_.name);
+        if (!file) continue;
+        for (const auto& [x, y, z] : ReadMesh(*file)->corners)
+          corners.push_back(internal::ToEigen(shape->origin) *
+                            Vector3d(x * mesh.scale.x, y * mesh.scale.y, z * mesh.scale.z));
+      }
+    };
+    add(shank.collision_array);
+    if (corners.empty()) add(shank.visual_array);
+    if (corners.empty()) return {};
+    const Vector3d tip = *std::ranges::max_element(corners, {}, [](const Vector3d& p) { return p.norm(); });
+    const Vector3d along = tip.normalized();
+    double radius = 0;
+    for (const Vector3d& p : corners)
+      if ((tip - p).dot(along) < kTip * tip.norm())
+        radius = std::max(radius, (p - tip - (p - tip).dot(along) * along).norm() / 2);
+    radius = std::clamp(radius, 0.03 * tip.norm(), 0.12 * tip.norm());
+    const Vector3d centre = tip - radius * along;
+    if (feet_[0].link.empty())
+      Note(
+          "the feet are the ends of the shanks' meshes: spheres of {:.2g} m; correct foot_centres_m and "
+          "foot_radius_m",
+          radius);
+    return Foot{shank.name, centre, radius, found_.poses.at(shank.name) * centre};
   }
 
   /// Reads the robot with placeholders for limits that the URDF does not have. Its weight and size determine
   /// the guesses in the file.
   void Read() {
     internal::UrdfReading reading;
-    reading.locked = {locked_.begin(), locked_.end()};
+    reading.strict = strict_;
+    reading.trunk = found_.trunk;
+    reading.forward = found_.forward;
+    reading.up = found_.up;
+    reading.locked = {found_.locked.begin(), found_.locked.end()};
     for (std::size_t i = 0; i < kNumLegs; ++i) {
       reading.feet[i] = feet_[i].link;
       reading.foot_centres[i] = feet_[i].centre;
@@ -205,6 +187,37 @@ class Proposal {
     weight_ = kGravity * robot_.mass();
   }
 
+  /// Treats limits of torque and speed that no drive of such a robot has as missing.
+  void ReplacePlaceholders() {
+    for (std::size_t k = 0; k < kJointsPerLeg; ++k)
+      missing_[k] = limits_[k].torque || limits_[k].speed || limits_[k].range;
+    const double speed_unit = 1 / std::sqrt(length_ / kGravity), torque_unit = weight_ * length_;
+    for (std::size_t k = 0; k < kJointsPerLeg; ++k) {
+      double torque = 0, speed = std::numeric_limits<double>::infinity();
+      for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+        const JointDescription& joint = robot_.legs[leg].joints[k];
+        torque = std::max(torque, joint.torque_limit);
+        speed = std::min(speed, joint.speed_limit);
+      }
+      if (!limits_[k].torque && torque > kMostTorque * torque_unit) {
+        Note(
+            "the URDF's torque limit of the {} joints, {:.4g} N m, is {:.0f} times weight times leg length "
+            "and "
+            "taken as a placeholder: guessed, see joint_limits",
+            kKinds[k], torque, torque / torque_unit);
+        limits_[k].torque = 1;
+      }
+      if (!limits_[k].speed && speed < kLeastSpeed * speed_unit) {
+        Note(
+            "the URDF's speed limit of the {} joints, {:.3g} rad/s, is below the {:.2g} rad/s that a trot "
+            "needs "
+            "and taken as a placeholder: guessed, see joint_limits",
+            kKinds[k], speed, 1.5 * speed_unit);
+        limits_[k].speed = 1;
+      }
+    }
+  }
+
   void CheckAxes() const {
     for (int j = 0; j < kNumJoints; ++j) {
       const int axis = j % kJointsPerLeg == 0 ? 0 : 1;
@@ -213,8 +226,9 @@ class Proposal {
       Fail(
           "joint '{}' turns about ({:.2g}, {:.2g}, {:.2g}) of the root link, but the joints of a leg must "
           "turn "
-          "about x, y and y, where x points forward and z up; if the robot faces along another axis, add a "
-          "new root link with a fixed joint that turns it",
+          "about x, y and y, where x points forward and z up; if the robot faces along another axis, give it "
+          "by "
+          "--forward",
           robot_.joint(j).name, a[0], a[1], a[2]);
     }
   }
@@ -299,7 +313,7 @@ class Proposal {
       if (limits.speed) own.push_back("speed_rad_per_s: " + Round(3 / std::sqrt(length_ / kGravity)));
       if (limits.range) own.push_back("range_rad: [-3.1416, 3.1416]");
       if (own.empty()) continue;
-      Note("the URDF has no limits of the {} joints: guessed, see joint_limits", kKinds[k]);
+      if (missing_[k]) Note("the URDF has no limits of the {} joints: guessed, see joint_limits", kKinds[k]);
       text += fmt::format("  {}: {{{}}}\n", kKinds[k], fmt::join(own, ", "));
     }
     if (text.empty()) return "";
@@ -341,20 +355,13 @@ class Proposal {
 
   std::string WriteDrive() {
     double damping = 0, friction = 0;
-    for (const Chain& leg : legs_) {
+    for (const UrdfChain& leg : legs_) {
       for (const auto& joint : leg) {
         if (joint->dynamics == nullptr) continue;
         damping += joint->dynamics->damping / kNumJoints;
         friction += joint->dynamics->friction / kNumJoints;
       }
     }
-    double torque = 0;
-    for (int j = 0; j < kNumJoints; ++j) torque = std::max(torque, robot_.joint(j).torque_limit);
-    if (torque > 10 * weight_ * length_)
-      Note(
-          "the URDF's torque limit of {:.4g} N m is {:.0f} times weight times leg length and may be a "
-          "placeholder: give that of the drives under joint_limits",
-          torque, torque / (weight_ * length_));
     return fmt::format(
         "\n# One drive for all joints. Damping and friction are means of the URDF, which has no rotor "
         "inertia.\n"
@@ -395,6 +402,15 @@ class Proposal {
         "name: {}\nurdf: {}\n",
         file_.model->getName(), robot_.mass(), length_, internal::YamlScalar(name),
         internal::YamlScalar(path_.filename().string()));
+    if (!found_.trunk.empty())
+      text += fmt::format("trunk_link: {}     # its origin is that of the robot's frame\n",
+                          internal::YamlScalar(found_.trunk));
+    if (found_.forward != LinkAxis::kX)
+      text += fmt::format("forward: \"{}\"     # axis of the trunk link along which the robot faces\n",
+                          EnumName(found_.forward));
+    if (found_.up != LinkAxis::kZ)
+      text +=
+          fmt::format("up: \"{}\"          # axis of the trunk link that points up\n", EnumName(found_.up));
     text += WriteFeet();
     text +=
         "imu_position_m: [0, 0, 0]     # inertial unit on the trunk, in the axes of the root link; a "
@@ -414,9 +430,9 @@ class Proposal {
       text += fmt::format("  {}: [{:.4g}, {:.4g}, {:.4g}]\n", kLegNames[static_cast<std::size_t>(leg)],
                           std::abs(q[0]) < 1e-9 ? 0.0 : q[0], q[1], q[2]);
     }
-    if (!locked_.empty()) {
+    if (!found_.locked.empty()) {
       text += "\n# Joints outside the legs, and the angles at which they are fixed.\nlocked_joints:\n";
-      for (const auto& [joint, angle] : locked_)
+      for (const auto& [joint, angle] : found_.locked)
         text += fmt::format("  - {{joint: {}, angle_rad: {:.6g}}}\n", internal::YamlScalar(joint), angle);
     }
     text += WriteLimits();
@@ -427,12 +443,12 @@ class Proposal {
 
   const std::filesystem::path path_;
   const internal::UrdfFile file_;
-  std::map<std::string, double> locked_;
-  std::map<std::string, Isometry3d> poses_;  ///< poses of the links in B, with all joints at 0
-  std::vector<Chain> chains_;
-  std::array<Chain, kNumLegs> legs_;
+  const bool strict_;
+  const UrdfLegs found_;
+  const std::array<UrdfChain, kNumLegs>& legs_ = found_.legs;
   std::array<Foot, kNumLegs> feet_;
-  std::array<internal::JointLimits, kJointsPerLeg> limits_;  ///< limits that the URDF does not have
+  std::array<internal::JointLimits, kJointsPerLeg> limits_;  ///< limits that are guessed
+  std::array<bool, kJointsPerLeg> missing_{};                ///< whether the URDF lacks a limit
   QuadrupedDescription robot_;
   std::array<bool, kNumLegs> backward_{};
   std::array<double, kNumLegs> bending_{};
@@ -443,8 +459,9 @@ class Proposal {
 }  // namespace
 
 QuadrupedProposal ProposeQuadruped(const std::filesystem::path& urdf,
-                                   const std::map<std::string, double, std::less<>>& locked) {
-  return Proposal(urdf, locked).Make();
+                                   const std::map<std::string, double, std::less<>>& locked,
+                                   std::optional<LinkAxis> forward, bool strict) {
+  return Proposal(urdf, locked, forward, strict).Make();
 }
 
 }  // namespace tenon

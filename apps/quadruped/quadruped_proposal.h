@@ -1,7 +1,10 @@
 #pragma once
 
+#include <tenon/plants/robots/internal/quadruped_urdf.h>
+
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,23 +18,30 @@ struct QuadrupedProposal {
 
 /// Proposes the YAML file that a robot needs beside its URDF. Comments in the file explain each choice.
 ///
-/// Legs are the four chains of three revolute joints; if there are more chains, the four that reach lowest.
-/// The positions of the hips determine which legs are front, rear, left and right. All other joints are fixed
-/// at 0, or at their angle in `locked` [rad].
+/// Legs are the four chains of three revolute joints that reach down. The positions of the hips determine
+/// which legs are front, rear, left and right. All other joints are fixed at 0, or at their angle in `locked`
+/// [rad].
 ///
-/// A foot is the sphere among the collision shapes below the knee that is farthest from the knee, or the
-/// farthest frame if there is no sphere.
+/// The robot faces along `forward`. By default it faces along the axis of its abduction joints, in the
+/// direction in which most names of the legs agree with their places.
+///
+/// A foot is the sphere among the collision shapes below the knee that is farthest from the knee. If there is
+/// no sphere, it is the farthest frame, or the end of the shank's meshes.
 ///
 /// In the nominal stance the feet are below the hips, at 0.7 of the leg's length. The knee bends in the
 /// direction that needs the smaller angle, and backward if both angles are equal.
 ///
-/// Torque and speed limits are those of the URDF, if it has any. With the weight W and the leg's length l,
-/// end stops have a stiffness of 4 W l per rad. The ground yields by l/600 under a foot that carries W/4; its
-/// other parameters are those of DogBot in units of W, l and sqrt(l/g).
+/// Torque and speed limits are those of the URDF. With the weight W and the leg's length l, torques above 5 W l
+/// and speeds below sqrt(g/l) are placeholders, which are replaced like missing limits. End stops have a
+/// stiffness of 4 W l per rad. The ground yields by l/600 under a foot that carries W/4; its other parameters
+/// are those of DogBot in units of W, l and sqrt(l/g).
+///
+/// Impossible inertias are corrected, with a note, or refused if `strict`.
 ///
 /// Throws ParameterError with file, joints or links, and the remedy, if the URDF has no such legs, if their
 /// joints do not turn about x, y and y, or if there is no foot or no stance; and the errors of ReadUrdf.
 QuadrupedProposal ProposeQuadruped(const std::filesystem::path& urdf,
-                                   const std::map<std::string, double, std::less<>>& locked = {});
+                                   const std::map<std::string, double, std::less<>>& locked = {},
+                                   std::optional<internal::LinkAxis> forward = {}, bool strict = false);
 
 }  // namespace tenon

@@ -42,6 +42,13 @@ std::map<std::string, double, std::less<>> LockedJoints(const std::vector<std::s
   return angles;
 }
 
+std::optional<internal::LinkAxis> ForwardOf(const std::string& text) {
+  if (text.empty()) return {};
+  for (const auto& [axis, name] : EnumNames(internal::LinkAxis{}))
+    if (text == name) return axis;
+  throw ParameterError(fmt::format("--forward {}: write x, y, z, -x, -y or -z", text));
+}
+
 /// Runs a shipped scenario with this robot, and writes its outputs to `out`.
 Summary Try(const char* scenario, const fs::path& yaml, double duration, const fs::path& out) {
   const YamlDocument document = LoadScenario(scenario, {"robot=" + yaml.string()}, "tenon-quadruped");
@@ -64,7 +71,8 @@ int ProposeRobot(const RobotArguments& arguments) {
   const fs::path urdf = arguments.urdf;
   const std::string name = urdf.stem().string();
   const fs::path out = arguments.out.empty() ? fs::path("out") / name : fs::path(arguments.out);
-  const QuadrupedProposal proposal = ProposeQuadruped(urdf, LockedJoints(arguments.locks));
+  const QuadrupedProposal proposal =
+      ProposeQuadruped(urdf, LockedJoints(arguments.locks), ForwardOf(arguments.forward), arguments.strict);
 
   const OutputLock lock(out);
   std::error_code error;

@@ -10,6 +10,8 @@ struct RobotArguments {
   std::string urdf;                ///< URDF file of a quadruped
   std::string out;                 ///< output directory; empty: out/NAME
   std::vector<std::string> locks;  ///< fixed joints as JOINT=ANGLE [rad]
+  std::string forward;             ///< axis along which the robot faces: x, y, z, -x, -y or -z; empty: found
+  bool strict = false;             ///< refuse impossible inertias instead of correcting them
 };
 
 /// Writes the YAML file and a picture of the robot in a URDF, then simulates it standing and trotting.

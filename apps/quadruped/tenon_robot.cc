@@ -14,6 +14,12 @@ int main(int argc, char** argv) {
   line.add_option("--lock", arguments.locks, "a joint to fix, and its angle [rad]: --lock arm_1=0.5")
       ->type_name("JOINT=ANGLE")
       ->allow_extra_args(false);
+  line.add_option(
+      "--forward", arguments.forward,
+      "axis of the trunk's link along which the robot faces: x, y, z, -x, -y or -z (default: found from "
+      "joints and names)");
+  line.add_flag("--strict", arguments.strict,
+                "refuse inertias that no body can have, instead of correcting them");
   line.footer(
       "Exit codes: 0 the robot trots; 2 bad usage or URDF; 3 it fell or exceeded physical limits; 4 "
       "numerical "

@@ -17,8 +17,10 @@
 namespace tenon::quadruped_proposal_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 namespace fs = std::filesystem;
 
@@ -134,9 +136,96 @@ TEST_F(QuadrupedProposalTest, RefusesOtherRobots) {
       refused(Replaced(ReadUrdf("a1"), "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"0 0 1\"/>"), "'FL_hip_joint'"));
   EXPECT_TRUE(refused(Replaced(Replaced(ReadUrdf("a1"), "<origin xyz=\"0 0 -0.2\"/>", ""),
                                "xyz=\"0 0.0838 0\"", "xyz=\"0 0.0838 -0.1\""),
-                      "foot"));
+                      "FL_hip_joint - FL_thigh_joint - FL_calf_joint (3)"));
   EXPECT_TRUE(
       refused("<robot name=\"x\" xmlns:xacro=\"http://x\"><xacro:leg name=\"a\"/></robot>", "xacro "));
+}
+
+/// A1 with another root link, to which its trunk is fixed by `joint`.
+std::string BelowRoot(const std::string& joint) {
+  return Replaced(Replaced(ReadUrdf("a1"), "\"base\"", "\"inner\""), "</robot>",
+                  "<link name=\"outer\"/><joint name=\"root\" " + joint +
+                      "<parent link=\"outer\"/><child link=\"inner\"/></joint></robot>");
+}
+void ExpectLikeA1(const QuadrupedDescription& robot) {
+  const QuadrupedDescription a1 = LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/a1.yaml");
+  EXPECT_NEAR(robot.mass(), a1.mass(), 1e-12);
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    EXPECT_THAT(robot.FootPosition(leg, a1.stance), IsNear(a1.FootPosition(leg, a1.stance), 1e-9)) << leg;
+}
+
+TEST_F(QuadrupedProposalTest, FindsTheAxesOfTheRobot) {
+  ExpectLikeA1(Load(Propose(BelowRoot("type=\"floating\">"))));
+  const QuadrupedProposal sideways =
+      Propose(BelowRoot("type=\"fixed\"><origin rpy=\"0 0 1.5707963267948966\"/>"));
+  EXPECT_THAT(sideways.notes, Contains(HasSubstr("faces along the axis 'y' of 'outer'")));
+  ExpectLikeA1(Load(sideways));
+  const QuadrupedProposal backward =
+      Propose(BelowRoot("type=\"fixed\"><origin rpy=\"0 0 3.141592653589793\"/>"));
+  EXPECT_THAT(backward.yaml, HasSubstr("forward: \"-x\""));
+  ExpectLikeA1(Load(backward));
+  const QuadrupedProposal upright =
+      Propose(BelowRoot("type=\"fixed\"><origin rpy=\"-1.5707963267948966 0 0\"/>"));
+  EXPECT_THAT(upright.yaml, HasSubstr("up: \"y\""));
+  ExpectLikeA1(Load(upright));
+  const QuadrupedProposal raised = Propose(BelowRoot("type=\"fixed\"><origin xyz=\"0 0 0.5\"/>"));
+  EXPECT_THAT(raised.yaml, HasSubstr("trunk_link: trunk"));
+  ExpectLikeA1(Load(raised));
+}
+
+TEST_F(QuadrupedProposalTest, NotesNamesThatContradictTheirPlaces) {
+  const std::string swapped =
+      Replaced(Replaced(Replaced(ReadUrdf("a1"), "FL_", "XX_"), "FR_", "FL_"), "XX_", "FR_");
+  EXPECT_THAT(Propose(swapped).notes, Contains(HasSubstr("contradict")));
+  for (const std::string& note : Propose(ReadUrdf("a1")).notes)
+    EXPECT_THAT(note, Not(HasSubstr("contradict")));
+}
+
+TEST_F(QuadrupedProposalTest, TreatsPlaceholdersAsMissing) {
+  const QuadrupedProposal slow = Propose(Replaced(ReadUrdf("a1"), "velocity=\"21\"", "velocity=\"1.5\""));
+  EXPECT_THAT(slow.notes, Contains(AllOf(HasSubstr("knee"), HasSubstr("1.5 rad/s"))));
+  EXPECT_EQ(Load(slow).joint(2).torque_limit, 33.5);
+  EXPECT_GT(Load(slow).joint(2).speed_limit, 10);
+  const QuadrupedProposal strong = Propose(Replaced(ReadUrdf("a1"), "effort=\"33.5\"", "effort=\"1000\""));
+  EXPECT_THAT(strong.notes, Contains(AllOf(HasSubstr("hip_pitch"), HasSubstr("1000 N m"))));
+  EXPECT_LT(Load(strong).joint(1).torque_limit, 30);
+  const std::string round = Replaced(ReadUrdf("a1"), "i([xyz])\\1=\"[^\"]*\"", "i$1$1=\"1\"");
+  EXPECT_THAT(Propose(round).notes, Contains(AllOf(HasSubstr("'trunk'"), HasSubstr("gyration"))));
+  EXPECT_LT(Load(Propose(round)).legs[0].bodies[1].inertia.trace(), 0.03);
+  const std::string none = Replaced(ReadUrdf("a1"), "i[xyz]{2}=\"[^\"]*\"", "");
+  EXPECT_TRUE(Throws<ParameterError>([&] { Propose(none); }, "robot.urdf", "ixx"));
+}
+
+TEST_F(QuadrupedProposalTest, GuessesFeetThatNothingShows) {
+  const std::string bare =
+      Replaced(ReadUrdf("a1"), "(_foot_fixed|_foot_joint)?\" type=\"fixed\">\\s*<parent link=\"(..)_calf\"/>",
+               "$1\" type=\"fixed\"><parent link=\"trunk\"/>");
+  const QuadrupedProposal proposal = Propose(bare);
+  EXPECT_THAT(proposal.notes, Contains(HasSubstr("guessed as far from the knee")));
+  EXPECT_NEAR(Load(proposal).legs[0].foot_J.norm(), 0.2, 1e-6);
+}
+
+TEST_F(QuadrupedProposalTest, SaysWhatIsNoQuadruped) {
+  const auto refused = [&](const std::string& urdf, auto... parts) {
+    return Throws<ParameterError>([&] { Propose(urdf); }, "robot.urdf", parts...);
+  };
+  EXPECT_TRUE(refused("<mujoco/>", "MJCF"));
+  EXPECT_TRUE(refused("<sdf/>", "SDF"));
+  EXPECT_TRUE(refused("<!DOCTYPE robot [<!ENTITY a \"b\">]><robot name=\"x\"/>", "DOCTYPE"));
+  EXPECT_TRUE(refused(std::string("\xff\xfe<\0r\0", 6), "UTF-16"));
+  const std::string two = Replaced(ReadUrdf("a1"), "(.._calf_joint\" type=)\"revolute\"", "$1\"fixed\"");
+  EXPECT_TRUE(refused(two, "four legs of two joints"));
+  const std::string wheels =
+      Replaced(ReadUrdf("a1"), "(type=)\"fixed\"(>\\s*<parent link=\".._calf\"/>)", "$1\"continuous\"$2");
+  EXPECT_TRUE(refused(wheels, "four joints", "--lock"));
+}
+
+// Elements of simulators are not part of the robot.
+TEST_F(QuadrupedProposalTest, SkipsElementsOfSimulators) {
+  ExpectLikeA1(
+      Load(Propose(Replaced(ReadUrdf("a1"), "</robot>",
+                            "<gazebo><link name=\"x\"><inertial/></link><limit effort=\"many\"/></gazebo>"
+                            "</robot>"))));
 }
 
 }  // namespace
