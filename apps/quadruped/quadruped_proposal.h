@@ -31,8 +31,8 @@ struct QuadrupedProposal {
 /// In the nominal stance the feet are below the hips, at 0.7 of the leg's length. The knee bends in the
 /// direction that needs the smaller angle, and backward if both angles are equal.
 ///
-/// Torque and speed limits are those of the URDF. With the weight W and the leg's length l, torques above 5 W l
-/// and speeds below sqrt(g/l) are placeholders, which are replaced like missing limits. End stops have a
+/// Torque and speed limits are those of the URDF. With the weight W and the leg's length l, torques above 5 W
+/// l and speeds below sqrt(g/l) are placeholders, which are replaced like missing limits. End stops have a
 /// stiffness of 4 W l per rad. The ground yields by l/600 under a foot that carries W/4; its other parameters
 /// are those of DogBot in units of W, l and sqrt(l/g).
 ///

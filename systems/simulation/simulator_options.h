@@ -11,10 +11,11 @@ namespace tenon {
 enum class Method {
   /// ERKStep, explicit Runge-Kutta: 2 midpoint, 3 Bogacki-Shampine, 4 Zonneveld, 5 Dormand-Prince. The error
   /// estimate has stages at both ends of a step and inside, so that it detects a jump of the derivative
-  /// wherever it lies. A kink that is not declared causes an error of up to 20 tolerances, at order 5 up to
-  /// 200.
+  /// wherever it lies. A kink that is not declared causes an error of up to 20 tolerances.
   kErk,
-  kDirk,   ///< ARKStep, diagonally implicit Runge-Kutta of order 2 to 5, for stiff systems
+  /// ARKStep, diagonally implicit Runge-Kutta of order 2 to 5, for stiff systems. At order 5, a kink that is
+  /// not declared causes an error of up to 300 tolerances.
+  kDirk,
   kBdf,    ///< CVODE, backward differentiation up to `order` (5), for stiff systems without fast samples
   kAdams,  ///< CVODE, Adams-Moulton up to `order` (12), for smooth systems
   /// ERKStep, explicit Runge-Kutta of order 2 or 3 with one additional stage for stability, for stiff damping

@@ -35,6 +35,8 @@ constexpr double kStays = 0.2;
 constexpr double kJumps = 3;
 /// Error of a step, in tolerances, that a jump must be able to cause to be considered.
 constexpr double kShows = 0.1;
+/// Error of a step with a kink, over the change of the derivative's rate times the step squared.
+constexpr double kKinkWeight = 0.02;
 constexpr double kFirstTry = 1e-3;  // first step [s] without further information; the error test corrects it
 /// A run that takes SimulatorOptions::max_steps steps within this time [s] makes no progress.
 constexpr double kProgress = 0.1;
@@ -111,7 +113,8 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
         before(static_cast<std::size_t>(program.num_continuous)),
         step_states(before.size()),
         checks_stages(options.fixed_step == 0 && (options.method == Method::kDirk ||
-                                                  (options.method == Method::kErk && options.order > 3))) {
+                                                  (options.method == Method::kErk && options.order > 3))),
+        checks_bends(checks_stages && options.method == Method::kErk && options.order == 5) {
     for (std::vector<double>& each : jump_work) each.resize(before.size());
     if (checks_stages) stages.slopes.resize(stages.times.size() * before.size());
   }
@@ -128,7 +131,9 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   bool TakeStepAgain();
   void CheckProgress(double t);
   void KeepStage(double t, const double* xdot);
+  std::size_t SortStages(std::array<std::size_t, 16>* order) const;
   bool StagesJump() const;
+  double KinkError() const;
   void Retake(double time);
   bool RetakeBefore(double event);
   void EvaluateWitnesses(double t, double* values);
@@ -172,6 +177,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
       !(open && (options.method == Method::kErkOpen || options.method == Method::kStabilized));
   // True if accepted steps are searched for jumps that the table detects badly.
   const bool checks_stages;
+  const bool checks_bends;  // the stages of DIRK methods are too inaccurate for that
   struct {
     std::size_t count = 0;
     std::array<double, 16> times{};
@@ -308,6 +314,10 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
       jump.step = t - step_begin;
       continue;
     }
+    if (const double error = checks_bends ? KinkError() : 0; error > 1) {
+      Retake(finish + std::max(kMinShrink, kSafety / std::sqrt(error)) * (t - finish));
+      continue;
+    }
     arrived = solver.IsStopTime(flag) || t >= end - Tiny(end);
     finish = arrived ? end : t;
     if (solver.multistep()) {
@@ -341,22 +351,29 @@ void SundialsIntegrator::Run::KeepStage(double t, const double* xdot) {
   ++stages.count;
 }
 
-/// Returns whether the derivatives change much faster between two stages of the step than beside them, in
-/// terms of the error. That is so at a jump, and sometimes without one.
-bool SundialsIntegrator::Run::StagesJump() const {
-  const std::size_t n = before.size();
-  std::array<std::size_t, 16> order{};
+/// Sorts the stages of the step by time, only the last one at each time, and returns their number.
+std::size_t SundialsIntegrator::Run::SortStages(std::array<std::size_t, 16>* sorted) const {
+  std::array<std::size_t, 16>& order = *sorted;
   for (std::size_t k = 0; k < stages.count; ++k) order[k] = k;
   std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(stages.count),
             [this](std::size_t a, std::size_t b) {
               return std::pair(stages.times[a], a) < std::pair(stages.times[b], b);
             });
-  std::size_t count = 0;  // number of times; the last derivative at each counts
+  std::size_t count = 0;
   for (std::size_t k = 0; k < stages.count; ++k) {
     const double time = stages.times[order[k]];
     const bool again = count > 0 && time - stages.times[order[count - 1]] <= Tiny(time);
     order[again ? count - 1 : count++] = order[k];
   }
+  return count;
+}
+
+/// Returns whether the derivatives change much faster between two stages of the step than beside them, in
+/// terms of the error. That is so at a jump, and sometimes without one.
+bool SundialsIntegrator::Run::StagesJump() const {
+  const std::size_t n = before.size();
+  std::array<std::size_t, 16> order{};
+  const std::size_t count = SortStages(&order);
   if (count < 3) return false;
   const double h = stages.times[order[count - 1]] - stages.times[order[0]];
   std::array<double, 16> rates{};  // between two stages, for the state that changes fastest
@@ -378,6 +395,41 @@ bool SundialsIntegrator::Run::StagesJump() const {
     if (rates[k] > kJumps * beside) return true;
   }
   return false;
+}
+
+/// Estimates the error, in tolerances, of a kink in time inside the step, which the error estimate of the
+/// table hardly sees; 0 unless the derivatives bend much more between two stages than elsewhere. If the rate
+/// of the derivative changes by r at the kink, the error of a step h is a small part of r h^2.
+double SundialsIntegrator::Run::KinkError() const {
+  const std::size_t n = before.size();
+  std::array<std::size_t, 16> order{};
+  const std::size_t count = SortStages(&order);
+  if (count < 5) return 0;  // fewer than three bends
+  const auto time = [&](std::size_t k) { return stages.times[order[k]]; };
+  const double h = time(count - 1) - time(0);
+  double largest = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto rate = [&](std::size_t k) {
+      return (stages.slopes[order[k + 1] * n + i] - stages.slopes[order[k] * n + i]) /
+             (time(k + 1) - time(k));
+    };
+    std::array<double, 16> changes{};  // of the rate from one interval between stages to the next
+    for (std::size_t k = 0; k + 2 < count; ++k) changes[k] = rate(k + 1) - rate(k);
+    const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
+    for (std::size_t k = 0; k + 1 < count; ++k) {  // a kink between the stages k and k + 1
+      double elsewhere = 0, change = 0;            // largest bend elsewhere, change of the rate here
+      for (std::size_t b = 0; b + 2 < count; ++b) {
+        if (b + 1 == k || b == k) {
+          change += changes[b];
+        } else {
+          elsewhere = std::max(elsewhere, std::abs(changes[b]) / ((time(b + 2) - time(b)) / 2));
+        }
+      }
+      if (std::abs(change) > kJumps * elsewhere * h)
+        largest = std::max(largest, kKinkWeight * std::abs(change) * h * h / tolerance);
+    }
+  }
+  return largest;
 }
 
 /// Goes back to the beginning of the last step, for a step up to `time`.

@@ -255,12 +255,13 @@ TEST_P(HybridTest, EndsWithinTwentyTolerances) {
     for (int i = 0; i < 2; ++i) {
       const double solution = problem.solution[i];
       if (std::isnan(solution)) continue;
-      // Methods of order 5 detect an undeclared kink only coarsely.
-      const bool blind = GetParam().order == 5 && problem.name == "an undeclared kink in time";
+      // DIRK of order 5 detects an undeclared kink only coarsely; how coarsely depends on SUNDIALS.
+      const bool blind = GetParam().method == Method::kDirk && GetParam().order == 5 &&
+                         problem.name == "an undeclared kink in time";
       // Relative to the largest value on the way, which is 1 or more.
       const double tolerance = GetParam().rtol * std::max(1.0, std::abs(solution));
       worst = std::max(worst, std::abs(end.x[i] - solution) / tolerance);
-      EXPECT_NEAR(end.x[i], solution, (blind ? 200 : 20) * tolerance) << problem.name << ", state " << i;
+      EXPECT_NEAR(end.x[i], solution, (blind ? 300 : 20) * tolerance) << problem.name << ", state " << i;
     }
     evaluations += end.evaluations;
     if (problem.count >= 0) {
