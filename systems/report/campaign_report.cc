@@ -1,4 +1,5 @@
 #include <tenon/systems/campaign/statistics.h>
+#include <tenon/systems/framework/block/system.h>
 #include <tenon/systems/report/campaign_report.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/report_json.h>
@@ -39,6 +40,26 @@ double Median(std::vector<double>& values) {
   if (values.size() % 2 == 1) return upper;
   return 0.5 *
          (upper + *std::max_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half)));
+}
+
+/// Throws ParameterError at the first run whose values do not match the names of the report.
+void CheckRuns(const CampaignReport& report) {
+  for (const CampaignReport::Run& run : report.runs) {
+    const auto demand = [&run](const char* values, std::size_t count, std::size_t names) {
+      Demand(count == names, "CampaignReport: run " + std::to_string(run.index) + " has " +
+                                 std::to_string(count) + " " + values + ", but the report names " +
+                                 std::to_string(names) + ": give one for each name");
+    };
+    demand("labels in `at`", run.at.size(), report.axes.size());
+    demand("drawn values", run.drawn.size(), report.drawn.size());
+    demand("figures", run.figures.size(), report.figures.size());
+    for (std::size_t i = 0; i < run.at.size(); ++i) {
+      Demand(run.at[i] < report.axes[i].labels.size(),
+             "CampaignReport: run " + std::to_string(run.index) + " has label " + std::to_string(run.at[i]) +
+                 " of axis '" + report.axes[i].name + "', which has " +
+                 std::to_string(report.axes[i].labels.size()) + " labels: count from 0");
+    }
+  }
 }
 
 /// Returns survival and the median of each figure at each point.
@@ -163,6 +184,7 @@ std::vector<CampaignReport::Cause> CampaignReport::Causes() const {
 }
 
 void CampaignReport::Write(const std::filesystem::path& file) const {
+  CheckRuns(*this);
   const auto survived = static_cast<std::size_t>(std::ranges::count_if(runs, &Run::survived));
   Json data{{"title", title},
             {"description", description},

@@ -55,8 +55,8 @@ struct CampaignReport {
   };
   std::vector<Cause> Causes() const;  ///< sorted by descending frequency
 
-  /// Writes the page by WriteFile. Throws OutputError, and RunError if a library of the page is not
-  /// installed.
+  /// Writes the page by WriteFile. Throws ParameterError for a run whose values do not match `axes`, `drawn`
+  /// or `figures`, OutputError, and RunError if a library of the page is not installed.
   void Write(const std::filesystem::path& file) const;
 };
 

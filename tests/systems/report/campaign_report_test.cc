@@ -2,6 +2,7 @@
 #include <tenon/systems/report/campaign_report.h>
 #include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/systems/report/page_layout.h>
+#include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 #include <gmock/gmock.h>
@@ -93,6 +94,19 @@ TEST_F(CampaignReportTest, HistogramsHoldEveryRun) {
   EXPECT_EQ(survived, 50);
   EXPECT_EQ(failed, 10);
   EXPECT_TRUE(Data(Example())["histograms"][2].is_null());
+}
+
+TEST_F(CampaignReportTest, RefusesRunsThatDoNotMatchItsNames) {
+  const auto refused = [this](auto change, const std::string& part) {
+    CampaignReport report = Example();
+    change(report.runs[7]);
+    return Throws<ParameterError>([&] { report.Write(file); }, "run 7", part);
+  };
+  using Run = CampaignReport::Run;
+  EXPECT_TRUE(refused([](Run& run) { run.figures.pop_back(); }, "2 figures"));
+  EXPECT_TRUE(refused([](Run& run) { run.drawn.push_back(1); }, "2 drawn"));
+  EXPECT_TRUE(refused([](Run& run) { run.at.clear(); }, "0 labels"));
+  EXPECT_TRUE(refused([](Run& run) { run.at[1] = 2; }, "'friction'"));
 }
 
 using CampaignPageTest = testing::BrowserTest;
