@@ -259,8 +259,9 @@ void Compiler::CheckDeclarations() {
       const SourceKind kind = slot.source->kind();
       if ((kind == SourceKind::kScratch || kind == SourceKind::kWorkspace) &&
           !scratch_users.emplace(slot.source, source).second) {
-        Fault(fmt::format("scratch '{}' is used by both '{}' and '{}': it belongs to one calculation",
-                          slot.source->path(), scratch_users[slot.source]->name(), source->name()));
+        Fault(fmt::format("{} '{}' is used by both '{}' and '{}': it belongs to one calculation",
+                          kind == SourceKind::kScratch ? "scratch" : "workspace", slot.source->path(),
+                          scratch_users[slot.source]->name(), source->name()));
       }
     }
   }
