@@ -1,4 +1,4 @@
-// says: Connect: the two ports carry different types
+// says: Connect: the two ports have different types
 #include <tenon/systems/simulation.h>
 
 class Source final : public tenon::LeafSystem<void> {

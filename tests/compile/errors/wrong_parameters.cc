@@ -1,4 +1,4 @@
-// says: Add: these are not the parameters that the block is made of
+// says: Add: the block's constructor does not take these arguments
 #include <tenon/systems/simulation.h>
 
 struct PdParams {
