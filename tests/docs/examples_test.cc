@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace tenon::docs::examples_test {
 namespace {
@@ -35,6 +36,45 @@ TEST(ExamplesTest, TheFilesOfTheTutorialShip) {
 TEST(ExamplesTest, TheProgramOfThePythonPageShips) {
   EXPECT_THAT(Read("docs/python.md"),
               ::testing::HasSubstr("```python\n" + Read("docs/examples/python/payload.py") + "```"));
+}
+
+/// The text without the blanks at the beginning of its lines.
+std::string WithoutIndentation(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line, all;
+  while (std::getline(lines, line)) all += line.erase(0, line.find_first_not_of(' ')) + "\n";
+  return all;
+}
+
+/// The parts of `text` between `begin` and `end`.
+std::vector<std::string> Between(const std::string& text, const std::string& begin, const std::string& end) {
+  std::vector<std::string> parts;
+  for (std::size_t at = text.find(begin); at != std::string::npos; at = text.find(begin, at)) {
+    at += begin.size();
+    parts.push_back(text.substr(at, text.find(end, at) - at));
+  }
+  return parts;
+}
+
+TEST(ExamplesTest, TheBlocksOfTheGuideToMembersShip) {
+  const std::string page = Read("docs/block_members.md"), directory = "docs/examples/members/";
+  const std::string programs =
+      Read(directory + "values.cc") + Read(directory + "events.cc") + Read(directory + "around.cc");
+  for (const std::string& block : Between(page, "```cpp\n", "```"))
+    EXPECT_THAT(WithoutIndentation(programs), ::testing::HasSubstr(WithoutIndentation(block)));
+  const auto shipped = Between(programs, "\nclass ", " ");
+  EXPECT_GE(shipped.size(), 17U);
+  for (const std::string& block : shipped) EXPECT_THAT(page, ::testing::HasSubstr("\nclass " + block + " "));
+}
+
+TEST(ExamplesTest, TheErrorsOfTheGuideToMembersAreThoseOfItsMistakes) {
+  std::string mistakes = Read("docs/examples/members/mistakes.cc");
+  for (const auto& file :
+       std::filesystem::directory_iterator(std::filesystem::path(TENON_SOURCE_DIR) / "tests/compile/errors"))
+    mistakes += Read(file.path());
+  const auto errors = Between(Read("docs/block_members.md"), "gives\n  `", "`\n");
+  EXPECT_GE(errors.size(), 17U);
+  for (const std::string& error : errors) EXPECT_THAT(mistakes, ::testing::HasSubstr(error));
 }
 
 }  // namespace
