@@ -169,16 +169,21 @@ LiveHttp::LiveHttp(const std::string& address, int port, LiveChannel& channel)
     : impl_(std::make_unique<Impl>(channel)) {
   // Without SO_REUSEPORT, which httplib sets, a port in use is detected.
   int listening = -1;
-  impl_->server.set_socket_options([&listening](socket_t socket) {
-    const int yes = 1;
-    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
-    listening = socket;
-  });
+  const auto set_options = [&] {
+    impl_->server.set_socket_options([&listening](socket_t socket) {
+      const int yes = 1;
+      setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+      listening = socket;
+    });
+  };
   const bool local = address == "127.0.0.1" || address == "localhost";
   if (port == 0) {
+    set_options();
     impl_->port = impl_->server.bind_to_any_port(address);
   } else {
     for (int tried = port; tried < port + kPortsTried && tried < 65536 && impl_->port == 0; ++tried) {
+      impl_ = std::make_unique<Impl>(channel);  // since httplib 0.18, a server that failed cannot try again
+      set_options();
       if (impl_->server.bind_to_port(address, tried)) impl_->port = tried;
     }
   }
