@@ -7,8 +7,11 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/yaml/resources.h>
 
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -107,7 +110,20 @@ RunOptions OptionsOf(const CommonArguments& arguments) {
 static constexpr const char* kNoMemory =
     "out of memory before the run began: reduce large robots, lists or horizons in the scenario";
 
+namespace {
+
+/// Opens the standard descriptors that are closed on /dev/null. Otherwise a file of the run would get such a
+/// descriptor, and messages would be written into it.
+void OpenStandardDescriptors() {
+  int opened = 0;
+  while (opened >= 0 && opened <= STDERR_FILENO) opened = ::open("/dev/null", O_RDWR);
+  if (opened >= 0) ::close(opened);
+}
+
+}  // namespace
+
 int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
+  OpenStandardDescriptors();
   const MemoryReserve reserve;
   std::signal(SIGXFSZ, SIG_IGN);  // at a limit of the file size, writing then fails with an error
   app.set_version_flag("--version", app.get_name() + " " TENON_VERSION, "print the version and stop");
@@ -120,13 +136,24 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
     words.erase(words.begin() + static_cast<std::ptrdiff_t>(i) - 1);
     break;
   }
+  // `--set A=1 B=2` means `--set A=1 --set B=2`, unless B=2 is a file.
+  for (std::size_t i = words.size(); i-- > 2;) {
+    const std::string option = words[i], next = words[i - 2];
+    std::error_code ignored;
+    if ((option == "--set" || option == "--lock") && !next.starts_with('-') && next.find('=') != next.npos &&
+        !std::filesystem::exists(next, ignored))
+      words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) - 1, option);
+  }
   try {
     app.parse(words);
   } catch (const CLI::ParseError& error) {
     std::ostringstream refusal;
     const int code = app.exit(error, std::cout, refusal);
     Say(refusal.str());
-    return code == 0 ? kRan : kBadUsage;
+    if (code != 0) return kBadUsage;
+    if (std::cout.flush()) return kRan;
+    Say(app.get_name() + ": cannot print to stdout: check whether the disk is full\n");
+    return kOutputFailed;
   }
   const auto fail = [&](const char* what, ExitCode code) {
     Say(fmt::format("{}: {}\n", app.get_name(), what));
@@ -158,10 +185,28 @@ std::string ProgramName(char** argv) {
   return std::filesystem::path(argv[0] == nullptr ? "" : argv[0]).filename().string();
 }
 
+/// Refuses an output directory whose files of a run are the scenario's own file or files that it extends.
+static void DemandOtherFiles(const CommonArguments& arguments) {
+  namespace fs = std::filesystem;
+  const fs::path out = OptionsOf(arguments).out;
+  std::string file = arguments.scenario;
+  for (int depth = 0; depth < 20 && IsResourcePath(file); ++depth) {  // LoadScenario refuses rings
+    std::error_code no_such_file;
+    for (const char* name : {"scenario.yaml", "signals.csv", "summary.json", "report.html"})
+      if (fs::equivalent(out / name, file, no_such_file))
+        throw ParameterError(
+            fmt::format("--out {}: the run would overwrite its own scenario '{}': choose another --out",
+                        out.string(), file));
+    const YamlDocument document = YamlDocument::Load(file);
+    file = document.Text("extends").empty() ? "" : document.Path("extends");
+  }
+}
+
 YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& app) {
   if (arguments.scenario.empty()) {
     throw ParameterError("no scenario given: name one (see --list), or give a YAML file");
   }
+  DemandOtherFiles(arguments);
   YamlDocument document = LoadScenario(arguments.scenario, arguments.settings, app);
   DrawScenario(document, arguments.seed);
   return document;

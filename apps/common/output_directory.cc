@@ -65,7 +65,7 @@ OutputDirectory::OutputDirectory(fs::path path) : OutputLock(std::move(path)) {
   std::error_code error;
   for (const std::string& variant : VariantsIn(this->path())) {
     const fs::path directory = this->path() / variant;
-    if (!fs::is_directory(directory, error)) continue;
+    if (!fs::is_directory(fs::symlink_status(directory, error))) continue;  // or a link to other files
     OutputDirectory{directory};
     fs::remove(directory, error);  // fails if it holds other files
   }
