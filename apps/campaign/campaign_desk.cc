@@ -1,5 +1,6 @@
 #include <tenon/apps/campaign/campaign_desk.h>
 #include <tenon/apps/common/progress.h>
+#include <tenon/systems/files/output_file.h>
 
 #include <fmt/core.h>
 
@@ -47,6 +48,19 @@ void CampaignDesk::Put(std::size_t run, const std::optional<CampaignResult>& res
     changed_.notify_all();
     return;
   }
+  if (!result->machine_failure.empty()) {
+    constexpr std::size_t kMostInARow = 10;
+    ++lost_;
+    why_lost_ = result->machine_failure;
+    const bool can_go_on = schedule_.Lost(run) && ++lost_in_a_row_ < kMostInARow;
+    if (!can_go_on && !failure_)
+      failure_ = std::make_exception_ptr(OutputError(
+          fmt::format("run {} cannot be completed on this machine: {}; mend that, and continue with --resume",
+                      run, why_lost_)));
+    changed_.notify_all();
+    return;
+  }
+  lost_in_a_row_ = 0;
   try {
     if (!failure_) table_.Append(result->row);
   } catch (...) {

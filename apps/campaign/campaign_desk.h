@@ -15,7 +15,8 @@
 namespace tenon::apps {
 
 /// Distributes the runs of a campaign to workers, writes their results to the table and shows the progress on
-/// stderr. It is thread-safe. A signal (see SignalGuard) or a failed write of the table closes it.
+/// stderr. It is thread-safe. A signal (see SignalGuard), a failed write of the table or a machine that fails
+/// one run after the other closes it.
 class CampaignDesk {
  public:
   /// `done` is the number of runs that earlier processes completed.
@@ -29,6 +30,9 @@ class CampaignDesk {
   void Put(std::size_t run, const std::optional<CampaignResult>& result);
   /// Returns whether there are no further runs.
   bool closed();
+  /// Returns the number of runs that the machine failed, and the last reason.
+  std::size_t lost() const { return lost_; }
+  const std::string& why_lost() const { return why_lost_; }
   /// Ends the progress display. Rethrows the OutputError that closed the desk.
   void Close();
 
@@ -43,7 +47,8 @@ class CampaignDesk {
   CampaignTable& table_;
   std::exception_ptr failure_;
   bool interrupted_ = false;
-  std::size_t before_, ended_ = 0, failures_ = 0;
+  std::size_t before_, ended_ = 0, failures_ = 0, lost_ = 0, lost_in_a_row_ = 0;
+  std::string why_lost_;
   ProgressLine line_;
 };
 

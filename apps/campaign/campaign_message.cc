@@ -9,6 +9,7 @@ std::string Pack(const CampaignMessage& message) {
   if (message.result) {
     json["row"] = message.result->row;
     json["survived"] = message.result->survived;
+    json["machine_failure"] = message.result->machine_failure;
   }
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -18,8 +19,9 @@ CampaignMessage Unpack(const std::string& text) {
   CampaignMessage message;
   message.run = json["run"].get<std::size_t>();
   if (json.contains("row"))
-    message.result =
-        CampaignResult{.row = json["row"].get<CampaignRow>(), .survived = json["survived"].get<bool>()};
+    message.result = CampaignResult{.row = json["row"].get<CampaignRow>(),
+                                    .survived = json["survived"].get<bool>(),
+                                    .machine_failure = json["machine_failure"].get<std::string>()};
   return message;
 }
 

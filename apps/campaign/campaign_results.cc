@@ -16,12 +16,15 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string_view>
 #include <vector>
 
 namespace tenon::apps {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::string_view kNull = "null";  // cell of a figure without a value
 
 /// The numeric columns of a table: drawn values and figures.
 struct Columns {
@@ -34,13 +37,13 @@ Columns SortColumns(const fs::path& table, const CampaignPlan& plan) {
   Columns columns;
   std::set<std::string> no_number;
   std::map<std::string, bool> varied;  // by name: whether the column precedes the figures
-  CampaignTable::Read(table, plan.size(), [&](std::size_t, const CampaignRow& row) {
+  CampaignTable::Read(table, plan, [&](std::size_t, const CampaignRow& row) {
     bool before = true;
     const bool ran = !Cell(row, "case").empty();
     for (const auto& [name, text] : row) {
       before = before && name != "case";
       if (known.contains(name) || !ran) continue;
-      if (!internal::NumberIn<double>(text)) no_number.insert(name);
+      if (text != kNull && !internal::NumberIn<double>(text)) no_number.insert(name);
       if (!varied.emplace(name, before).second) continue;
       (before ? columns.drawn : columns.figures).push_back(name);
     }
@@ -111,7 +114,7 @@ CampaignReport MakeReport(const CampaignPlan& plan, const fs::path& table) {
       .figures = columns.figures,
       .confidence = file.confidence};
   for (const CampaignPlan::Axis& axis : plan.axes()) report.axes.push_back({axis.name, axis.labels});
-  CampaignTable::Read(table, plan.size(), [&](std::size_t run, const CampaignRow& row) {
+  CampaignTable::Read(table, plan, [&](std::size_t run, const CampaignRow& row) {
     CampaignReport::Run item{.index = run,
                              .at = plan.LabelsAt(plan.PointOf(run)),
                              .survived = Cell(row, "finished") == "true",
@@ -131,6 +134,42 @@ CampaignReport MakeReport(const CampaignPlan& plan, const fs::path& table) {
     report.runs.push_back(std::move(item));
   });
   return report;
+}
+
+/// Numbers of runs in which a figure has no number.
+struct WithoutNumber {
+  std::size_t none = 0, nan = 0;  ///< null, and NaN or infinite
+};
+
+/// Counts the runs in which figures have no number, without figures that all runs have.
+std::map<std::string, WithoutNumber> CountWithoutNumber(const CampaignPlan& plan, const fs::path& table,
+                                                        const std::vector<std::string>& figures) {
+  const std::set<std::string_view> counted(figures.begin(), figures.end());
+  std::map<std::string, WithoutNumber> without;
+  CampaignTable::Read(table, plan, [&](std::size_t, const CampaignRow& row) {
+    for (const auto& [name, text] : row) {
+      if (!counted.contains(name)) continue;
+      if (text == kNull) {
+        ++without[name].none;
+      } else if (!std::isfinite(internal::NumberIn<double>(text).value_or(NAN))) {
+        ++without[name].nan;
+      }
+    }
+  });
+  return without;
+}
+
+/// Prints these numbers and adds them to the summary.
+void ReportWithoutNumber(const std::map<std::string, WithoutNumber>& without, std::size_t runs,
+                         nlohmann::ordered_json* summary) {
+  constexpr std::size_t kPrinted = 10;
+  auto& json = (*summary)["without_number"] = nlohmann::ordered_json::object();
+  for (const auto& [figure, count] : without) {
+    json[figure] = {{"null", count.none}, {"nan", count.nan}};
+    if (json.size() <= kPrinted)
+      fmt::print("{} has no number in {} of {} runs ({} null, {} NaN)\n", figure, count.none + count.nan,
+                 runs, count.none, count.nan);
+  }
 }
 
 struct Tally {
@@ -206,6 +245,7 @@ void WriteResults(const CampaignPlan& plan, const CampaignSchedule& schedule, co
     summary["causes"].push_back({{"cause", cause.text}, {"runs", cause.count}, {"first", cause.first}});
     if (summary["causes"].size() <= 10) fmt::print("{} failed: {}\n", cause.count, cause.text);
   }
+  ReportWithoutNumber(CountWithoutNumber(plan, directory / "runs.csv", report.figures), all.count, &summary);
   if (!report.picks.empty()) fmt::print("runs to inspect:\n");
   for (const CampaignReport::Pick& pick : report.picks) fmt::print("  {}    # {}\n", pick.command, pick.why);
 

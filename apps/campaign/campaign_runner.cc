@@ -1,13 +1,16 @@
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/scenario_file.h>
+#include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <exception>
+#include <new>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 namespace tenon::apps {
@@ -29,6 +32,8 @@ CampaignRunner::CampaignRunner(const CampaignPlan& plan, const YamlDocument& fil
     try {
       scenario = Prepare(plan.RunOf(point, 0, 0)).scenario;
       app_.check(*scenario);
+    } catch (const OutputError&) {
+      throw;  // the machine failed, not the scenario
     } catch (const Error& error) {
       if (num_refused_++ == 0) refusal_ = error.what();
       continue;
@@ -94,9 +99,11 @@ CampaignResult Judged(CampaignRow row, const Summary& summary) {
     } else if (name == "finished") {
       row.emplace_back(name, survived ? "true" : "false");
     } else if (Cell(row, name).empty()) {  // the seed and varied keys are already in the row
-      row.emplace_back(name, text.empty() ? "NaN" : text);
+      row.emplace_back(name, text.empty() ? "null" : text);
     }
   }
+  if (code == kOutputFailed || reason.starts_with(kOutOfMemory))
+    return {.row = {}, .exit_code = code, .machine_failure = std::move(reason)};
   row.emplace_back("end_reason", std::move(reason));
   return {std::move(row), survived, code == kRan && !survived ? kLimitBroken : code};
 }
@@ -105,11 +112,20 @@ CampaignResult Judged(CampaignRow row, const Summary& summary) {
 
 std::optional<CampaignResult> CampaignRunner::Run(std::size_t run) const {
   std::optional<CampaignResult> result;
+  const auto machine_failed = [&](const char* why) {
+    result = CampaignResult{.row = {}, .exit_code = kOutputFailed, .machine_failure = why};
+  };
   try {
     Prepared prepared = Prepare(run);
     const RunOptions options{.out = {}, .wall_limit = plan_.file().wall_limit_s};
     result = Judged(std::move(prepared.row),
                     app_.run(prepared.scenario, plan_.file().duration_s, options).summary);
+  } catch (const OutputError& error) {
+    machine_failed(error.what());
+  } catch (const std::system_error& error) {
+    machine_failed(error.what());
+  } catch (const std::bad_alloc&) {
+    machine_failed(kOutOfMemory);
   } catch (const std::exception& error) {
     result = Failed(Begin(run), error.what());
   }
@@ -121,7 +137,11 @@ CampaignResult CampaignRunner::Replay(std::size_t run, const std::filesystem::pa
   Prepared prepared = Prepare(run);
   const RunResult result = app_.run(prepared.scenario, plan_.file().duration_s,
                                     {.out = out, .wall_limit = plan_.file().wall_limit_s});
-  return Judged(std::move(prepared.row), result.summary);
+  CampaignResult judged = Judged(std::move(prepared.row), result.summary);
+  if (!judged.machine_failure.empty() && SignalGuard::caught() == 0)
+    throw OutputError(
+        fmt::format("run {} cannot be completed on this machine: {}", run, judged.machine_failure));
+  return judged;
 }
 
 std::string CampaignRunner::ScenarioTexts() const {

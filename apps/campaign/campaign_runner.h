@@ -18,6 +18,9 @@ struct CampaignResult {
   CampaignRow row;
   bool survived = false;  ///< the run reached its end
   int exit_code = 0;      ///< ExitCode of the app
+  /// Why the machine could not complete the run: a full disk, lack of memory, a missing program. Empty if it
+  /// could. Such a run says nothing about the robot and has no row.
+  std::string machine_failure{};
 };
 
 /// Executes runs of a plan and returns their rows. It is immutable and thread-safe.
@@ -27,7 +30,8 @@ class CampaignRunner {
   /// throws ParameterError with the place of the invalid key in the campaign's file.
   CampaignRunner(const CampaignPlan& plan, const YamlDocument& file, ScenarioApp app);
 
-  /// Executes a run. An exception becomes a row with its message. Empty if a signal stopped the run.
+  /// Executes a run. An exception becomes a row with its message, or a failure of the machine. Empty if a
+  /// signal stopped the run.
   std::optional<CampaignResult> Run(std::size_t run) const;
   /// Executes a run with all outputs in a directory and does not catch exceptions.
   CampaignResult Replay(std::size_t run, const std::filesystem::path& out) const;

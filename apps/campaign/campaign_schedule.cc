@@ -63,6 +63,11 @@ void CampaignSchedule::Done(std::size_t run, bool survived) {
   Judge(plan_.PointOf(run));
 }
 
+bool CampaignSchedule::Lost(std::size_t run) {
+  started_.erase(run);
+  return !adaptive();
+}
+
 void CampaignSchedule::Judge(std::size_t point) {
   Sequence& at = sequences_[point];
   while (!at.over) {

@@ -31,6 +31,9 @@ class CampaignSchedule {
   std::optional<std::size_t> Next();
   /// Records the result of a run of this or an earlier process.
   void Done(std::size_t run, bool survived);
+  /// Records that a started run has no result and is not run again. Returns whether the campaign can be
+  /// finished without it.
+  bool Lost(std::size_t run);
   bool finished() const;
   /// Returns whether a run belongs to the campaign. Valid once the schedule is finished.
   bool Counts(std::size_t run) const;

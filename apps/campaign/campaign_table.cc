@@ -1,13 +1,19 @@
+#include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/types/internal/fnv1a.h>
+#include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/parse_number.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cstdint>
 #include <fstream>
 #include <map>
+#include <unordered_map>
 
 namespace tenon::apps {
 namespace {
@@ -94,6 +100,22 @@ std::string_view Cell(const CampaignRow& row, std::string_view column) {
   return {};
 }
 
+bool DependsOnMachine(std::string_view column) {
+  return std::ranges::any_of(std::array{"wall", "qp_time", "mpc_time", "real_time"},
+                             [&](const char* part) { return column.starts_with(part); });
+}
+
+std::uint64_t HashOfResults(const CampaignRow& row) {
+  std::uint64_t sum = 0;
+  for (const auto& [column, text] : row) {
+    if (DependsOnMachine(column)) continue;
+    internal::Fnv1a hash;
+    hash.Add(column + '\n' + text);
+    sum += hash.value();
+  }
+  return sum;
+}
+
 namespace {
 
 /// Reads the lines of a table in order or at given offsets.
@@ -125,6 +147,7 @@ class Lines {
     in_.seekg(at);
     std::getline(in_, line_);
   }
+  std::string place() const { return fmt::format("{}:{}", file_.string(), number_); }
   std::pair<std::size_t, CampaignRow> Row() const {
     std::vector<std::string> cells = Cells(line_);
     const auto run = internal::NumberIn<std::size_t>(cells[0]);
@@ -148,10 +171,14 @@ class Lines {
   long number_ = 0;
 };
 
-}  // namespace
+/// Returns whether a text is a word in small letters, in any case.
+bool IsWord(std::string_view text, std::string_view word) {
+  return std::ranges::equal(text, word, {}, [](unsigned char c) { return std::tolower(c); });
+}
 
-void CampaignTable::Read(const std::filesystem::path& file, std::size_t runs,
-                         const std::function<void(std::size_t, const CampaignRow&)>& visit) {
+/// Visits the complete lines of a table with runs 0 to runs - 1.
+void VisitRows(const std::filesystem::path& file, std::size_t runs,
+               const std::function<void(const Lines&, std::size_t, const CampaignRow&)>& visit) {
   Lines lines(file);
   while (!lines.columns().empty() && lines.Next()) {
     const auto [run, row] = lines.Row();
@@ -159,8 +186,41 @@ void CampaignTable::Read(const std::filesystem::path& file, std::size_t runs,
       throw ParameterError(fmt::format(
           "{}: run {} is out of range: this campaign has runs 0 to {}; check that the table belongs to it",
           file.string(), run, runs - 1));
-    visit(run, row);
+    visit(lines, run, row);
   }
+}
+
+}  // namespace
+
+void CampaignTable::Read(const std::filesystem::path& file, std::size_t runs,
+                         const std::function<void(std::size_t, const CampaignRow&)>& visit) {
+  VisitRows(file, runs, [&](const Lines&, std::size_t run, const CampaignRow& row) { visit(run, row); });
+}
+
+void CampaignTable::Read(const std::filesystem::path& file, const CampaignPlan& plan,
+                         const std::function<void(std::size_t, const CampaignRow&)>& visit) {
+  std::unordered_map<std::size_t, std::uint64_t> results;
+  VisitRows(file, plan.size(), [&](const Lines& lines, std::size_t run, const CampaignRow& row) {
+    const auto fail = [&](const std::string& why) {
+      throw ParameterError(
+          fmt::format("{}: run {}: {}; remove the line and continue with --resume, or restore "
+                      "the table that the campaign wrote",
+                      lines.place(), run, why));
+    };
+    if (const std::string_view text = Cell(row, "finished"); text != "true" && text != "false")
+      fail(fmt::format("finished is '{}' instead of true or false", internal::Excerpt(std::string(text))));
+    for (const auto& [column, text] : row)
+      if (text != "true" && text != "false" && (IsWord(text, "true") || IsWord(text, "false")))
+        fail(fmt::format("{} is '{}' instead of true or false", column, text));  // of a spreadsheet
+    const std::string seed = fmt::format("{}", plan.file().seeds.first + run % plan.num_seeds());
+    if (Cell(row, "seed") != seed)
+      fail(fmt::format("the seed is '{}' instead of {}", internal::Excerpt(std::string(Cell(row, "seed"))),
+                       seed));
+    const auto [known, is_new] = results.emplace(run, HashOfResults(row));
+    if (!is_new && known->second != HashOfResults(row))
+      fail("an earlier line has another result of the same run");
+    visit(run, row);
+  });
 }
 
 CampaignTable::CampaignTable(std::filesystem::path file, Start start) : file_(std::move(file)) {

@@ -5,11 +5,12 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -51,6 +52,14 @@ class Scratch {
 struct Ended {
   int code = 0;           ///< exit code, 128 plus the signal as in a shell
   bool too_long = false;  ///< it exceeded the limit of wall-clock time
+
+  /// Returns whether something outside ended the process: a user or the system by a signal, a full disk, or
+  /// the lack of a program.
+  bool by_machine() const {
+    constexpr std::array<int, 7> kCodes{kOutputFailed, 126,           127,          128 + SIGHUP,
+                                        128 + SIGINT,  128 + SIGKILL, 128 + SIGTERM};
+    return !too_long && SignalGuard::caught() == 0 && std::ranges::find(kCodes, code) != kCodes.end();
+  }
 };
 
 using Clock = std::chrono::steady_clock;
@@ -99,7 +108,7 @@ Ended Wait(::pid_t process, std::optional<double> wall_limit) {
 
 /// Runs a program with its output redirected to the file `printed`. The program has its own process group, so
 /// that it receives Ctrl-C once from Wait and not also from the terminal: a second signal would end it at
-/// once.
+/// once. It ends if this process is killed.
 Ended Execute(const fs::path& program, const std::vector<std::string>& arguments, const fs::path& printed,
               std::optional<double> wall_limit = {}) {
   std::vector<std::string> texts{program.string()};
@@ -107,21 +116,40 @@ Ended Execute(const fs::path& program, const std::vector<std::string>& arguments
   std::vector<char*> list;
   for (std::string& text : texts) list.push_back(text.data());
   list.push_back(nullptr);
-  ::posix_spawn_file_actions_t actions;
-  ::posix_spawn_file_actions_init(&actions);
-  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, printed.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
-                                     0600);
-  ::posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  ::posix_spawnattr_t attributes;
-  ::posix_spawnattr_init(&attributes);
-  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  ::pid_t process = 0;
-  const int error = ::posix_spawn(&process, program.c_str(), &actions, &attributes, list.data(), environ);
-  ::posix_spawnattr_destroy(&attributes);
-  ::posix_spawn_file_actions_destroy(&actions);
-  if (error != 0)
-    throw ParameterError(
+  const int output = ::open(printed.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  if (output < 0)
+    throw OutputError(
+        fmt::format("cannot write '{}': {}", printed.string(), std::generic_category().message(errno)));
+  std::array<int, 2> report{};  // a pipe that exec closes, or that carries its error
+  if (::pipe2(report.data(), O_CLOEXEC) != 0) {
+    ::close(output);
+    throw OutputError("cannot open a pipe to a program: too many files are open");
+  }
+  const ::pid_t self = ::getpid(), process = ::fork();
+  if (process == 0) {  // only calls that are safe after the fork of a process with threads
+    ::setpgid(0, 0);
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() == self && ::dup2(output, STDOUT_FILENO) >= 0 && ::dup2(output, STDERR_FILENO) >= 0)
+      ::execv(program.c_str(), list.data());
+    const int error = errno;
+    [[maybe_unused]] const ::ssize_t written = ::write(report[1], &error, sizeof(error));
+    ::_exit(127);
+  }
+  const int no_fork = process < 0 ? errno : 0;
+  ::close(output);
+  ::close(report[1]);
+  int error = no_fork;
+  if (process > 0) {
+    ::setpgid(process, process);  // also here, because Wait may send a signal to the group at once
+    while (::read(report[0], &error, sizeof(error)) < 0 && errno == EINTR) {
+    }
+  }
+  ::close(report[0]);
+  if (error != 0) {
+    if (process > 0) ::waitpid(process, nullptr, 0);
+    throw OutputError(
         fmt::format("cannot run '{}': {}", program.string(), std::generic_category().message(error)));
+  }
   return Wait(process, wall_limit);
 }
 
@@ -132,6 +160,22 @@ std::string EndOf(std::string text) {
   text.erase(0, text.size() - kMost);
   const auto within = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; };  // in UTF-8
   return "…" + std::string(std::ranges::find_if_not(text, within), text.end());
+}
+
+/// Returns a text without the path of a temporary directory, which differs in each run.
+std::string Without(const Scratch& scratch, std::string text) {
+  const std::string path = scratch.path().string() + "/";
+  for (std::size_t at; (at = text.find(path)) != text.npos;) text.erase(at, path.size());
+  return text;
+}
+
+/// Throws OutputError if the disk of the temporary directory is full, which is then the reason of a failure.
+void DemandSpace(const Scratch& scratch, const std::string& failure) {
+  constexpr std::uintmax_t kLeast = 1 << 16;  // [bytes]
+  std::error_code error;
+  if (const fs::space_info space = fs::space(scratch.path(), error); !error && space.available < kLeast)
+    throw OutputError(fmt::format("the disk of '{}' is full: set TMPDIR to a directory on another one ({})",
+                                  scratch.path().parent_path().string(), failure));
 }
 
 /// Writes the scenario with absolute paths to a file and returns its path.
@@ -150,8 +194,9 @@ ScenarioApp ProgramApp(const fs::path& program) {
   const auto check = [program](const YamlDocument& scenario) {
     const Scratch scratch;
     const fs::path printed = scratch.path() / "printed";
-    if (Execute(program, {Written(scenario, scratch), "--keys"}, printed).code != kRan)
-      throw ParameterError(ReadText(printed));
+    const Ended ended = Execute(program, {Written(scenario, scratch), "--keys"}, printed);
+    if (ended.by_machine()) throw OutputError(Without(scratch, EndOf(ReadText(printed))));
+    if (ended.code != kRan) throw ParameterError(Without(scratch, ReadText(printed)));
   };
   const auto run = [program](const YamlDocument& scenario, std::optional<double> duration,
                              const RunOptions& options) -> RunResult {
@@ -166,10 +211,19 @@ ScenarioApp ProgramApp(const fs::path& program) {
     const auto reason = [&] {
       return ended.too_long ? TookTooLong(*options.wall_limit)
                             : fmt::format("{} ended with {}: {}", program.filename().string(), ended.code,
-                                          EndOf(ReadText(printed)));
+                                          EndOf(Without(scratch, ReadText(printed))));
     };
+    if (ended.by_machine()) throw OutputError(reason());
+    if (ended.code != kRan) DemandSpace(scratch, reason());
     if (!fs::exists(out / "summary.json")) throw RunError(reason());
-    RunResult result{Summary::Load(out / "summary.json", ended.code), std::nullopt};
+    RunResult result = [&] {
+      try {
+        return RunResult{Summary::Load(out / "summary.json", ended.code), std::nullopt};
+      } catch (const RunError& error) {
+        DemandSpace(scratch, error.what());
+        throw RunError(Without(scratch, error.what()));
+      }
+    }();
     if (ended.too_long && ended.code != kOutputFailed) {
       result.summary.EndedBy(reason(), kNumericalFailure);
     } else if (ended.code != kRan && result.summary.finished()) {

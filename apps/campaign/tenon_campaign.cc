@@ -28,6 +28,7 @@
 #include <array>
 #include <cctype>
 #include <thread>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -126,7 +127,7 @@ void DemandSameInputs(const fs::path& directory, const std::string& inputs, cons
 /// Removes the files of repeated runs of an earlier campaign.
 void RemoveReplays(const fs::path& directory) {
   for (const auto& entry : fs::directory_iterator(directory))
-    if (entry.is_directory() && entry.path().filename().string().starts_with("run_") &&
+    if (fs::is_directory(entry.symlink_status()) && entry.path().filename().string().starts_with("run_") &&
         fs::exists(entry.path() / "scenario.yaml"))
       OutputDirectory(entry.path());
 }
@@ -167,11 +168,6 @@ std::string CommandOf(const std::string& campaign, const fs::path& directory) {
 
 constexpr const char* kBeginAnew = "restart without --resume, or choose another --out";
 
-bool DependsOnMachine(const std::string& column) {
-  return std::ranges::any_of(std::array{"wall", "qp_time", "mpc_time", "real_time"},
-                             [&](const char* part) { return column.starts_with(part); });
-}
-
 int Replay(const CampaignArguments& arguments, const YamlDocument& file, const CampaignPlan& plan,
            const CampaignRunner& runner, const fs::path& directory) {
   const std::size_t run = *arguments.replay;
@@ -189,7 +185,7 @@ int Replay(const CampaignArguments& arguments, const YamlDocument& file, const C
   if (!has_table || SignalGuard::caught() != 0) return again.exit_code;
 
   CampaignSchedule schedule(plan, {}, 1);
-  CampaignTable::Read(table, plan.size(), [&](std::size_t other, const CampaignRow& row) {
+  CampaignTable::Read(table, plan, [&](std::size_t other, const CampaignRow& row) {
     schedule.Done(other, Cell(row, "finished") == "true");
     if (other != run) return;
     for (const auto& [column, text] : again.row)
@@ -211,15 +207,21 @@ int Merge(const CampaignArguments& arguments) {
   const std::string inputs = ReadText(first / "inputs.txt");
   // All parts are checked before any file is written.
   CampaignSchedule schedule(plan, {}, 1);
+  std::unordered_map<std::size_t, std::uint64_t> results;
   for (const std::string& part : arguments.merge) {
     std::error_code ignored;
     if (fs::equivalent(part, arguments.out, ignored))
       throw ParameterError(fmt::format("--merge: '{}' is one of the parts: choose another --out", part));
     DemandSameInputs(part, inputs, "merge parts of one campaign");
-    CampaignTable::Read(fs::path(part) / "runs.csv", plan.size(),
-                        [&](std::size_t run, const CampaignRow& row) {
-                          schedule.Done(run, Cell(row, "finished") == "true");
-                        });
+    CampaignTable::Read(fs::path(part) / "runs.csv", plan, [&](std::size_t run, const CampaignRow& row) {
+      const std::uint64_t hash = HashOfResults(row);
+      if (const auto known = results.emplace(run, hash).first; known->second != hash)
+        throw ParameterError(
+            fmt::format("--merge: run {} has another result in '{}' than in an earlier part: run the "
+                        "campaign again in one of them",
+                        run, part));
+      schedule.Done(run, Cell(row, "finished") == "true");
+    });
   }
   const auto total = schedule.total();
   if (!total && !schedule.finished())
@@ -233,12 +235,10 @@ int Merge(const CampaignArguments& arguments) {
   CampaignTable table(out.path() / "runs.csv", CampaignTable::Start::kNew);
   std::unordered_set<std::size_t> seen;
   for (const std::string& part : arguments.merge) {
-    CampaignTable::Read(fs::path(part) / "runs.csv", plan.size(),
-                        [&](std::size_t run, const CampaignRow& row) {
-                          if (!seen.insert(run).second)
-                            return;  // a run of two parts has the same result in both
-                          table.Append(row);
-                        });
+    CampaignTable::Read(fs::path(part) / "runs.csv", plan, [&](std::size_t run, const CampaignRow& row) {
+      if (!seen.insert(run).second) return;  // a run of two parts has the same result in both
+      table.Append(row);
+    });
   }
   table.Finish([&](std::size_t run) { return total || schedule.Counts(run); });
   const std::string command = CommandOf((out.path() / "campaign.yaml").string(), out.path());
@@ -257,12 +257,19 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
   const fs::path table_file = directory / "runs.csv";
   const bool resumes = arguments.resume && fs::exists(table_file);
   if (resumes) DemandSameInputs(directory, inputs, kBeginAnew);
+  const std::string campaign = CampaignText(file);
+  std::error_code not_equivalent;
+  if (fs::equivalent(directory / "campaign.yaml", file.name(), not_equivalent) &&
+      campaign != ReadText(file.name()))
+    throw ParameterError(
+        fmt::format("--out {}: the campaign would overwrite its own file '{}': choose another --out",
+                    directory.string(), file.name()));
   const OutputDirectory out(directory);
   if (!resumes) {
     std::error_code ignored;
     fs::remove(table_file, ignored);
     RemoveReplays(out.path());
-    WriteFile(out.path() / "campaign.yaml", CampaignText(file));
+    WriteFile(out.path() / "campaign.yaml", campaign);
     WriteFile(out.path() / "inputs.txt", inputs);
   }
   const int jobs = arguments.jobs > 0 ? arguments.jobs
@@ -273,7 +280,7 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
   std::size_t before = 0;
   CampaignTable table(table_file, resumes ? CampaignTable::Start::kResume : CampaignTable::Start::kNew);
   if (resumes) {
-    CampaignTable::Read(table_file, plan.size(), [&](std::size_t run, const CampaignRow& row) {
+    CampaignTable::Read(table_file, plan, [&](std::size_t run, const CampaignRow& row) {
       schedule.Done(run, Cell(row, "finished") == "true");
       ++before;
     });
@@ -297,9 +304,15 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
     return 128 + (caught != 0 ? caught : 15);
   }
   table.Finish([&](std::size_t run) { return schedule.Counts(run); });
-  WriteResults(plan, schedule, CommandOf(arguments.campaign, directory), out.path());
+  const std::string command = CommandOf(arguments.campaign, directory);
+  WriteResults(plan, schedule, command, out.path());
   fmt::print("{}\n", (out.path() / "report.html").string());
-  return kRan;
+  if (desk.lost() == 0) return kRan;
+  Say(fmt::format(
+      "{} runs are missing, because the machine could not complete them: {}; run them again: {}{} "
+      "--resume\n",
+      desk.lost(), desk.why_lost(), command, arguments.shard.empty() ? "" : " --shard " + arguments.shard));
+  return kOutputFailed;
 }
 
 void List() {
@@ -383,6 +396,7 @@ int main(int argc, char** argv) {
       "Ctrl-C ends it after writing complete files; --resume continues it, also after a kill.\n"
       "Exit codes: 0 all runs are done, whether they survived or not; 2 invalid usage or campaign; 3 a "
       "replayed "
-      "run did not survive; 5 a file could not be written; 130, 143 stopped by Ctrl-C, SIGTERM.");
+      "run did not survive; 5 a file could not be written or the machine could not complete all runs; "
+      "129, 130, 143 stopped by SIGHUP, Ctrl-C, SIGTERM.");
   return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments); });
 }

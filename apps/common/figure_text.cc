@@ -62,6 +62,7 @@ bool IsNumber(const std::string& text) {
 std::string ValueText(const std::string& text) {
   if (text.empty()) return "-";
   const auto number = internal::NumberIn<double>(text);
+  if (number && !std::isfinite(*number)) return text;  // differs from a figure without a value
   return number && text.find_first_not_of("+-0123456789") != text.npos ? NumberText(*number) : text;
 }
 

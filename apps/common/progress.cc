@@ -91,13 +91,13 @@ std::atomic<int> caught_signal = 0;
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may only set lock-free atomics");
 
 constexpr const char* kInterrupted = "interrupted";
-constexpr std::array kSignals{SIGINT, SIGTERM};
+constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
 std::mutex guard_mutex;
 int guards = 0;  ///< number of SignalGuards
 std::array<struct sigaction, kSignals.size()> actions_before{};
 
 std::string OutOfMemoryAt(const Context& context) {
-  return fmt::format("out of memory in the run at t = {} s", context.time());
+  return fmt::format("{} in the run at t = {} s", kOutOfMemory, context.time());
 }
 
 }  // namespace
@@ -110,10 +110,12 @@ SignalGuard::SignalGuard() {
   note.sa_handler = [](int signal) {
     caught_signal = signal;
     // Any second signal ends the process.
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
+    for (const int each : kSignals) std::signal(each, SIG_DFL);
   };
   for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &note, &actions_before[i]);
+  const auto hangup = std::ranges::find(kSignals, SIGHUP) - kSignals.begin();
+  struct sigaction& before = actions_before[static_cast<std::size_t>(hangup)];
+  if (before.sa_handler == SIG_IGN) sigaction(SIGHUP, &before, nullptr);
 }
 
 SignalGuard::~SignalGuard() {

@@ -64,8 +64,8 @@ struct RunOutcome {
   double wall_s = 0;    ///< wall-clock time of the simulation alone
 };
 
-/// During its lifetime, the first SIGINT or SIGTERM ends the runs of Advance in all threads, and the second
-/// one ends the process. Guards may be nested.
+/// During its lifetime, the first SIGINT, SIGTERM or SIGHUP ends the runs of Advance in all threads, and the
+/// second one ends the process. An ignored SIGHUP stays ignored. Guards may be nested.
 class SignalGuard {
  public:
   SignalGuard();
@@ -86,6 +86,9 @@ void StopOnSignal(Simulator& simulator);
 /// Advances to `duration` [s], or until SIGINT, SIGTERM (see SignalGuard) or `wall_limit` [s] of wall-clock
 /// time ends the run. Handles errors as Observe does.
 RunOutcome Advance(Simulator& simulator, double duration, std::optional<double> wall_limit = {});
+/// The begin of the end reason of a run for which the memory did not suffice.
+inline constexpr const char* kOutOfMemory = "out of memory";
+
 /// Returns the end reason of a run that exceeded its limit of wall-clock time [s].
 std::string TookTooLong(double wall_limit);
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
 namespace tenon::apps {
@@ -37,7 +38,8 @@ Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutc
                                                 : "end of the run";
   values["simulated_s"] = outcome.status.time;
   values["wall_s"] = outcome.wall_s;
-  values["real_time_factor"] = outcome.wall_s > 0 ? outcome.status.time / outcome.wall_s : 0;
+  auto& factor = values["real_time_factor"];  // null without any time
+  if (outcome.wall_s > 0) factor = outcome.status.time / outcome.wall_s;
 }
 
 Summary::Summary(std::unique_ptr<Json> json, int exit_code) : json_(std::move(json)), exit_code_(exit_code) {}
@@ -49,6 +51,12 @@ constexpr const char *kLimits = "limits", *kNotes = "notes";
 std::optional<double> NumberIn(const nlohmann::ordered_json& object, const char* key) {
   if (!object.contains(key)) return std::nullopt;
   return object[key].get<double>();
+}
+
+/// Returns null without a value, and the name of a value that is no number, which JSON does not have.
+nlohmann::ordered_json FigureJson(std::optional<double> value) {
+  if (!value || std::isfinite(*value)) return internal::JsonOrNull(value);
+  return std::isnan(*value) ? "NaN" : *value > 0 ? "Infinity" : "-Infinity";
 }
 
 }  // namespace
@@ -76,7 +84,9 @@ Summary::Summary(Summary&&) noexcept = default;
 Summary::~Summary() = default;
 
 void Summary::Set(const std::string& key, std::optional<double> value) {
-  json_->values[key] = internal::JsonOrNull(value);
+  json_->values[key] = FigureJson(value);
+  if (value && std::isnan(*value) && exit_code_ == kRan)
+    EndedBy(fmt::format("the figure {} is not a number", key), kNumericalFailure);
 }
 void Summary::Set(const std::string& key, const std::string& value) {
   json_->values[key] = value;
@@ -84,7 +94,11 @@ void Summary::Set(const std::string& key, const std::string& value) {
 void Summary::Set(const std::string& key,
                   const std::vector<std::pair<std::string, std::optional<double>>>& values) {
   auto& object = json_->values[key] = nlohmann::ordered_json::object();
-  for (const auto& [name, value] : values) object[name] = internal::JsonOrNull(value);
+  for (const auto& [name, value] : values) {
+    object[name] = FigureJson(value);
+    if (value && std::isnan(*value) && exit_code_ == kRan)
+      EndedBy(fmt::format("the figure {}.{} is not a number", key, name), kNumericalFailure);
+  }
 }
 
 void Summary::SetFollowed(std::optional<bool> followed) {

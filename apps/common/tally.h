@@ -8,7 +8,7 @@
 
 namespace tenon::apps {
 
-/// Statistics of a sequence of numbers; empty without numbers.
+/// Statistics of a sequence of numbers; empty without numbers, and NaN if one of them was NaN.
 class Tally {
  public:
   void Add(double value) {
@@ -25,7 +25,8 @@ class Tally {
 
  private:
   std::optional<double> IfAny(double figure) const {
-    return count_ == 0 ? std::nullopt : std::optional(figure);
+    if (count_ == 0) return std::nullopt;
+    return std::isnan(squares_) ? squares_ : figure;  // the minimum and the maximum skip NaN
   }
   long count_ = 0;
   double low_ = 0, high_ = 0, sum_ = 0, squares_ = 0;

@@ -90,11 +90,12 @@
     function draw() {
       area.replaceChildren();
       const across = data.axes[xAxis].labels, up = data.axes[yAxis].labels;
-      const cells = across.map(() => up.map(() => ({ sum: 0, weight: 0 })));
+      const cells = across.map(() => up.map(() => ({ sum: 0, weight: 0, missing: 0 })));
       for (const point of data.points) {
         const value = what === 0 ? point.survived / point.count : point.medians[what - 1];
-        if (value === null) continue;
         const cell = cells[point.at[xAxis]][point.at[yAxis]];
+        if (what > 0) cell.missing += point.missing[what - 1];
+        if (value === null) continue;
         cell.sum += value * point.count;
         cell.weight += point.count;
       }
@@ -111,7 +112,7 @@
           if (!cell.weight) return;
           const value = cell.sum / cell.weight, share = high > low ? (value - low) / (high - low) : 1;
           const box = shape(drawing, 'rect', { x: left + w * i, y, width: w - 1, height: h - 1, fill: what === 0 ? traffic(share) : tone(share) });
-          hint(box, `${names[xAxis]} = ${across[i]}, ${names[yAxis]} = ${text}: ${what === 0 ? percent(value) : formatNumber(value)}`);
+          hint(box, `${names[xAxis]} = ${across[i]}, ${names[yAxis]} = ${text}: ${what === 0 ? percent(value) : formatNumber(value)}${cell.missing ? ` (${cell.missing} runs without a number)` : ''}`);
           if (w > 38) shape(drawing, 'text', { x: left + w * (i + 0.5), y: y + h / 2 + 4, 'text-anchor': 'middle', class: (what === 0 ? share < 0.25 || share > 0.75 : share > 0.5) ? 'white' : 'dark' }, what === 0 ? `${Math.round(100 * value)} %` : formatNumber(value));
         });
       });
@@ -247,9 +248,9 @@
   function showDistributions() {
     const parent = find('#distributions'), grid = element('div', 'histograms');
     for (const f of telling) {
-      const { low, high, median, survived, failed } = data.histograms[f];
+      const { low, high, median, survived, failed, missing } = data.histograms[f];
       const box = element('figure');
-      box.append(element('figcaption', '', label(data.figures[f])));
+      box.append(element('figcaption', '', label(data.figures[f]) + (missing ? ` (${missing} runs without a number)` : '')));
       const width = 230, height = 70, w = width / survived.length;
       const drawing = svg(box, width, height + 29);
       const most = Math.max(...survived.map((count, i) => count + failed[i]));

@@ -72,11 +72,13 @@ Json PointsJson(const CampaignReport& report) {
     Json point = SurvivalJson(static_cast<std::size_t>(survived), runs.size(), report.confidence);
     point["at"] = at;
     point["medians"] = Json::array();
+    point["missing"] = Json::array();  // number of runs without a number
     for (std::size_t i = 0; i < report.figures.size() && points.size() <= kMedians; ++i) {
       std::vector<double> values;
       for (const auto* run : runs)
         if (std::isfinite(run->figures[i])) values.push_back(run->figures[i]);
       point["medians"].push_back(Median(values));
+      point["missing"].push_back(runs.size() - values.size());
     }
     json.push_back(std::move(point));
   }
@@ -98,7 +100,8 @@ Json HistogramJson(const CampaignReport& report, std::size_t figure) {
     const auto bin = std::min(static_cast<std::size_t>(share * kBins), kBins - 1);
     ++(run.survived ? survived : failed)[bin];
   }
-  return {{"low", low}, {"high", high}, {"median", Median(all)}, {"survived", survived}, {"failed", failed}};
+  return {{"low", low},           {"high", high},     {"median", Median(all)},
+          {"survived", survived}, {"failed", failed}, {"missing", report.runs.size() - all.size()}};
 }
 
 /// Returns Spearman's rank correlation of each varied key with each figure and, last, with survival.

@@ -138,6 +138,7 @@ def _read_table(path: pathlib.Path) -> dict[str, list[Any]]:
 
 def _typed(name: str, texts: tuple[str, ...]) -> list[Any]:
     """Converts run and seed to integers, and other columns to booleans, floats or texts."""
+    texts = tuple("" if text == "null" else text for text in texts)  # a figure without a value
     present = [text for text in texts if text]
     if name in ("run", "seed"):
         return [int(text) for text in texts]

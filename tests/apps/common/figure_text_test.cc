@@ -26,6 +26,14 @@ TEST(FigureTextTest, NumbersHaveFourDigits) {
   EXPECT_EQ(NumberText(NAN), "-");
 }
 
+// Nothing happened, or something that has no number.
+TEST(FigureTextTest, NoValueIsNotNaN) {
+  const auto figures = FigureTexts({{"a_m", ""}, {"b_m", "NaN"}, {"c_m", "Infinity"}});
+  EXPECT_EQ(figures.at(0).values.at(0).second, "-");
+  EXPECT_EQ(figures.at(1).values.at(0).second, "NaN");
+  EXPECT_EQ(figures.at(2).values.at(0).second, "Infinity");
+}
+
 TEST(FigureTextTest, ValuesOfLegsAreATable) {
   const NamedTexts flat{{"case", "A1"},
                         {"seed", "18446744073709551615"},

@@ -130,10 +130,145 @@ TEST_F(ScriptAppTest, ARunThatDoesNotEndInItsTimeIsKilled) {
                        "wall_limit_s: 0.2\n")
                   .text,
               HasSubstr("0 of 1 survived"));
-  EXPECT_THAT(Table(), HasSubstr("took longer than 0.2 s on the clock"));
+  EXPECT_THAT(Table(), HasSubstr("took longer than 0.2 s of wall-clock time"));
   fs::remove(out / "app.sh.lives");
   EXPECT_EQ(RunCommand("sleep 0.5").exit_code, 0);
   EXPECT_FALSE(fs::exists(out / "app.sh.lives"));
+}
+
+// A failure of the machine says nothing about the robot.
+TEST_F(ScriptAppTest, FailuresOfTheMachineAreNotResults) {
+  const std::string run = "mkdir -p $3\necho '{\"case\": \"a\", \"finished\": true}' >$3/summary.json\n",
+                    two = "seeds: {count: 2}\n";
+  for (const std::string end : {"kill -KILL $$", "kill -TERM $$", "exit 5", "exit 127"}) {
+    const std::string script = "grep -q seed.:.2 $1 && [ ! -e $0.mended ] && " + end + "\n" + run;
+    const Result result = Campaign(script, two);
+    EXPECT_EQ(result.exit_code, 5) << end << result.text;
+    EXPECT_THAT(result.text, AllOf(HasSubstr("1 of 1 survived"), HasSubstr("--resume"))) << end;
+    EXPECT_THAT(Table(), Not(HasSubstr("\n1,"))) << end;
+    Write("app.sh.mended", "");
+    const Result again = Campaign(script, two, " --resume");
+    EXPECT_EQ(again.exit_code, 0) << again.text;
+    EXPECT_THAT(again.text, HasSubstr("2 of 2 survived")) << end;
+    fs::remove(out / "app.sh.mended");
+  }
+  EXPECT_EQ(Campaign("kill -KILL $$\n", "seeds: {count: 1000}\n").exit_code, 5) << "not a thousand times";
+  fs::remove_all(out / "runs");
+  EXPECT_EQ(Campaign("kill -KILL $$\n", "", " --replay 0").exit_code, 5);
+  EXPECT_EQ(RunCommand("TMPDIR=/no/such " + kCampaign + " " + (out / "c.yaml").string() + " --out " +
+                       (out / "runs").string())
+                .exit_code,
+            5);
+}
+
+TEST_F(ScriptAppTest, ReasonsHaveNoTemporaryPaths) {
+  Campaign("echo $1:3: kp must be positive; exit 2\n");
+  EXPECT_THAT(Table(), AllOf(HasSubstr("ended with 2: scenario.yaml:3: kp"), Not(HasSubstr("tenon-"))));
+}
+
+TEST_F(ScriptAppTest, ATableThatWasEditedIsRefusedWithItsLine) {
+  const std::string script =
+      "mkdir -p $3\necho '{\"case\": \"a\", \"finished\": true, \"x\": 1}' >$3/summary.json\n";
+  const std::string two = "seeds: {count: 2}\n";
+  Campaign(script, two);
+  const std::string table = Table();
+  ASSERT_EQ(table, "run,seed,case,finished,x\n0,1,a,true,1\n1,2,a,true,1\n");
+  for (const auto& [row, why] : {std::pair{"1,2,a,TRUE,1", "TRUE"},
+                                 {"1,2,a,,1", "finished"},
+                                 {"1,3,a,true,1", "seed"},
+                                 {"0,1,a,true,2", "another result"}}) {
+    Write("runs/runs.csv", table.substr(0, table.rfind("1,2,a")) + row + "\n");
+    const Result result = Campaign(script, two, " --resume");
+    EXPECT_EQ(result.exit_code, 2) << row;
+    EXPECT_THAT(result.text, AllOf(HasSubstr("runs.csv:3: "), HasSubstr(why))) << row;
+  }
+  Write("runs/runs.csv", table + "1,2,a,true,1\n");
+  EXPECT_EQ(Campaign(script, two, " --resume").exit_code, 0) << "the same row twice";
+}
+
+// Without /dev/null in their place, the table gets a descriptor of messages.
+TEST_F(ScriptAppTest, MessagesDoNotReachTheTableIfDescriptorsAreClosed) {
+  const std::string script = "mkdir -p $3\necho '{\"case\": \"a\", \"finished\": true}' >$3/summary.json\n";
+  Campaign(script);
+  const std::string table = Table();
+  fs::remove_all(out / "runs");
+  const std::string run = kCampaign + " " + (out / "c.yaml").string() + " --out " + (out / "runs").string();
+  EXPECT_EQ(RunCommand("sh -c '" + run + " 0<&- 1>&- 2>&-'").exit_code, 0);
+  EXPECT_EQ(Table(), table);
+}
+
+// The help shows the option with several values.
+TEST_F(OwnAppTest, OneOptionMaySetSeveralKeys) {
+  Run("--set mass_kg=3 goal_m=0.1 " + kExample + "/step.yaml --set seed=5 --duration 0.1");
+  EXPECT_THAT(Read(out / "scenario.yaml"),
+              AllOf(HasSubstr("mass_kg: 3"), HasSubstr("goal_m: 0.1"), HasSubstr("seed: 5")));
+}
+
+TEST_F(OwnAppTest, HelpToAFullDiskIsExitCode5) {
+  for (const char* option : {"--help", "--version", "--keys"})
+    EXPECT_EQ(RunCommand("sh -c '" + app + " " + option + " >/dev/full'").exit_code, 5) << option;
+}
+
+TEST_F(OwnAppTest, ARunDoesNotOverwriteItsScenario) {
+  const std::string text = Read(kExample + "/step.yaml");
+  Write("scenario.yaml", text);
+  EXPECT_THAT(Run((out / "scenario.yaml").string(), 2), HasSubstr("choose another --out"));
+  Write("mine.yaml", "extends: ./scenario.yaml\nseed: 3\n");
+  EXPECT_THAT(Run((out / "mine.yaml").string(), 2), HasSubstr("choose another --out"));
+  EXPECT_EQ(Read(out / "scenario.yaml"), text);
+}
+
+// A link in an output directory may lead to files of the user.
+TEST_F(OwnAppTest, FilesBehindLinksAreNotRemoved) {
+  Write("mine/scenario.yaml", "mine");
+  Write("summary.json", R"({"x": {"end_reason": ""}})");
+  fs::create_directory_symlink(out / "mine", out / "x");
+  Run(kExample + "/step.yaml --duration 0.1");
+  EXPECT_EQ(Read(out / "mine/scenario.yaml"), "mine");
+}
+
+TEST_F(ScriptAppTest, ReplaysBehindLinksAreNotRemoved) {
+  Write("mine/scenario.yaml", "mine");
+  fs::create_directories(out / "runs");
+  fs::create_directory_symlink(out / "mine", out / "runs/run_0");
+  Campaign("mkdir -p $3\necho '{\"case\": \"a\", \"finished\": true}' >$3/summary.json\n");
+  EXPECT_EQ(Read(out / "mine/scenario.yaml"), "mine");
+}
+
+/// Starts a campaign of a program that does not end, and sends a signal to the campaign.
+class SignalledCampaignTest : public ScriptAppTest {
+ protected:
+  Result Signal(const std::string& signal) {
+    Write("scenario.yaml", "case: a\n");
+    Write("app.sh",
+          "#!/bin/sh\n[ $2 = --keys ] && exit 0\necho $$ >$0.new; mv $0.new $0.pid; exec sleep 600\n");
+    fs::permissions(out / "app.sh", fs::perms::owner_all);
+    const std::string file = Write("c.yaml", "app: ./app.sh\nscenario: scenario.yaml\n");
+    return RunCommand("sh -c '" + kCampaign + " " + file + " --out " + (out / "runs").string() +
+                      " & c=$!; until [ -e " + pid + " ]; do sleep 0.01; done; kill -" + signal +
+                      " $c; wait $c'");
+  }
+  /// Returns whether the program ends.
+  bool Ends() const {
+    const std::string running = "grep -q sleep /proc/$(cat " + pid + ")/cmdline 2>/dev/null";
+    return RunCommand("i=0; while " + running +
+                      "; do sleep 0.01; i=$((i+1)); [ $i -lt 1000 ] || exit 1; done")
+               .exit_code == 0;
+  }
+  const std::string pid = (out / "app.sh.pid").string();
+};
+
+TEST_F(SignalledCampaignTest, ItsProgramsDoNotOutliveIt) {
+  EXPECT_EQ(Signal("KILL").exit_code, 137);
+  EXPECT_TRUE(Ends());
+}
+
+// A terminal that is closed.
+TEST_F(SignalledCampaignTest, EndsAtAHangUp) {
+  const Result result = Signal("HUP");
+  EXPECT_EQ(result.exit_code, 129);
+  EXPECT_THAT(result.text, HasSubstr("--resume"));
+  EXPECT_TRUE(Ends());
 }
 
 TEST_F(OwnAppTest, RefusesBadUsage) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 namespace tenon::apps::tally_test {
@@ -22,6 +23,17 @@ TEST(TallyTest, HasMinMaxMeanAndRms) {
   EXPECT_EQ(tally.max(), -1);
   EXPECT_EQ(tally.mean(), -2);
   EXPECT_DOUBLE_EQ(*tally.rms(), std::sqrt(14.0 / 3));
+}
+
+TEST(TallyTest, ANumberThatIsNoneIsNotSkipped) {
+  for (const std::size_t at : {0, 1, 2}) {
+    std::array<double, 3> values{-3, -1, -2};
+    values[at] = NAN;
+    Tally tally;
+    for (const double value : values) tally.Add(value);
+    for (const auto figure : {tally.min(), tally.max(), tally.mean(), tally.rms()})
+      EXPECT_TRUE(figure && std::isnan(*figure)) << at;
+  }
 }
 
 TEST(TimeQuantilesTest, AreExactToOnePercent) {

@@ -19,7 +19,7 @@ SIGNALS = """time [s],loop.pd.force.x [N],loop.pd.force.y [N],loop.pd.forced,loo
 # The runs are not in order; run 5 was refused, and run 2 fell before it had an error.
 RUNS = """run,seed,walk.friction,scheme,payload.mass_kg,case,finished,error_max_m,foot_m.left,qp,end_reason
 0,18446744073709551615,0.5,ours,1.5,A1,true,0.1,1,true,end of the run
-2,1,0.8,ours,1.5,A1,false,NaN,2,false,"fell, at 2 s"
+2,1,0.8,ours,1.5,A1,false,null,2,false,"fell, at 2 s"
 1,2,0.5,ours,2.5,A1,true,0.3,,true,end of the run
 3,2,0.8,thesis,2.5,A1,true,0.2,4,true,end of the run
 5,4,0.5,thesis,,,false,,,,no 1_000

@@ -62,6 +62,8 @@ TEST_F(CampaignReportTest, CountsSurvivalAtEachPoint) {
   EXPECT_EQ(data["points"][5]["survived"], 10);
   EXPECT_NEAR(data["points"][2]["medians"][0].get<double>(), 1.045, 1e-12);
   EXPECT_TRUE(data["points"][2]["medians"][2].is_null());
+  EXPECT_EQ(data["points"][2]["missing"][0], 0);
+  EXPECT_EQ(data["points"][2]["missing"][2], data["points"][2]["count"]);
 }
 
 TEST_F(CampaignReportTest, FindsWhatMatters) {
