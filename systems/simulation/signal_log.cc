@@ -40,6 +40,10 @@ void MemoryLog::DropFrom(double time, bool after) {
 
 std::vector<double> MemoryLog::column(const std::string& name) const {
   const auto found = std::find(names_.begin(), names_.end(), name);
+  if (names_.empty()) {
+    throw Error(fmt::format(
+        "the log has no column '{}', because it has not run yet: advance the simulator first", name));
+  }
   if (found == names_.end()) {
     throw Error(fmt::format("the log has no column '{}'; did you mean '{}'?", name,
                             internal::NearestName(name, names_)));

@@ -47,16 +47,33 @@ std::exception_ptr WithEachLog(const RatedLogs& logs, void (SignalLog::*act)()) 
 constexpr int kShrinking = 2;
 constexpr double kAccumulated = 2e-6;
 
+/// Returns a pointer that is not null.
+template <class Pointer>
+Pointer Given(Pointer pointer, const char* what) {
+  if (pointer == nullptr) throw ParameterError(fmt::format("Simulator: the {0} is null: give a {0}", what));
+  return pointer;
+}
+
+/// Throws if the context was changed while it was advanced.
+void DemandUnchanged(std::uint64_t edition, std::uint64_t known, double time) {
+  if (edition == known) return;
+  throw RunError(
+      fmt::format("a calculation, a Publish or a log changed the context at t = {} s, but may only read it: "
+                  "change states "
+                  "by an Update, or by Set between advances",
+                  time));
+}
+
 }  // namespace
 
 Simulator::Simulator(const Diagram& diagram, SimulatorOptions options)
     : Simulator(diagram.CreateContext(options.seed.value_or(0)), options) {}
 
 Simulator::Simulator(const std::shared_ptr<const Diagram>& diagram, SimulatorOptions options)
-    : Simulator(*diagram, std::move(options)) {}
+    : Simulator(*Given(diagram, "diagram"), std::move(options)) {}
 
 Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
-    : context_(std::move(context)),
+    : context_(Given(std::move(context), "context")),
       options_(std::move(options)),
       program_(context_->diagram().program()),
       integrator_(std::make_unique<SundialsIntegrator>(*context_, options_)) {
@@ -154,6 +171,10 @@ double Simulator::next_tick_time() const {
 
 void Simulator::AddLog(Rate rate, std::vector<const Source*> signals,
                        std::vector<std::shared_ptr<LogSink>> sinks) {
+  if (std::count(signals.begin(), signals.end(), nullptr) > 0)
+    throw ParameterError("AddLog: a signal is null: give a port or a state");
+  if (std::count(sinks.begin(), sinks.end(), nullptr) > 0)
+    throw ParameterError("AddLog: a sink is null: give a LogSink");
   auto same = std::find_if(logs_.begin(), logs_.end(), [&](const RatedLog& log) { return log.rate == rate; });
   if (same == logs_.end()) {
     logs_.push_back({rate, {}});
@@ -253,6 +274,7 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
     }
     const bool goes_on = !before_tick || time > context_->time() + rounding;
     if (context_->progress_ == Progress::kStarted && goes_on) FirstTick();
+    DemandUnchanged(context_->edition_, known_edition_, context_->time());
     while (!end_reason_) {
       const double next = schedule_->next_time();
       const bool tick = before_tick ? next < time - rounding : next <= time + rounding;
@@ -260,11 +282,13 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
       IntegrateTo(next <= time + rounding ? next : time);
       KeepPace(tick);
       if (tick && !end_reason_) Tick();
+      DemandUnchanged(context_->edition_, known_edition_, context_->time());
     }
     if (context_->progress_ == Progress::kTickDone && schedule_->next_time() <= context_->time())
       context_->progress_ = Progress::kTickDue;
   } catch (const std::exception& error) {
     context_->failure_ = error.what();
+    if (context_->failure_.empty()) context_->failure_ = "an exception without a text was thrown";
     static_cast<void>(FlushLogs());  // the first error is the one reported
     throw;
   } catch (...) {
@@ -313,6 +337,7 @@ void Simulator::IntegrateTo(double target) {
       EndStep();
       continue;
     }
+    DemandUnchanged(context_->edition_, known_edition_, context_->time());  // or the integrator starts again
     integrator_->Advance(watches_steps_ || horizon_ - target > Tiny(target));
     FindEvent(integrator_->begin());
   }

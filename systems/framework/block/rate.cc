@@ -45,6 +45,11 @@ Rate Rate::FromPeriod(std::int64_t numerator, std::int64_t denominator) {
     throw ParameterError(fmt::format("a sample period of {}/{} s is not positive: give a rate above 0 Hz",
                                      numerator, denominator));
   }
+  const double period = static_cast<double>(numerator) / static_cast<double>(denominator);
+  if (period > 1e9 || period < 1e-12) {
+    throw ParameterError(fmt::format(
+        "a sample period of {}/{} s is out of range: give one from 1e-12 to 1e9 s", numerator, denominator));
+  }
   const std::int64_t divisor = std::gcd(numerator, denominator);
   return Rate(numerator / divisor, denominator / divisor);
 }

@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <cstring>
 #include <exception>
 
@@ -299,6 +300,8 @@ void Context::MarkAllStale(bool settled) {
 }
 
 void Context::SetTime(double time) {
+  if (!std::isfinite(time))
+    throw RunError(fmt::format("cannot set the time to {} s: give a finite time", time));
   SetRunTime(time);
   MarkAllStale();
 }

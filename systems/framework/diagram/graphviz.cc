@@ -1,4 +1,5 @@
 #include <tenon/systems/framework/diagram/diagram.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
@@ -49,6 +50,9 @@ class Drawing {
   }
 
   void DrawBlocks(const std::vector<std::unique_ptr<System>>& blocks, const std::string& indent) {
+    constexpr std::size_t kMaxDepth = 100;  // the size of the text grows with the square of the depth
+    if (indent.size() > 2 * kMaxDepth)
+      throw Error(fmt::format("diagrams that are nested more than {} deep cannot be drawn", kMaxDepth));
     for (const auto& block : blocks) {
       if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get())) {
         out_ += fmt::format(

@@ -45,16 +45,21 @@ void CheckOptions(const SimulatorOptions& options) {
   const auto demand = [](bool holds, const std::string& text) {
     if (!holds) throw ParameterError("SimulatorOptions: " + text);
   };
+  demand(options.method >= Method::kErk && options.method <= Method::kErkOpen,
+         fmt::format("Method({}) does not exist", static_cast<int>(options.method)));
   const bool multistep = options.method == Method::kBdf || options.method == Method::kAdams;
   const int lowest = multistep ? 1 : 2;
   const int highest = options.method == Method::kAdams ? 12 : options.method == Method::kStabilized ? 3 : 5;
   demand(options.order >= lowest && options.order <= highest,
          fmt::format("order {} does not exist for this method: choose {} to {}", options.order, lowest,
                      highest));
-  demand(options.rtol > 0, fmt::format("`rtol` must be positive, but is {}", options.rtol));
-  demand(options.atol > 0, fmt::format("`atol` must be positive, but is {}", options.atol));
+  demand(options.rtol > 0 && options.rtol <= 1,
+         fmt::format("`rtol` must be positive and at most 1, but is {}", options.rtol));
+  demand(options.atol > 0 && std::isfinite(options.atol),
+         fmt::format("`atol` must be positive and finite, but is {}", options.atol));
   for (const StateTolerance& own : options.state_atol) {
-    demand(own.atol > 0, fmt::format("`atol` of '{}' must be positive, but is {}", own.prefix, own.atol));
+    demand(own.atol > 0 && std::isfinite(own.atol),
+           fmt::format("`atol` of '{}' must be positive and finite, but is {}", own.prefix, own.atol));
   }
   demand(options.fixed_step >= 0,
          fmt::format("`fixed_step` must not be negative, but is {} s", options.fixed_step));

@@ -63,6 +63,20 @@ TEST(GraphvizTest, SampleTimesHaveColoursAndALegend) {
   EXPECT_THAT(builder.Build()->Graphviz(), Not(HasSubstr("legend")));
 }
 
+/// A diagram that is nested to a depth.
+class Nested final : public Subdiagram {
+ public:
+  explicit Nested(int depth) {
+    if (depth > 0) Add<Nested>("n", depth - 1);
+  }
+};
+
+TEST(GraphvizTest, DiagramsThatAreNestedTooDeeplyAreRefused) {
+  DiagramBuilder builder;
+  builder.Add<Nested>("n", 200);
+  EXPECT_TRUE(Throws<Error>([&] { static_cast<void>(builder.Build()->Graphviz()); }, "nested more than 100"));
+}
+
 TEST(GraphvizTest, DotAcceptsIt) {
   if (std::system("dot -V 2> /dev/null") != 0) GTEST_SKIP() << "Graphviz is not installed";
   const auto file = test::TemporaryPath("tenon_graphviz_test.dot");

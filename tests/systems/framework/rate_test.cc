@@ -47,6 +47,9 @@ TEST(RateTest, WhatIsNoRateIsRefused) {
   EXPECT_TRUE(Throws<ParameterError>([] { Rate::FromPeriod(0, 5); }, "0/5 s"));
   EXPECT_TRUE(Throws<ParameterError>([] { Rate::FromPeriod(1, -5); }, "1/-5 s"));
   EXPECT_TRUE(Throws<ParameterError>([] { Hz(1e10); }, "10000000000 Hz"));
+  constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
+  EXPECT_TRUE(Throws<ParameterError>([] { Rate::FromPeriod(kLargest, 1); }, "out of range"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Rate::FromPeriod(1, kLargest); }, "out of range"));
 }
 
 TEST(RateTest, WhatIsNoFractionOfTwelveDigitsIsRefused) {

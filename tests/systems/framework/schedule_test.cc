@@ -93,4 +93,18 @@ TEST(ScheduleTest, PeriodsWithoutACommonTickAreRefused) {
   EXPECT_THAT([] { Schedule({{{1, 3}, {0, 1}, "a"}, {{1, std::int64_t{1} << 62}, {0, 1}, "b"}}); }, refused);
 }
 
+// The common tick of 1 MHz and 999999 Hz is close to a picosecond, of which 64 bits count 107 days.
+TEST(ScheduleTest, TicksThatCannotBeCountedAreRefused) {
+  const auto refused = [](const std::string& where) { return ThrowsMessage<Error>(HasSubstr(where)); };
+  const SampleGroup fast{{1, 1'000'000}, {0, 1}, "fast"}, uneven{{1, 999'999}, {0, 1}, "uneven"};
+  EXPECT_THAT(([&] { Schedule({fast, uneven, {{1'000'000'000, 1}, {0, 1}, "slow"}}); }), refused("'slow'"));
+  EXPECT_THAT(([&] { Schedule({fast, uneven, {{1, 1}, {1'000'000'000, 1}, "late"}}); }), refused("'late'"));
+  Schedule schedule({fast, uneven});
+  EXPECT_THAT([&] { schedule.MoveTo(9.3e6, true); }, refused("too late"));
+  EXPECT_THAT([&] { schedule.MoveTo(1e308, true); }, refused("too late"));
+  Schedule seldom({{{1'000'000'000, 1}, {0, 1}, "seldom"}, {{1, 1'000'000'000}, {0, 1}, "often"}});
+  EXPECT_EQ(seldom.Take(), (Groups{0, 1}));
+  EXPECT_EQ(seldom.next_time(), 1e-9);
+}
+
 }  // namespace tenon::internal::schedule_test

@@ -681,4 +681,57 @@ TEST(SimulatorTest, AMonitorMayNotChangeTheContext) {
   EXPECT_TRUE(Throws<ParameterError>([&] { simulator.AddMonitor({}); }, "AddMonitor"));
 }
 
+// A calculation may have a reference to the context in which it runs.
+TEST(SimulatorTest, ACalculationMayNotChangeTheContext) {
+  for (const bool ticks : {false, true}) {
+    DiagramBuilder builder;
+    auto& oscillator = builder.Add<Oscillator>("oscillator");
+    Context* own = nullptr;
+    const auto change = [&](double t) {
+      if (own != nullptr && t > 0.2) own->Set(oscillator.x, {0, 0});
+      return t;
+    };
+    auto& clock = builder.AddFunction("clock", Uses(builder.time), change);
+    if (ticks) {
+      auto& map = builder.Add<SampledMap>("map", {[](double u) { return u; }, {Hz(10)}});
+      builder.Connect(clock, map.u);
+    } else {
+      builder.Connect(clock, oscillator.u);
+    }
+    Simulator simulator(builder.Build());
+    own = &simulator.context();
+    EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "changed the context")) << ticks;
+    EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "cannot continue")) << ticks;
+  }
+}
+
+TEST(SimulatorTest, AnErrorWithoutATextIsAnError) {
+  DiagramBuilder builder;
+  builder.Add<Oscillator>("oscillator");
+  Simulator simulator(builder.Build());
+  simulator.AddMonitor([](Context&) -> Verdict { throw std::runtime_error(""); });
+  EXPECT_THROW(simulator.RunTo(1), std::runtime_error);
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "cannot continue"));
+}
+
+TEST(SimulatorTest, AbsurdOptionsAndNullAreRefused) {
+  DiagramBuilder builder;
+  auto& oscillator = builder.Add<Oscillator>("oscillator");
+  const auto diagram = builder.Build();
+  for (const SimulatorOptions& options :
+       {SimulatorOptions{.rtol = 1e300}, SimulatorOptions{.atol = std::numeric_limits<double>::infinity()},
+        SimulatorOptions{.method = static_cast<Method>(99)},
+        SimulatorOptions{.method = static_cast<Method>(-1)}})
+    EXPECT_TRUE(Throws<ParameterError>([&] { Simulator(*diagram, options); }, "SimulatorOptions"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Simulator(std::unique_ptr<Context>()); }, "context is null"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Simulator(std::shared_ptr<const Diagram>()); }, "diagram is null"));
+  Simulator simulator(diagram);
+  EXPECT_TRUE(Throws<ParameterError>([&] { simulator.AddLog(Hz(1), {nullptr}); }, "null"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([&] { simulator.AddLog(Hz(1), {&oscillator.state}, {nullptr}); }, "null"));
+  for (const double bad : {kNan, std::numeric_limits<double>::infinity()})
+    EXPECT_TRUE(Throws<RunError>([&] { simulator.context().SetTime(bad); }, "finite time"));
+  EXPECT_TRUE(Throws<Error>([&] { simulator.AddLog(Hz(1), {&oscillator.state})->column("x"); }, "advance"));
+}
+
 }  // namespace tenon::simulator_test

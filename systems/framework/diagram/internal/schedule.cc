@@ -12,6 +12,13 @@ namespace tenon::internal {
 namespace {
 constexpr std::int64_t kMaxTicksPerSecond = 1'000'000'000'000;
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+constexpr std::int64_t kMaxTicks = kNever / 4;  // of a period, an offset or the begin of a run
+
+[[noreturn]] void ThrowTooLate(double time) {
+  throw RunError(fmt::format(
+      "t = {} s is too late for the common tick of all sample times: round them, so that it is coarser",
+      time));
+}
 }  // namespace
 
 Schedule::Schedule(const std::vector<SampleGroup>& groups) {
@@ -27,9 +34,19 @@ Schedule::Schedule(const std::vector<SampleGroup>& groups) {
     }
   }
   for (const SampleGroup& group : groups) {
-    const std::int64_t offset = group.offset.numerator * (per_second_ / group.offset.denominator);
-    entries_.push_back(
-        {group.period.numerator * (per_second_ / group.period.denominator), offset, offset, group.feeds});
+    const auto ticks = [&](const Rational& time) {
+      const std::int64_t factor = per_second_ / time.denominator;
+      if (time.numerator > kMaxTicks / factor)
+        throw BuildError(
+            fmt::format("the sample times of '{}' and '{}' have so fine a common tick that a period or an "
+                        "offset of {:g} s "
+                        "has too many: round them",
+                        groups.front().example, group.example,
+                        static_cast<double>(time.numerator) / static_cast<double>(time.denominator)));
+      return time.numerator * factor;
+    };
+    const std::int64_t offset = ticks(group.offset);
+    entries_.push_back({ticks(group.period), offset, offset, group.feeds});
   }
   due_.reserve(entries_.size());
   FindNext();
@@ -38,6 +55,7 @@ Schedule::Schedule(const std::vector<SampleGroup>& groups) {
 void Schedule::MoveTo(double time, bool inclusive) {
   // The first tick to be run. The product may round to a tick before or after `time`.
   const auto per_second = static_cast<double>(per_second_);
+  if (!(std::abs(time) * per_second < static_cast<double>(kMaxTicks))) ThrowTooLate(time);
   auto first = static_cast<std::int64_t>(std::floor(time * per_second));
   const auto counts = [&](double tick_time) { return inclusive ? tick_time >= time : tick_time > time; };
   while (!counts(static_cast<double>(first) / per_second)) ++first;
@@ -54,6 +72,7 @@ const Groups& Schedule::Take() {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (entries_[i].next != next_tick_) continue;
     due_.push_back(static_cast<int>(i));
+    if (entries_[i].next > kNever - 1 - entries_[i].period) ThrowTooLate(Time(next_tick_));
     entries_[i].next += entries_[i].period;
   }
   FindNext();
