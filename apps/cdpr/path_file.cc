@@ -47,6 +47,7 @@ PathTable ReadPathFile(const std::string& file) {
     throw ParameterError(fmt::format("{}:{}: {}", file, number, what));
   };
   std::getline(in, line);
+  if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // a byte-order mark
   const std::string header = fmt::format("{}", fmt::join(Cells(line), ","));
   if (header != kPositions && header != kPoses)
     refuse(fmt::format("the columns are '{}': give '{}' or '{}', in s, m and rad", internal::Excerpt(header),

@@ -20,15 +20,16 @@ namespace {
 constexpr int kFormat = 1;  // version of the file; it changes whenever Read cannot read earlier files
 
 double FiniteTime(const Json& json, double least) {
+  constexpr double kLongest = 1e8;  // of a run, about three years [s]
   const double time = json.get<double>();
-  if (!(std::isfinite(time) && time >= least)) throw std::out_of_range("a time goes back");
+  if (!(time >= least && time <= kLongest)) throw std::out_of_range("a time goes back");
   return time;
 }
 
 void ReadLine(const Json& json, bool first, LiveRecording& recording) {
   if (first) {
     if (json.at("tenon_live") != kFormat) throw std::out_of_range("another format");
-    recording.seed = json.at("seed").get<std::uint64_t>();
+    recording.seed = internal::ReadSeed(json.at("seed"));
     return;
   }
   if (recording.end) throw std::out_of_range("a line behind the end");
@@ -61,7 +62,7 @@ LiveRecording LiveRecording::Read(const std::filesystem::path& file) {
   std::string line;
   int number = 0;
   while (std::getline(in, line)) {
-    ++number;
+    if (++number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // a byte-order mark
     try {
       ReadLine(Json::parse(line), number == 1, recording);
     } catch (const std::exception&) {

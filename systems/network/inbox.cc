@@ -56,8 +56,9 @@ void Inbox::TakeThatOf(double time, void* value, RefusedMessages& refused) {
   const auto end = Clock::now() + std::chrono::duration<double>(reception_.timeout_s);
   const std::uint64_t refused_before = refused.count;
   std::string last = "none came";
-  for (;;) {
+  for (bool first = true;; first = false) {
     const std::chrono::duration<double> left = end - Clock::now();
+    if (!first && left.count() <= 0) break;  // also if other messages keep coming
     const auto message = Receive(std::max(0.0, left.count()));
     if (!message) break;
     double timestamp = 0;

@@ -171,7 +171,11 @@ Json LiveRun::Do(const std::string& client, const Json& command) {
   } else if (name == "back") {
     Back(Number(command, "to_s"));
   } else if (name == "reset") {
-    Reset(command.at("seed").get<std::uint64_t>());
+    try {
+      Reset(ReadSeed(command.at("seed")));
+    } catch (const std::out_of_range& error) {
+      throw ParameterError(error.what());
+    }
   } else if (name == "save") {
     answer["yaml"] = SaveScenario();
   } else if (name == "stop") {

@@ -141,6 +141,10 @@ class TreeBuilder final : public YAML::EventHandler {
     if (ExpectsKey()) {
       // The parser reports an unfinished list as a key before it finds the syntax error, so the check waits.
       if (tree.kind != Kind::kScalar && bad_key_.empty()) bad_key_ = tree.place;
+      if (tree.kind == Kind::kScalar && !tree.quoted && tree.text == "<<")
+        FailAt(tree.place,
+               "the merge key '<<' is not part of YAML 1.2; repeat the keys, or inherit those of a "
+               "file by `extends`");
       level.key = std::move(tree);
       return;
     }

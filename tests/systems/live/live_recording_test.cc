@@ -41,6 +41,12 @@ TEST_F(LiveRecordingTest, WrongLinesAreNamed) {
       "recording.jsonl:3:", "live.jsonl"));
   EXPECT_TRUE(
       Throws<ParameterError>([&] { Read("{\"tenon_live\": 9, \"seed\": 1}\n"); }, "recording.jsonl:1:"));
+  for (const char* seed : {"-1", "1.5", "1e300", "1.0", "\"1\"", "null"})
+    EXPECT_TRUE(Throws<ParameterError>(
+        [&] { Read("{\"tenon_live\": 1, \"seed\": " + std::string(seed) + "}\n"); }, "recording.jsonl:1:"))
+        << seed;
+  EXPECT_TRUE(Throws<ParameterError>([&] { Read(head + "{\"end\": 1e308, \"tick\": true}\n"); }, ":2:"));
+  EXPECT_EQ(Read("\xEF\xBB\xBF" + head).seed, 1U) << "a byte-order mark";
   EXPECT_TRUE(Throws<ParameterError>([&] { Read(""); }, "is empty"));
   EXPECT_TRUE(Throws<ParameterError>([&] { LiveRecording::Read("nowhere.jsonl"); }, "'nowhere.jsonl'"));
   // A killed run may leave an incomplete line.

@@ -10,6 +10,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -372,6 +373,20 @@ TEST(UdpInputTest, InLockStepTakesTheMessageOfItsTick) {
   EXPECT_EQ(rig.Tick()[rig->y], 2);
   EXPECT_EQ(rig.Tick()[rig->y], 4) << "that of 0.1 s is past";
   EXPECT_EQ(rig[rig->refused].count, 1u);
+}
+
+// Messages of other ticks keep coming.
+TEST(UdpInputTest, AFloodOutlivesNoTimeout) {
+  const Peer peer;
+  TestRig<UdpInput<double>> rig(
+      {.name = "x", .rate = Hz(10), .port = 0, .lock_step = true, .timeout_s = 0.05});
+  std::atomic<bool> ends = false;
+  std::thread flood([&] {
+    while (!ends) peer.Send(rig->port(), R"({"timestamp":-1,"x":1})");
+  });
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "within 0.05 s"));
+  ends = true;
+  flood.join();
 }
 
 TEST(UdpInputTest, ALockStepThatIsLostEndsTheRun) {

@@ -241,6 +241,7 @@ TEST(YamlErrorTest, WhatIsNoYaml) {
                  {"name: a\n  steps: 3\n", "2:"},
                  {"legs: &a [*a]", "1:", "alias"},
                  {"name: a\n---\nname: b\n", "", "second document"},
+                 {"<<: {name: a}\n", "", "merge key"},
                  {"speed_m_per_s: !!float 3", "1:16: ", "tag"}});
   EXPECT_THAT(ErrorOf([] { YamlDocument::Load("no/such.yaml"); }), HasSubstr("'no/such.yaml'"));
   EXPECT_THAT(ErrorOf([] { YamlDocument::Load(::testing::TempDir()); }), HasSubstr(::testing::TempDir()));
