@@ -5,9 +5,10 @@
 
 namespace tenon::apps {
 
-std::string KeyOfBlockIn(std::string_view message, std::span<const KeyOfBlock> keys) {
+std::string KeyOfBlockAt(std::string_view path, std::span<const KeyOfBlock> keys) {
+  const std::string dotted = fmt::format(".{}.", path);
   for (const auto& [block, key] : keys)
-    if (message.find(fmt::format("block '{}'", block)) != message.npos) return key;
+    if (dotted.find(fmt::format(".{}.", block)) != dotted.npos) return key;
   return {};
 }
 

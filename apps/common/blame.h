@@ -21,7 +21,7 @@ class KeyError : public ParameterError {
   std::string key_;
 };
 
-/// Returns make(). Rethrows a ParameterError as a KeyError of the key `key_of(message)`.
+/// Returns make(). Rethrows a ParameterError as a KeyError of the key `key_of(error)`.
 template <class F>
 decltype(auto) BlameBy(const auto& key_of, F make) {
   try {
@@ -29,14 +29,14 @@ decltype(auto) BlameBy(const auto& key_of, F make) {
   } catch (const KeyError&) {
     throw;  // names a more precise key
   } catch (const ParameterError& error) {
-    throw KeyError(key_of(error.what()), error.what());
+    throw KeyError(key_of(error), error.what());
   }
 }
 
 /// Returns make(). Rethrows a ParameterError as a KeyError of `key`.
 template <class F>
 decltype(auto) Blame(const std::string& key, F make) {
-  return BlameBy([&](const char*) { return key; }, std::move(make));
+  return BlameBy([&](const ParameterError&) { return key; }, std::move(make));
 }
 
 /// A block and the key of the scenario that sets its parameters.
@@ -45,14 +45,16 @@ struct KeyOfBlock {
   const char* key;
 };
 
-/// Returns the key of the first block in the list that the message names, or an empty string.
-std::string KeyOfBlockIn(std::string_view message, std::span<const KeyOfBlock> keys);
+/// Returns the key of the first entry whose block is, or contains, the one with this path; empty if there is
+/// none.
+std::string KeyOfBlockAt(std::string_view path, std::span<const KeyOfBlock> keys);
 
 /// Returns make(), which adds a diagram to a builder. Rethrows the ParameterError of a block as a KeyError of
 /// the block's key.
 template <class F>
 decltype(auto) BlameBlocks(std::span<const KeyOfBlock> keys, F make) {
-  return BlameBy([&](std::string_view message) { return KeyOfBlockIn(message, keys); }, std::move(make));
+  return BlameBy([&](const ParameterError& error) { return KeyOfBlockAt(error.block(), keys); },
+                 std::move(make));
 }
 
 /// Throws the error with file, line and column of its key.

@@ -508,7 +508,8 @@ void Simulator::CheckSamples(const TickPlan& plan) const {
     if (internal::FinitenessOf(*source->type_, context_->Address(*source)) != internal::Finiteness::kNan)
       continue;
     throw RunError(fmt::format("{} at t = {} s: the run cannot continue; check that block and its inputs",
-                               context_->DescribeNonFinite(), context_->time()));
+                               context_->DescribeNonFinite(), context_->time()),
+                   source->owner().path());
   }
 }
 
@@ -550,12 +551,15 @@ void Simulator::Fire(std::size_t witness) {
           fmt::format("changes of kink '{}' {} at t = {} s: the state slides along the discontinuity, "
                       "because the derivatives on both sides point towards it. Give the block a Mode for "
                       "the sliding motion, or replace the jump by a steep slope",
-                      plan.witness->path(), what, now));
+                      plan.witness->path(), what, now),
+          plan.witness->owner().path());
     }
-    throw RunError(fmt::format(
-        "events of witness '{}' {} at t = {} s: its updates must move the state away from the crossing. Add "
-        "a Mode for the motion that follows (rest, contact), and enter it when events are frequent",
-        plan.witness->path(), what, now));
+    throw RunError(
+        fmt::format(
+            "events of witness '{}' {} at t = {} s: its updates must move the state away from the crossing. "
+            "Add a Mode for the motion that follows (rest, contact), and enter it when events are frequent",
+            plan.witness->path(), what, now),
+        plan.witness->owner().path());
   }
   if (plan.is_kink) {
     integrator_->Halt();

@@ -146,10 +146,13 @@ void Context::RethrowFrom(const Op& op) const {
     throw;
   } catch (const std::exception& error) {
     std::throw_with_nested(
-        RunError(fmt::format("'{}' failed at t = {} s: {}", source.path(), time(), error.what())));
+        RunError(fmt::format("'{}' failed at t = {} s: {}", source.path(), time(), error.what()),
+                 source.owner().path()));
   } catch (...) {
-    std::throw_with_nested(RunError(fmt::format(
-        "'{}' failed at t = {} s: it threw an object that is not a std::exception", source.path(), time())));
+    std::throw_with_nested(
+        RunError(fmt::format("'{}' failed at t = {} s: it threw an object that is not a std::exception",
+                             source.path(), time()),
+                 source.owner().path()));
   }
 }
 
@@ -167,7 +170,8 @@ void Context::ReadWitnesses(double* values) const {
       throw RunError(
           fmt::format("witness '{}' is nan at t = {} s and can never cross zero: check its function and "
                       "the values that it uses",
-                      plan.witness->path(), time()));
+                      plan.witness->path(), time()),
+          plan.witness->owner().path());
     }
     ++values;
   }
@@ -182,7 +186,8 @@ void Context::CheckUpdates(const internal::UpdatePlan& plan) const {
     if (found == Finiteness::kNan || (integrated && found != Finiteness::kFinite)) {
       throw RunError(
           fmt::format("state {} at t = {} s after its update: correct the update or the values that it uses",
-                      DescribeNonFinite(*commit.state, *commit.next), time()));
+                      DescribeNonFinite(*commit.state, *commit.next), time()),
+          commit.state->owner().path());
     }
   }
 }

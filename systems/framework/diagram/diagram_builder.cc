@@ -50,12 +50,15 @@ System& Assembly::Adopt(std::unique_ptr<System> block, const std::string& name) 
 }
 
 void Assembly::RethrowWithName(const std::string& name) {
+  const auto path = [&](const Error& error) {
+    return error.block().empty() ? name : name + "." + error.block();
+  };
   try {
     throw;
   } catch (const ParameterError& error) {
-    std::throw_with_nested(ParameterError(fmt::format("block '{}': {}", name, error.what())));
+    std::throw_with_nested(ParameterError(fmt::format("block '{}': {}", name, error.what()), path(error)));
   } catch (const BuildError& error) {
-    std::throw_with_nested(BuildError(fmt::format("inside '{}': {}", name, error.what())));
+    std::throw_with_nested(BuildError(fmt::format("inside '{}': {}", name, error.what()), path(error)));
   }
 }
 
