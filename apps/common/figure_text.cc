@@ -1,6 +1,6 @@
 #include <tenon/apps/common/figure_text.h>
+#include <tenon/systems/text/key_unit.h>
 #include <tenon/systems/text/parse_number.h>
-#include <tenon/systems/yaml/internal/key_unit.h>
 
 #include <fmt/core.h>
 

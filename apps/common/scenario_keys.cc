@@ -1,5 +1,5 @@
 #include <tenon/apps/common/scenario_keys.h>
-#include <tenon/systems/yaml/internal/key_unit.h>
+#include <tenon/systems/text/key_unit.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 
@@ -141,6 +141,7 @@ void List(const TypeInfo& type, const void* value, const std::string& prefix, co
     ScenarioKey key{.key = prefix + field.name,
                     .type = TypeText(member),
                     .unit = internal::UnitOfKey(field.name),
+                    .range = field.range.Text(),
                     .initial = field.required ? "required" : Shown(member, at),
                     .meaning = {}};
     if (own != meanings.end())
@@ -185,6 +186,7 @@ std::vector<ScenarioKey> KeysOfFile(const std::string& kind, const YamlFile& wha
     keys.push_back({.key = key + "." + name,
                     .type = "in " + ResourceName(what),
                     .unit = internal::UnitOfKey(name.substr(name.rfind('.') + 1)),
+                    .range = {},
                     .initial = text,
                     .meaning = {}});
   return keys;
@@ -192,7 +194,8 @@ std::vector<ScenarioKey> KeysOfFile(const std::string& kind, const YamlFile& wha
 
 void PrintKeys(const std::vector<ScenarioKey>& keys) {
   for (const ScenarioKey& key : keys)
-    fmt::print("{:<48} {:<14} {:<10} {:<16} {}\n", key.key, key.type, key.unit.empty() ? "-" : key.unit,
+    fmt::print("{:<48} {:<14} {:<10} {:<16} {:<16} {}\n", key.key, key.type,
+               key.unit.empty() ? "-" : key.unit, key.range.empty() ? "-" : key.range,
                key.initial.empty() ? "-" : key.initial, key.meaning);
 }
 

@@ -13,6 +13,7 @@ struct ScenarioKey {
   std::string key;      ///< dotted, with [] for items of a list: forces[].duration_s
   std::string type;     ///< number, integer, text, list of 3 numbers, one of on, off, …
   std::string unit;     ///< unit from the key's suffix: m/s
+  std::string range;    ///< allowed numbers: above 0, from 0 to 1; empty if all are
   std::string initial;  ///< the default; "required" without one
   std::string meaning;  ///< may be empty
 };

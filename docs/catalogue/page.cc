@@ -55,7 +55,7 @@ class Signals {
   }
 
   std::string Table() const {
-    std::string table = "| type | field | | unit |\n| --- | --- | --- | --- |\n";
+    std::string table = "| type | field | | unit | range |\n| --- | --- | --- | --- | --- |\n";
     for (const auto& [name, rows] : entries_) table += rows;
     return table;
   }
@@ -76,12 +76,13 @@ class Signals {
     if (type.kind != Kind::kStruct) {
       for (const internal::NamedValue& value : type.names)
         rows += (rows.empty() ? "" : ", ") + std::string(value.name);
-      rows = Line({name, rows, "", ""});
+      rows = Line({name, rows, "", "", ""});
     }
     for (const Field& field : type.fields) {
-      rows += Line({rows.empty() ? name : "", field.name, Link(field.type()), field.units});
+      rows +=
+          Line({rows.empty() ? name : "", field.name, Link(field.type()), field.units, field.range.Text()});
     }
-    if (rows.empty()) rows = Line({name, "no numbers", "", ""});
+    if (rows.empty()) rows = Line({name, "no numbers", "", "", ""});
     entries_[NameOf(type)] = rows;
   }
 
@@ -174,9 +175,11 @@ class BlockTable {
     }
     for (const Source* source : entry.block->sources()) {
       if (source->kind() != SourceKind::kParameter) continue;
-      if (parameters_.empty()) parameters_ = "\n| parameter | type | unit | |\n| --- | --- | --- | --- |\n";
-      parameters_ += Line({source->name(), TypeOf(*source), UnitOf(*source),
-                           static_cast<const internal::ParameterSource*>(source)->description()});
+      if (parameters_.empty())
+        parameters_ = "\n| parameter | type | unit | range | |\n| --- | --- | --- | --- | --- |\n";
+      const auto& parameter = static_cast<const internal::ParameterSource&>(*source);
+      parameters_ += Line({source->name(), TypeOf(*source), UnitOf(*source), parameter.range().Text(),
+                           parameter.description()});
     }
   }
 

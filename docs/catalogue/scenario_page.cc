@@ -98,7 +98,7 @@ void ReadStructs(const fs::path& file, std::map<std::string, Members>& found) {
 void ReadKeys(const fs::path& file, std::map<std::string, Members>& found) {
   static const std::regex kBegin(
       R"(struct (\w+)(?: final)?(?: :[^;{]*)? \{|FieldList (?:(\w+)::)?Fields\(\) \{)");
-  static const std::regex kKey(R"re((?:\{|Required\()"(\w+)",\s*&(?:\w+::)*(\w+))re");
+  static const std::regex kKey(R"re((?:\{|Field\(|Required\()"(\w+)",\s*&(?:\w+::)*(\w+))re");
   std::string text, name;
   for (const std::string& line : ReadLines(file)) text += line + '\n';
   for (auto it = std::sregex_iterator(text.begin(), text.end(), kBegin); it != std::sregex_iterator(); ++it) {
@@ -221,11 +221,12 @@ std::string WriteScenarioKeys() {
   std::string text = kHead;
   for (const Page& page : kPages) {
     text += fmt::format(
-        "\n## {}\n\nKeys of {}.\n\n| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- "
-        "|\n",
+        "\n## {}\n\nKeys of {}.\n\n| key | type | unit | range | default | meaning |\n| --- | --- | --- | "
+        "--- "
+        "| --- | --- |\n",
         page.app, page.what);
     for (const ScenarioKey& key : page.keys())
-      text += fmt::format("| `{}` | {} | {} | {} | {} |\n", key.key, key.type, key.unit,
+      text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", key.key, key.type, key.unit, key.range,
                           key.initial.empty() ? "" : "`" + key.initial + "`", Escaped(key.meaning, "|"));
   }
   return text;

@@ -15,10 +15,6 @@ struct DiscreteDerivativeParams {
   std::string u_unit = "";    ///< unit of the input
   std::string y_unit = "";    ///< unit of the output: u_unit per second
   std::string elements = "";  ///< names of the elements of u and y
-  void Validate() const {
-    Demand(time_constant >= 0 && std::isfinite(time_constant),
-           "time_constant must be finite and not negative; 0 disables the filter");
-  }
 };
 
 /// The derivative of a sampled signal, with a first-order low-pass filter, by backward differences. With T
@@ -40,7 +36,7 @@ class DiscreteDerivative final : public LeafSystem<DiscreteDerivativeParams> {
  public:
   using LeafSystem::LeafSystem;
   Parameter<double> time_constant{
-      this, {"time_constant", "s"}, params.time_constant, "time constant of the filter"};
+      this, {"time_constant", "s"}, params.time_constant, "time constant of the filter", Range().AtLeast(0)};
   InputPort<T> u{this, {"u", params.u_unit, params.elements}};
   DiscreteState<Difference> x{this, "x"};
 

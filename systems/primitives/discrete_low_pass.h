@@ -16,10 +16,7 @@ struct DiscreteLowPassParams {
   Rate rate = Hz(1000);
   std::string unit = "";      ///< unit of input and output
   std::string elements = "";  ///< names of the elements
-  void Validate() const {
-    Demand(time_constant > 0, "time_constant must be positive");
-    Demand(internal::IsFinite(initial), "initial must be finite");
-  }
+  void Validate() const { Demand(internal::IsFinite(initial), "initial must be finite"); }
 };
 
 /// A sampled first-order low-pass filter, for controllers. For an input that is held between ticks, its
@@ -39,8 +36,11 @@ class DiscreteLowPass final : public LeafSystem<DiscreteLowPassParams<T>> {
  public:
   using LeafSystem<DiscreteLowPassParams<T>>::LeafSystem;
   using LeafSystem<DiscreteLowPassParams<T>>::params;
-  Parameter<double> time_constant{
-      this, {"time_constant", "s"}, params.time_constant, "time constant of the filter"};
+  Parameter<double> time_constant{this,
+                                  {"time_constant", "s"},
+                                  params.time_constant,
+                                  "time constant of the filter",
+                                  Range().Positive().OrInfinite()};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}, params.initial};
   OutputPort<T> y{

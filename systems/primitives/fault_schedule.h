@@ -22,14 +22,8 @@ struct FaultSchedule {
     return since >= 0 && since < duration;
   }
   static FieldList Fields() {
-    return {{"start", &FaultSchedule::start, "s"}, {"duration", &FaultSchedule::duration, "s"}};
-  }
-  /// Throws ParameterError if start is not finite or duration is negative.
-  void Validate() const {
-    Demand(std::isfinite(start),
-           "schedule.start = " + std::to_string(start) + " must be finite: give seconds");
-    Demand(duration >= 0, "schedule.duration = " + std::to_string(duration) +
-                              " must not be negative: give seconds, infinity for a permanent fault");
+    return {Field("start", &FaultSchedule::start, "s").Finite(),
+            Field("duration", &FaultSchedule::duration, "s").AtLeast(0).OrInfinite()};
   }
 };
 

@@ -14,7 +14,6 @@ struct GainParams {
   std::string u_unit = "";    ///< unit of the input
   std::string y_unit = "";    ///< unit of the output
   std::string elements = "";  ///< names of the elements of u and y
-  void Validate() const { Demand(std::isfinite(gain), "gain must be finite"); }
 };
 
 /// A multiplication by a scalar:
@@ -31,7 +30,7 @@ template <internal::DoubleOrMatrix T = double>
 class Gain final : public LeafSystem<GainParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<double> gain{this, "gain", params.gain, "factor in unit of y / unit of u"};
+  Parameter<double> gain{this, "gain", params.gain, "factor in unit of y / unit of u", Range().Finite()};
   InputPort<T> u{this, {"u", params.u_unit, params.elements}};
   OutputPort<T> y{
       this, {"y", params.y_unit, params.elements}, Uses(gain, u), [](double gain, const T& u) -> T {

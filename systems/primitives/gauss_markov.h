@@ -16,12 +16,6 @@ struct GaussMarkovParams {
   Rate rate = Hz(1000);
   std::string unit = "";
   std::string elements = "";  ///< names of the elements
-  void Validate() const {
-    Demand(internal::IsFinite(standard_deviation) &&
-               internal::Everywhere([](double deviation) { return deviation >= 0; }, standard_deviation),
-           "standard_deviation must be finite and not negative, in every element");
-    Demand(time_constant > 0 && std::isfinite(time_constant), "time_constant must be positive and finite");
-  }
 };
 
 /// Coloured noise: the first-order Gauss-Markov process, exact at its ticks and held between them. With h the
@@ -43,9 +37,13 @@ class GaussMarkov final : public LeafSystem<GaussMarkovParams<T>> {
  public:
   using LeafSystem<GaussMarkovParams<T>>::LeafSystem;
   using LeafSystem<GaussMarkovParams<T>>::params;
-  Parameter<T> standard_deviation{
-      this, {"standard_deviation", params.unit, params.elements}, params.standard_deviation, "noise level"};
-  Parameter<double> time_constant{this, {"time_constant", "s"}, params.time_constant, "correlation time"};
+  Parameter<T> standard_deviation{this,
+                                  {"standard_deviation", params.unit, params.elements},
+                                  params.standard_deviation,
+                                  "noise level",
+                                  Range().AtLeast(0)};
+  Parameter<double> time_constant{
+      this, {"time_constant", "s"}, params.time_constant, "correlation time", Range().Positive()};
   Random random{this, "random"};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}};
   OutputPort<T> y{

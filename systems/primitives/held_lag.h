@@ -18,10 +18,7 @@ struct HeldLagParams {
   Rate rate = Hz(1000);               ///< rate at which u is sampled
   std::string unit = "";              ///< unit of input and output
   std::string elements = "";          ///< names of the elements
-  void Validate() const {
-    Demand(std::isfinite(time_constant) && time_constant > 0, "time_constant must be finite and positive");
-    Demand(internal::IsFinite(initial), "initial must be finite");
-  }
+  void Validate() const { Demand(internal::IsFinite(initial), "initial must be finite"); }
 };
 
 /// Response of a HeldLag since its last tick, from one value to another.
@@ -62,7 +59,7 @@ class HeldLag final : public LeafSystem<HeldLagParams<T>> {
   using Part = HeldLagPart<T>;
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   Parameter<double> time_constant{
-      this, {"time_constant", "s"}, params.time_constant, "time constant of the lag"};
+      this, {"time_constant", "s"}, params.time_constant, "time constant of the lag", Range().Positive()};
   DiscreteState<Part> part{this, "part", Part{.from = params.initial, .to = params.initial}};
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},

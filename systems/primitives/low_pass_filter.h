@@ -14,10 +14,7 @@ struct LowPassFilterParams {
   T initial = internal::Filled<T>(0);  ///< y at t = 0 [unit]
   std::string unit = "";               ///< unit of input and output
   std::string elements = "";           ///< names of the elements
-  void Validate() const {
-    Demand(time_constant > 0, "time_constant must be positive");
-    Demand(internal::IsFinite(initial), "initial must be finite");
-  }
+  void Validate() const { Demand(internal::IsFinite(initial), "initial must be finite"); }
 };
 
 /// A continuous first-order low-pass filter with gain 1:
@@ -36,8 +33,11 @@ class LowPassFilter final : public LeafSystem<LowPassFilterParams<T>> {
  public:
   using LeafSystem<LowPassFilterParams<T>>::LeafSystem;
   using LeafSystem<LowPassFilterParams<T>>::params;
-  Parameter<double> time_constant{
-      this, {"time_constant", "s"}, params.time_constant, "time constant of the filter"};
+  Parameter<double> time_constant{this,
+                                  {"time_constant", "s"},
+                                  params.time_constant,
+                                  "time constant of the filter",
+                                  Range().Positive().OrInfinite()};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   ContinuousState<T> x{this, {"y", params.unit, params.elements}, params.initial};
   OutputPort<T> y{this, x};

@@ -21,7 +21,6 @@ struct MatrixGainParams {
   std::string y_elements = "";               ///< names of the output's elements
   void Validate() const {
     Demand(gain.size() > 0, "gain must not be empty: give a matrix of as many columns as u has elements");
-    Demand(internal::IsFinite(gain), "gain must be finite");
   }
 };
 
@@ -44,7 +43,7 @@ class MatrixGain final : public LeafSystem<MatrixGainParams<Rows, Cols>> {
  public:
   using LeafSystem<MatrixGainParams<Rows, Cols>>::LeafSystem;
   using LeafSystem<MatrixGainParams<Rows, Cols>>::params;
-  Parameter<Matrix> gain{this, "gain", params.gain, "matrix in unit of y / unit of u"};
+  Parameter<Matrix> gain{this, "gain", params.gain, "matrix in unit of y / unit of u", Range().Finite()};
   InputPort<Vec<Cols>> u{this, {"u", params.u_unit, params.u_elements}};
   OutputPort<Vec<Rows>> y{this,
                           {"y", params.y_unit, params.y_elements},

@@ -25,12 +25,6 @@ struct PidParams {
   std::string u_unit = "";    ///< unit of the output
   std::string elements = "";  ///< names of the elements of ref, y and u
   void Validate() const {
-    Demand(internal::IsFinite(kp) && internal::IsFinite(ki) && internal::IsFinite(kd),
-           "kp, ki and kd must be finite");
-    Demand(filter_time >= 0 && std::isfinite(filter_time),
-           "filter_time must be finite and not negative; 0 disables the filter");
-    Demand(ref_weight >= 0 && ref_weight <= 1,
-           "ref_weight must be from 0 (derivative of -y) to 1 (derivative of ref - y)");
     Demand(internal::Everywhere([](double low, double high) { return low <= high; }, lower, upper),
            "lower must not exceed upper, in any element");
   }
@@ -77,12 +71,28 @@ class Pid final : public LeafSystem<PidParams<T>> {
   using Memory = PidMemory<T>;
   InputPort<T> ref{this, {"ref", params.y_unit, params.elements}};
   InputPort<T> y{this, {"y", params.y_unit, params.elements}};
-  Parameter<T> kp{this, {"kp", "", params.elements}, params.kp, "proportional gain, unit of u / unit of y"};
-  Parameter<T> ki{this, {"ki", "", params.elements}, params.ki, "integral gain, unit of u / (unit of y s)"};
-  Parameter<T> kd{this, {"kd", "", params.elements}, params.kd, "derivative gain, unit of u s / unit of y"};
-  Parameter<double> filter_time{
-      this, {"filter_time", "s"}, params.filter_time, "time constant of the derivative filter"};
-  Parameter<double> ref_weight{this, "ref_weight", params.ref_weight, "weight of ref in the derivative"};
+  Parameter<T> kp{this,
+                  {"kp", "", params.elements},
+                  params.kp,
+                  "proportional gain, unit of u / unit of y",
+                  Range().Finite()};
+  Parameter<T> ki{this,
+                  {"ki", "", params.elements},
+                  params.ki,
+                  "integral gain, unit of u / (unit of y s)",
+                  Range().Finite()};
+  Parameter<T> kd{this,
+                  {"kd", "", params.elements},
+                  params.kd,
+                  "derivative gain, unit of u s / unit of y",
+                  Range().Finite()};
+  Parameter<double> filter_time{this,
+                                {"filter_time", "s"},
+                                params.filter_time,
+                                "time constant of the derivative filter",
+                                Range().AtLeast(0)};
+  Parameter<double> ref_weight{this, "ref_weight", params.ref_weight, "weight of ref in the derivative",
+                               Range().Between(0, 1)};
   Parameter<T> lower{this, {"lower", params.u_unit, params.elements}, params.lower, "limit of u"};
   Parameter<T> upper{this, {"upper", params.u_unit, params.elements}, params.upper, "limit of u"};
   DiscreteState<Memory> memory{this, "memory"};

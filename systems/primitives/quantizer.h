@@ -15,10 +15,6 @@ struct QuantizerParams {
   T step = internal::Filled<T>(1);  ///< [unit]
   std::string unit = "";            ///< unit of input and output
   std::string elements = "";        ///< names of the elements
-  void Validate() const {
-    Demand(internal::IsFinite(step) && internal::Everywhere([](double step) { return step > 0; }, step),
-           "step must be positive and finite, in every element");
-  }
 };
 
 /// Rounds to the nearest multiple of a step, like an encoder or an analogue-to-digital converter, element by
@@ -38,8 +34,11 @@ class Quantizer final : public LeafSystem<QuantizerParams<T>> {
  public:
   using LeafSystem<QuantizerParams<T>>::LeafSystem;
   using LeafSystem<QuantizerParams<T>>::params;
-  Parameter<T> step{
-      this, {"step", params.unit, params.elements}, params.step, "difference between successive values of y"};
+  Parameter<T> step{this,
+                    {"step", params.unit, params.elements},
+                    params.step,
+                    "difference between successive values of y",
+                    Range().Positive()};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   OutputPort<T> y{
       this, {"y", params.unit, params.elements}, Uses(u, step), [](const T& u, const T& step) -> T {

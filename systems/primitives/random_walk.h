@@ -17,14 +17,6 @@ struct RandomWalkParams {
   Rate rate = Hz(1000);
   std::string unit = "";
   std::string elements = "";  ///< names of the elements
-  void Validate() const {
-    const auto good = [](const T& deviation) {
-      return internal::IsFinite(deviation) &&
-             internal::Everywhere([](double deviation) { return deviation >= 0; }, deviation);
-    };
-    Demand(good(density), "density must be finite and not negative, in every element");
-    Demand(good(start_deviation), "start_deviation must be finite and not negative, in every element");
-  }
 };
 
 /// A random walk, a model of sensor bias drift. With h the period:
@@ -47,9 +39,13 @@ class RandomWalk final : public LeafSystem<RandomWalkParams<T>> {
   Parameter<T> density{this,
                        {"density", internal::Per(params.unit, "sqrt(s)"), params.elements},
                        params.density,
-                       "noise density"};
-  Parameter<T> start_deviation{
-      this, {"start_deviation", params.unit, params.elements}, params.start_deviation, "initial deviation"};
+                       "noise density",
+                       Range().AtLeast(0)};
+  Parameter<T> start_deviation{this,
+                               {"start_deviation", params.unit, params.elements},
+                               params.start_deviation,
+                               "initial deviation",
+                               Range().AtLeast(0)};
   Random random{this, "random"};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}};
   OutputPort<T> y{

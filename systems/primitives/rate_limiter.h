@@ -19,12 +19,7 @@ struct RateLimiterParams {
   Rate rate = Hz(1000);
   std::string unit = "";      ///< unit of input and output
   std::string elements = "";  ///< names of the elements
-  void Validate() const {
-    Demand(internal::Everywhere([](double falling, double rising) { return falling <= 0 && rising >= 0; },
-                                falling, rising),
-           "falling must not be positive and rising not negative, in any element");
-    Demand(internal::IsFinite(initial), "initial must be finite");
-  }
+  void Validate() const { Demand(internal::IsFinite(initial), "initial must be finite"); }
 };
 
 /// A sampled limit of the rate of change, element by element. With h the period:
@@ -43,10 +38,16 @@ class RateLimiter final : public LeafSystem<RateLimiterParams<T>> {
  public:
   using LeafSystem<RateLimiterParams<T>>::LeafSystem;
   using LeafSystem<RateLimiterParams<T>>::params;
-  Parameter<T> falling{
-      this, {"falling", internal::Per(params.unit, "s"), params.elements}, params.falling, "steepest fall"};
-  Parameter<T> rising{
-      this, {"rising", internal::Per(params.unit, "s"), params.elements}, params.rising, "steepest rise"};
+  Parameter<T> falling{this,
+                       {"falling", internal::Per(params.unit, "s"), params.elements},
+                       params.falling,
+                       "steepest fall",
+                       Range().AtMost(0).OrInfinite()};
+  Parameter<T> rising{this,
+                      {"rising", internal::Per(params.unit, "s"), params.elements},
+                      params.rising,
+                      "steepest rise",
+                      Range().AtLeast(0).OrInfinite()};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   DiscreteState<T> last{this, {"last", params.unit, params.elements}, params.initial};
   OutputPort<T> y{

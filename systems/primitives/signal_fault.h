@@ -46,8 +46,6 @@ struct SignalFaultParams {
   std::string unit = "";      ///< unit of input and output
   std::string elements = "";  ///< names of the elements
   void Validate() const {
-    schedule.Validate();
-    Demand(std::isfinite(size), "size = " + std::to_string(size) + " must be finite");
     Demand(std::isfinite(period) && (period == 0 || period > rate.period() / 2),
            "period = " + std::to_string(period) + " must be 0 or at least the sample period, in seconds");
     Demand(samples >= 1, "samples = " + std::to_string(samples) + " must be 1 or more");
@@ -110,7 +108,7 @@ class SignalFault final : public LeafSystem<SignalFaultParams<T>> {
  public:
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   InputPort<bool> active{this, {"active"}, true};
-  Parameter<double> size{this, {"size"}, params.size, "size of spike, offset and loss"};
+  Parameter<double> size{this, {"size"}, params.size, "size of spike, offset and loss", Range().Finite()};
   Parameter<FaultSchedule> schedule{this, {"schedule"}, params.schedule, "times at which the fault acts"};
   Random random{this, "random"};
   Scratch<Memory> memory{

@@ -18,11 +18,6 @@ struct SineParams {
   T offset = internal::Filled<T>(0);             ///< [unit]
   std::string unit = "";
   std::string elements = "";  ///< names of the elements
-  void Validate() const {
-    Demand(internal::IsFinite(amplitude) && internal::IsFinite(angular_frequency) &&
-               internal::IsFinite(phase) && internal::IsFinite(offset),
-           "amplitude, angular_frequency, phase and offset must be finite");
-  }
 };
 
 /// A sine with its derivatives, element by element:
@@ -45,12 +40,20 @@ class Sine final : public LeafSystem<SineParams<T>> {
  public:
   using LeafSystem<SineParams<T>>::LeafSystem;
   using LeafSystem<SineParams<T>>::params;
-  Parameter<T> amplitude{
-      this, {"amplitude", params.unit, params.elements}, params.amplitude, "amplitude of y"};
-  Parameter<T> angular_frequency{
-      this, {"angular_frequency", "rad/s", params.elements}, params.angular_frequency, "frequency of y"};
-  Parameter<T> phase{this, {"phase", "rad", params.elements}, params.phase, "phase of y at t = 0"};
-  Parameter<T> offset{this, {"offset", params.unit, params.elements}, params.offset, "mean of y"};
+  Parameter<T> amplitude{this,
+                         {"amplitude", params.unit, params.elements},
+                         params.amplitude,
+                         "amplitude of y",
+                         Range().Finite()};
+  Parameter<T> angular_frequency{this,
+                                 {"angular_frequency", "rad/s", params.elements},
+                                 params.angular_frequency,
+                                 "frequency of y",
+                                 Range().Finite()};
+  Parameter<T> phase{
+      this, {"phase", "rad", params.elements}, params.phase, "phase of y at t = 0", Range().Finite()};
+  Parameter<T> offset{
+      this, {"offset", params.unit, params.elements}, params.offset, "mean of y", Range().Finite()};
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},
                   Uses(this->time, amplitude, angular_frequency, phase, offset),

@@ -42,7 +42,6 @@ struct ThresholdSwitchParams {
   std::string control_unit = "";  ///< unit of the control input
   std::string unit = "";          ///< unit of the two signals and the output
   std::string elements = "";      ///< names of the elements
-  void Validate() const { Demand(std::isfinite(threshold), "threshold must be finite"); }
 };
 
 /// Selects one of two signals by comparing a number with a threshold:
@@ -62,7 +61,7 @@ class ThresholdSwitch final : public LeafSystem<ThresholdSwitchParams> {
  public:
   using LeafSystem::LeafSystem;
   Parameter<double> threshold{
-      this, {"threshold", params.control_unit}, params.threshold, "threshold of control"};
+      this, {"threshold", params.control_unit}, params.threshold, "threshold of control", Range().Finite()};
   InputPort<double> control{this, {"control", params.control_unit}};
   InputPort<T> on{this, {"on", params.unit, params.elements}};
   InputPort<T> off{this, {"off", params.unit, params.elements}};

@@ -16,7 +16,6 @@ struct UniformNoiseParams {
   std::string unit = "";
   std::string elements = "";  ///< names of the elements
   void Validate() const {
-    Demand(internal::IsFinite(lower) && internal::IsFinite(upper), "lower and upper must be finite");
     Demand(internal::Everywhere([](double low, double high) { return low <= high; }, lower, upper),
            "lower must not exceed upper, in any element");
   }
@@ -38,8 +37,10 @@ class UniformNoise final : public LeafSystem<UniformNoiseParams<T>> {
  public:
   using LeafSystem<UniformNoiseParams<T>>::LeafSystem;
   using LeafSystem<UniformNoiseParams<T>>::params;
-  Parameter<T> lower{this, {"lower", params.unit, params.elements}, params.lower, "least value"};
-  Parameter<T> upper{this, {"upper", params.unit, params.elements}, params.upper, "largest value"};
+  Parameter<T> lower{
+      this, {"lower", params.unit, params.elements}, params.lower, "least value", Range().Finite()};
+  Parameter<T> upper{
+      this, {"upper", params.unit, params.elements}, params.upper, "largest value", Range().Finite()};
   Random random{this, "random"};
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},

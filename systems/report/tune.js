@@ -2,10 +2,14 @@
 
 'use strict';
 
-// The ends of a slider: the limits, or from zero to twice the initial value; null if the initial value is zero.
-function spanOf({low, high}, value) {
+// The ends of a slider: the range, or from zero to twice the initial value; null if the initial value is zero. An end
+// that is outside the range itself is approached to a thousandth of the slider.
+function spanOf({low, high, above, below}, value) {
   const finite = Number.isFinite;
   const ends = [finite(low) ? low : Math.min(0, 2 * value), finite(high) ? high : Math.max(0, 2 * value)];
+  const gap = (ends[1] - ends[0]) / 1000;
+  if (finite(low) && above) ends[0] += gap;
+  if (finite(high) && below) ends[1] -= gap;
   return ends[0] < ends[1] ? ends : null;
 }
 
@@ -17,12 +21,11 @@ class Tuned {
     this.held = this.start;  // current value of the run
     this.box = element('div', 'parameter');
     const name = parameter.path.slice(parameter.path.lastIndexOf('.') + 1), {unit} = parameter;
-    const ends = this.start.map((value, i) => this.limits(i));
-    const common = (end) => ends.every((limits) => limits[end] === ends[0][end]) && Number.isFinite(ends[0][end]);
-    const limits = [common('low') ? `≥ ${formatNumber(ends[0].low)}` : '', common('high') ? `≤ ${formatNumber(ends[0].high)}` : ''];
+    const texts = parameter.ranges.map(({text}) => text);
+    this.commonRange = texts.every((text) => text === texts[0]);
     const head = element('div', 'head');
     head.append(element('b', '', name.split('_').join(' ')), element('span', 'unit', unit ? prettyUnit(unit) : ''),
-                element('small', '', limits.filter((text) => text).join(', ')));
+                element('small', '', this.commonRange ? texts[0] : ''));
     head.title = `${parameter.path}${parameter.meaning ? `: ${parameter.meaning}` : ''}`;
     this.undo = button('↺', `${name}: restore the initial value`, () => this.ask(this.start));
     head.append(this.undo);
@@ -32,15 +35,10 @@ class Tuned {
     this.show(parameter.now || this.start);
   }
 
-  // The limits of element i.
-  limits(i) {
-    const {low, high} = this.parameter, at = (bound) => Array.isArray(bound) ? bound[i] : bound;
-    return {low: at(low), high: at(high)};
-  }
-
   makeRow(name, i, value) {
     const {parameter} = this, label = (parameter.elements || [])[i] || (this.start.length > 1 ? String(i) : '');
-    const row = element('div', 'row'), field = element('input'), span = spanOf(this.limits(i), value);
+    const row = element('div', 'row'), field = element('input'), range = parameter.ranges[i], span = spanOf(range, value);
+    if (!this.commonRange) row.title = range.text;
     Object.assign(field, {type: 'number', step: 'any'});
     field.onchange = () => this.askElement(i, field.valueAsNumber);
     let slider = null;

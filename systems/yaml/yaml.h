@@ -48,8 +48,8 @@ struct RenamedKey {
 ///       double speed_m_per_s = 0.2;
 ///       Eigen::Vector3d goal_m = Eigen::Vector3d::Zero();
 ///       static FieldList Fields() {
-///         return {{"speed_m_per_s", &WalkParams::speed_m_per_s},
-///                           Required("goal_m", &WalkParams::goal_m)};
+///         return {Field("speed_m_per_s", &WalkParams::speed_m_per_s).AtLeast(0).Below(2),
+///                 Required("goal_m", &WalkParams::goal_m)};
 ///       }
 ///       void Validate() const;  // optional, called after reading; throws ParameterError. If the
 ///                               // message begins with a key, the error names its place in the file
@@ -69,9 +69,9 @@ struct RenamedKey {
 /// static `std::vector<RenamedKey> Renamed()` makes errors name the new key for a renamed one.
 ///
 /// A missing key keeps its default unless it is Required. Reading throws ParameterError for unknown and
-/// duplicate keys, values of the wrong type or length, numbers that are not finite, and errors of Validate().
-/// The message begins with file, line, column and the path of the key, as in `plant.yaml:12:5:
-/// masses.2.place_m: expected a list of 3, found a list of 2`.
+/// duplicate keys, values of the wrong type or length, numbers that are not finite or out of range, and
+/// errors of Validate(). The message begins with file, line, column and the path of the key, as in
+/// `plant.yaml:12:5: masses.2.place_m: expected a list of 3, found a list of 2`.
 class YamlDocument {
  public:
   /// Reads a file. Throws ParameterError if it cannot be read, is not valid YAML or holds several documents.

@@ -195,6 +195,7 @@ class Source : public internal::Declared {
   void SetHasInitialValue() { has_initial_value_ = true; }
   void CheckUses(int undeclared, bool merged) const;
   System* mutable_owner() const { return owner_; }
+  const void* model() const { return model_; }
 
  private:
   friend class Context;

@@ -5,8 +5,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <mutex>
+#include <typeinfo>
 #include <unordered_set>
 #include <vector>
 
@@ -102,14 +104,42 @@ std::string Source::type_name() const {
 
 namespace internal {
 
+/// The range of the member of `params` at an offset; every value if there is none.
+static Range RangeAt(const FieldList* fields, std::size_t offset, const TypeInfo& type) {
+  while (fields != nullptr) {
+    const auto field = std::ranges::find_if(*fields, [&](const Field& each) {
+      return each.type != nullptr && offset >= each.offset && offset < each.offset + each.size;
+    });
+    if (field == fields->end()) break;
+    if (*field->type().id == *type.id) return field->range;
+    offset -= field->offset;
+    fields = field->type().kind == TypeInfo::Kind::kStruct ? &field->type().fields : nullptr;
+  }
+  return {};
+}
+
 ParameterSource::ParameterSource(Leaf* owner, Spec spec, const TypeInfo& type, const void* model,
-                                 const void* given, std::string description)
+                                 const void* given, std::string description, const Range& range)
     : Source(owner, SourceKind::kParameter, std::move(spec), type, model),
-      description_(std::move(description)) {
+      description_(std::move(description)),
+      range_(range) {
   const std::span<const std::byte> params = owner->ParameterBytes();
   const auto begin = reinterpret_cast<std::uintptr_t>(params.data()),
              place = reinterpret_cast<std::uintptr_t>(given);
-  if (place >= begin && place < begin + params.size()) offset_in_params_ = place - begin;
+  if (place >= begin && place < begin + params.size()) {
+    offset_in_params_ = place - begin;
+    if (range_.any()) range_ = RangeAt(owner->ParameterFields(), offset_in_params_, type);
+  }
+  Check(given);
+}
+
+void ParameterSource::Check(const void* value) const {
+  CheckRange({name().c_str(), spec().units.c_str(), &range_, &type()}, value);
+  if (type().validate != nullptr) type().validate(value);
+}
+
+std::vector<Range> ParameterSource::ranges() const {
+  return ListRanges({name().c_str(), spec().units.c_str(), &range_, &type()}, model());
 }
 
 }  // namespace internal

@@ -80,6 +80,8 @@ class Leaf : public System {
   virtual void ValidateParameters(const internal::ParameterValues&) const {}
   /// The memory of the block's `params`.
   virtual std::span<const std::byte> ParameterBytes() const { return {}; }
+  /// The members of `params`; null if these do not describe themselves.
+  virtual const FieldList* ParameterFields() const { return nullptr; }
 };
 
 /// The base of every block that computes. Ports, states and calculations are members that register
@@ -102,14 +104,16 @@ class Leaf : public System {
 ///       }
 ///     };
 ///
-/// `params` is a member of the base, so that the block's members can use it. If it has a
-/// `void Validate() const`, the constructor calls that first; it throws ParameterError, to which the builder
-/// adds the block's name. Declare values that change during a run as Parameters.
+/// `params` is a member of the base, so that the block's members can use it. If it has `Fields()`, the
+/// constructor checks the ranges in that list first; then, if it has a `void Validate() const`, it calls that
+/// for what concerns several members. Both throw ParameterError, to which the builder adds the block's name.
+/// Declare values that change during a run as Parameters.
 template <class P>
 class LeafSystem : public Leaf {
  public:
   using Params = P;
   explicit LeafSystem(P p = P()) : params(std::move(p)) {
+    if constexpr (HasFields<P>) CheckRanges(params);
     if constexpr (requires { params.Validate(); }) params.Validate();
   }
   const P params;
@@ -124,6 +128,13 @@ class LeafSystem : public Leaf {
   }
   std::span<const std::byte> ParameterBytes() const override {
     return {reinterpret_cast<const std::byte*>(&params), sizeof(P)};
+  }
+  const FieldList* ParameterFields() const override {
+    if constexpr (HasFields<P>) {
+      return &internal::FieldsOf<P>();
+    } else {
+      return nullptr;
+    }
   }
 };
 

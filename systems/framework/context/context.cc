@@ -231,10 +231,11 @@ void Context::AssignParameters(std::span<const Assignment> list) {
       values.Add({parameter.type_, parameter.offset_in_params_, value});
     }
     try {
+      static_cast<const internal::ParameterSource&>(*each.source).Check(each.value);
       static_cast<const Leaf&>(block).ValidateParameters(values);
     } catch (const ParameterError& error) {
-      std::throw_with_nested(
-          ParameterError(fmt::format("parameter '{}' cannot be set: {}", each.source->path(), error.what())));
+      std::throw_with_nested(ParameterError(
+          fmt::format("parameter '{}' cannot be set: {}", each.source->path(), error.what()), block.path()));
     }
   }
   for (const Assignment& each : list) each.source->type_->assign(MutableAddress(*each.source), each.value);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tenon/systems/framework/types/range.h>
+
 #include <array>
 #include <concepts>
 #include <cstddef>
@@ -42,8 +44,10 @@ inline constexpr std::size_t kInitializers = sizeof(Member) / sizeof(std::remove
 ///       }
 ///     };
 ///
-/// A struct of parameters has the unit in the key (`mass_kg`) and marks members without a default as
-/// Required.
+/// A struct of parameters has the unit in the key (`mass_kg`), marks members without a default as Required,
+/// and gives the range of a member beside its unit. Files, blocks and Parameters refuse values outside:
+///
+///     Field("mass_kg", &Cart::mass).Positive(),  Field("share", &Cart::share).AtLeast(0).Below(1)
 ///
 /// Every member must be listed, as `Undescribed` if logs and snapshots omit it on purpose: the first use of a
 /// struct whose list lacks a member throws BuildError. The members of an aggregate are counted. In a class
@@ -53,18 +57,31 @@ class Field {
  public:
   template <class Struct, class Member>
   Field(const char* name, Member Struct::*member, const char* units = "", const char* elements = "")
-      : Field(member) {
-    this->name = name;
-    this->units = units;
-    this->elements = elements;
-    type = &internal::TypeInfoOf<Member>;
-  }
+      : name(name),
+        units(units),
+        elements(elements),
+        offset(internal::OffsetOf(member)),
+        size(sizeof(Member)),
+        initializers(internal::kInitializers<Member>),
+        type(&internal::TypeInfoOf<Member>) {}
   /// A member without description: see `Undescribed`.
   template <class Struct, class Member>
   explicit Field(Member Struct::*member)
       : offset(internal::OffsetOf(member)),
         size(sizeof(Member)),
         initializers(internal::kInitializers<Member>) {}
+
+  /// The range of the member's numbers, see Range.
+  Field& In(const Range& given) { return range = given, *this; }
+  Field& Finite() { return range.Finite(), *this; }
+  Field& Positive() { return range.Positive(), *this; }
+  Field& OrInfinite() { return range.OrInfinite(), *this; }
+  Field& Above(double end) { return range.Above(end), *this; }
+  Field& AtLeast(double end) { return range.AtLeast(end), *this; }
+  Field& Below(double end) { return range.Below(end), *this; }
+  Field& AtMost(double end) { return range.AtMost(end), *this; }
+  Field& Between(double first, double last) { return range.Between(first, last), *this; }
+  Field& Because(const char* remedy) { return range.Because(remedy), *this; }
 
   const char* name = "";
   const char* units = "";
@@ -74,6 +91,7 @@ class Field {
   std::size_t initializers;   ///< number of initialisers of the member in the braces of its struct
   const internal::TypeInfo& (*type)() = nullptr;  ///< type of the member; null if it is not described
   bool required = false;
+  Range range = {};
 };
 
 /// The members of a struct that logs, snapshots and files contain, in order.
@@ -99,6 +117,40 @@ template <class T>
 concept HasFields = requires {
   { std::remove_cvref_t<T>::Fields() } -> std::same_as<FieldList>;
 };
+
+namespace internal {
+
+template <class T>
+const FieldList& FieldsOf() {
+  static const FieldList kFields = T::Fields();
+  return kFields;
+}
+
+/// A value with a name and a range.
+struct Ranged {
+  const char* name;
+  const char* units;
+  const Range* range;
+  const TypeInfo* type;
+};
+
+/// Throws ParameterError if a number in the value is out of range, also in structs inside it. The message
+/// begins with `path` and the name.
+void CheckRange(const Ranged& member, const void* value, const char* path = "");
+/// Does the same for one member, and for all members, of a struct.
+void CheckRange(const Field& field, const void* object, const char* path = "");
+void CheckRanges(const FieldList& fields, const void* object, const char* path = "");
+/// Returns the range of each number in the value.
+std::vector<Range> ListRanges(const Ranged& member, const void* value);
+
+}  // namespace internal
+
+/// Throws ParameterError if a member, or a member of a struct inside, is out of range. The message begins
+/// with `path` and the names of the members.
+template <HasFields T>
+void CheckRanges(const T& value, const char* path = "") {
+  internal::CheckRanges(internal::FieldsOf<T>(), &value, path);
+}
 
 /// An enumerator and its name in files and on pages.
 template <class E>

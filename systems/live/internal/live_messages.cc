@@ -1,6 +1,5 @@
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/live/internal/live_messages.h>
-#include <tenon/systems/live/internal/parameter_ranges.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/report_json.h>
 
@@ -64,14 +63,16 @@ Json ControlsJson(const LiveControls& controls) {
   return json;
 }
 
-/// Returns a number for one element, a list for several. Infinities become null in the text.
-Json BoundsJson(const std::vector<ParameterRange>& ranges, double ParameterRange::*bound) {
-  Json list = Json::array();
-  for (const ParameterRange& range : ranges) list.push_back(range.*bound);
-  return ranges.size() == 1 ? list.front() : list;
+/// Infinities become null in the text.
+Json RangeJson(const Range& range, const std::string& unit) {
+  return {{"low", range.low()},
+          {"high", range.high()},
+          {"above", range.low_open()},
+          {"below", range.high_open()},
+          {"text", range.Text(unit)}};
 }
 
-Json ParameterJson(const ParameterSource& parameter, Context& context, Context& copy) {
+Json ParameterJson(const ParameterSource& parameter, Context& context) {
   Json names = Json::array();
   std::string unit;
   const std::vector<Element> elements = context.Elements(parameter);
@@ -82,14 +83,12 @@ Json ParameterJson(const ParameterSource& parameter, Context& context, Context& 
     names.push_back(one_unit || element.unit.empty() ? element.name
                                                      : element.name + " [" + element.unit + "]");
   }
-  const std::vector<ParameterRange> ranges = RangesOf(parameter, copy);
-  return {{"path", parameter.path()},
-          {"value", ParameterValue(parameter, context)},
-          {"elements", std::move(names)},
-          {"unit", one_unit ? elements.front().unit : ""},
-          {"low", BoundsJson(ranges, &ParameterRange::low)},
-          {"high", BoundsJson(ranges, &ParameterRange::high)},
-          {"meaning", parameter.description()}};
+  Json ranges = Json::array();
+  for (const Range& range : parameter.ranges())
+    ranges.push_back(RangeJson(range, elements[ranges.size()].unit));
+  return {{"path", parameter.path()},     {"value", ParameterValue(parameter, context)},
+          {"elements", std::move(names)}, {"unit", one_unit ? elements.front().unit : ""},
+          {"ranges", std::move(ranges)},  {"meaning", parameter.description()}};
 }
 
 }  // namespace
@@ -130,9 +129,7 @@ Json Hello(const LiveView& view, const Geometry& shapes, Context& context,
     bands.push_back({{"signal", band.signal}, {"names", band.names}, {"intervals", Json::array()}});
   for (const auto& [signal, range] : view.limits)
     limits.push_back({{"signal", signal}, {"limits", LimitsJson(range)}});
-  const auto copy = context.Clone();
-  for (const ParameterSource* parameter : parameters)
-    tunable.push_back(ParameterJson(*parameter, context, *copy));
+  for (const ParameterSource* parameter : parameters) tunable.push_back(ParameterJson(*parameter, context));
   return {{"run",
            {{"name", ""},
             {"shapes", ShapesJson(shapes)},

@@ -1,8 +1,8 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/key_unit.h>
 #include <tenon/systems/text/nearest_name.h>
 #include <tenon/systems/text/parse_number.h>
-#include <tenon/systems/yaml/internal/key_unit.h>
 #include <tenon/systems/yaml/internal/yaml_node.h>
 #include <tenon/systems/yaml/yaml.h>
 
@@ -200,9 +200,10 @@ void YamlNode::ReadStruct(const TypeInfo& type, void* value) const {
       node->Read(field.type(), static_cast<std::byte*>(value) + field.offset);
     }
   }
-  if (type.validate == nullptr) return;
   try {
-    type.validate(value);
+    for (const Field& field : type.fields)
+      if (!field.range.any()) CheckRange(field, value);
+    if (type.validate != nullptr) type.validate(value);
   } catch (const ParameterError& error) {
     FailValidation(error.what());
   }

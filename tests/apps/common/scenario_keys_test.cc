@@ -1,6 +1,6 @@
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/common/scenario_keys.h>
-#include <tenon/systems/yaml/internal/key_unit.h>
+#include <tenon/systems/text/key_unit.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <Eigen/Core>
@@ -25,7 +25,7 @@ struct Push {
   Eigen::Vector3d force_N{1, 2, 3};
   double duration_s = 0;
   static FieldList Fields() {
-    return {{"force_N", &Push::force_N}, Required("duration_s", &Push::duration_s)};
+    return {{"force_N", &Push::force_N}, Required("duration_s", &Push::duration_s).Above(0).AtMost(9)};
   }
 };
 
@@ -48,26 +48,28 @@ struct Scenario : AppScenario {
   }
 };
 
-TEST(ScenarioKeysTest, EveryKeyWithTypeUnitAndDefault) {
+TEST(ScenarioKeysTest, EveryKeyWithTypeUnitRangeAndDefault) {
   std::map<std::string, std::string> keys;
   for (const ScenarioKey& key : KeysOf<Scenario>())
-    keys[key.key] = key.type + "; " + key.unit + "; " + key.initial;
-  const std::map<std::string, std::string> expected{{"app", "text; ; required"},
-                                                    {"case", "text; ; required"},
-                                                    {"duration_s", "number; s; 10"},
-                                                    {"seed", "integer; ; 1"},
-                                                    {"log_rate_hz", "number; Hz; 100"},
-                                                    {"report.events", "list: text; ; []"},
-                                                    {"mode", "off, on; ; on"},
-                                                    {"robot", "file; ; dogbot"},
-                                                    {"push", "map; ; none"},
-                                                    {"push.force_N", "3 numbers; N; [1, 2, 3]"},
-                                                    {"push.duration_s", "number; s; required"},
-                                                    {"pushes", "list: map; ; []"},
-                                                    {"pushes[].force_N", "3 numbers; N; [1, 2, 3]"},
-                                                    {"named.NAME.duration_s", "number; s; required"},
-                                                    {"loud", "true or false; ; false"},
-                                                    {"count", "integer; ; 3"}};
+    keys[key.key] =
+        key.type + "; " + key.unit + "; " + (key.range.empty() ? "" : key.range + "; ") + key.initial;
+  const std::map<std::string, std::string> expected{
+      {"app", "text; ; required"},
+      {"case", "text; ; required"},
+      {"duration_s", "number; s; 10"},
+      {"seed", "integer; ; 1"},
+      {"log_rate_hz", "number; Hz; 100"},
+      {"report.events", "list: text; ; []"},
+      {"mode", "off, on; ; on"},
+      {"robot", "file; ; dogbot"},
+      {"push", "map; ; none"},
+      {"push.force_N", "3 numbers; N; [1, 2, 3]"},
+      {"push.duration_s", "number; s; above 0 and at most 9; required"},
+      {"pushes", "list: map; ; []"},
+      {"pushes[].force_N", "3 numbers; N; [1, 2, 3]"},
+      {"named.NAME.duration_s", "number; s; above 0 and at most 9; required"},
+      {"loud", "true or false; ; false"},
+      {"count", "integer; ; 3"}};
   for (const auto& [key, what] : expected) EXPECT_EQ(keys[key], what) << key;
 }
 

@@ -7,7 +7,6 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 #include <array>
-#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,7 +15,6 @@ namespace tenon::test {
 
 struct EngineParams {
   double force = 0;  // N
-  void Validate() const { Demand(std::abs(force) <= 10, "the engine gives 10 N at most"); }
 };
 enum class Gear { kLow, kHigh };
 constexpr auto EnumNames(Gear) {
@@ -26,7 +24,7 @@ constexpr auto EnumNames(Gear) {
 class Engine final : public LeafSystem<EngineParams> {
  public:
   using LeafSystem::LeafSystem;
-  Parameter<double> force{this, {"force", "N"}, params.force, "of the engine"};
+  Parameter<double> force{this, {"force", "N"}, params.force, "of the engine", Range().Between(-10, 10)};
   Parameter<Vec<2>> tilt{this, {"tilt", "rad", "roll,pitch"}, Vec<2>::Zero(), "of nothing"};
   Parameter<Gear> gear{this, {"gear"}, Gear::kLow, "of nothing"};
   Random random{this, "random"};

@@ -1,5 +1,5 @@
+#include <tenon/systems/live/internal/live_messages.h>
 #include <tenon/systems/live/internal/live_run.h>
-#include <tenon/systems/live/internal/parameter_ranges.h>
 #include <tenon/systems/live/live_server.h>
 #include <tenon/tests/systems/live/live_diagram.h>
 #include <tenon/tests/testing/temporary_path.h>
@@ -326,18 +326,15 @@ TEST_F(LiveServerTest, KeepsNoRowsAfterTheRun) {
   EXPECT_EQ(AllocationsOf([&] { simulator.RunTo(10); }), 0);
 }
 
-TEST_F(LiveServerTest, FindsWhatAParameterMayBe) {
+TEST_F(LiveServerTest, SaysWhatAParameterMayBe) {
   const auto context = cart_.diagram->CreateContext();
-  context->Set(cart_.engine->force, 3);
-  const auto force = internal::RangesOf(cart_.engine->force, *context);
-  ASSERT_EQ(force.size(), 1U);
-  EXPECT_EQ(force[0].low, -10);
-  EXPECT_EQ(force[0].high, 10);
-  EXPECT_EQ(context->Eval(cart_.engine->force), 3);
-  const auto tilt = internal::RangesOf(cart_.engine->tilt, *context);
-  ASSERT_EQ(tilt.size(), 2U);
-  EXPECT_EQ(tilt[1].low, -std::numeric_limits<double>::infinity());
-  EXPECT_EQ(tilt[1].high, std::numeric_limits<double>::infinity());
+  const auto parameters =
+      internal::Hello(cart_.view, {}, *context, internal::Tunable(*cart_.diagram), 30)["parameters"];
+  ASSERT_EQ(parameters[0]["path"], "engine.force");
+  EXPECT_EQ(internal::Dump(parameters[0]["ranges"]),
+            R"([{"low":-10.0,"high":10.0,"above":false,"below":false,"text":"from -10 to 10 N"}])");
+  ASSERT_EQ(parameters[1]["ranges"].size(), 2U);
+  EXPECT_EQ(internal::Dump(parameters[1]["ranges"][1]["low"]), "null");
 }
 
 TEST_F(LiveServerTest, StopsAndTellsTheEnd) {

@@ -175,8 +175,8 @@ Json Hello() {
              {"value", 100},
              {"elements", Json::array()},
              {"unit", "N/m"},
-             {"low", 0},
-             {"high", nullptr},
+             {"ranges",
+              {{{"low", 0}, {"high", nullptr}, {"above", true}, {"below", true}, {"text", "above 0 N/m"}}}},
              {"meaning", "of the spring"}}}},
           {"history_s", 30}};
 }
@@ -411,6 +411,11 @@ TEST_F(LivePageTest, DrivesPullsAndTunes) {
                      value + "'; field.dispatchEvent(new Event('" + event + "')); })()");
   };
   enter("#tune input[type=search]", "spring", "input");
+  EXPECT_EQ(Text("#tune .head small"), "above 0 N/m");
+  EXPECT_EQ(
+      browser.Evaluate("(({min, max}) => [min, max])(document.querySelector('#tune input[type=range]'))"),
+      Json({"0.2", "200"}))
+      << "the open end is approached";
   enter("#tune input[type=number]", "-5", "change");
   EXPECT_EQ(run.Await("parameter"),
             Json::parse(R"({"command": "parameter", "path": "loop.pd.stiffness", "value": -5})"));

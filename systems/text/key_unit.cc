@@ -1,4 +1,4 @@
-#include <tenon/systems/yaml/internal/key_unit.h>
+#include <tenon/systems/text/key_unit.h>
 
 #include <algorithm>
 #include <cctype>

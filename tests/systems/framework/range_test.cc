@@ -1,0 +1,185 @@
+#include <tenon/systems/framework/block/parameter.h>
+#include <tenon/systems/framework/types/range.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tenon::range_test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+TEST(RangeTest, EndsBelongToItOrNot) {
+  EXPECT_TRUE(Range().AtLeast(0).Contains(0));
+  EXPECT_FALSE(Range().AtLeast(0).Contains(-1e-300));
+  EXPECT_FALSE(Range().Above(0).Contains(0));
+  EXPECT_TRUE(Range().Above(0).Contains(1e-300));
+  EXPECT_TRUE(Range().AtMost(1).Contains(1));
+  EXPECT_FALSE(Range().AtMost(1).Contains(std::nextafter(1, 2)));
+  EXPECT_FALSE(Range().Below(1).Contains(1));
+  EXPECT_TRUE(Range().Below(1).Contains(std::nextafter(1, 0)));
+  for (const double end : {-2., 3.}) EXPECT_TRUE(Range().Between(-2, 3).Contains(end));
+  EXPECT_FALSE(Range().Positive().Contains(0));
+}
+
+TEST(RangeTest, OnlyGivenInfinitiesAreAllowed) {
+  EXPECT_FALSE(Range().Positive().Contains(kInfinity));
+  EXPECT_TRUE(Range().Positive().OrInfinite().Contains(kInfinity));
+  EXPECT_FALSE(Range().Positive().OrInfinite().Contains(-kInfinity));
+  EXPECT_FALSE(Range().Positive().OrInfinite().Contains(0));
+  EXPECT_FALSE(Range().Finite().Contains(-kInfinity));
+  EXPECT_FALSE(Range().Finite().OrInfinite().Contains(NAN));
+  EXPECT_TRUE(Range().Contains(NAN)) << "without a range";
+}
+
+TEST(RangeTest, SaysWhatIsAllowed) {
+  EXPECT_EQ(Range().Text(), "");
+  EXPECT_EQ(Range().Finite().Text(), "");
+  EXPECT_EQ(Range().Between(0, 1).Text("m"), "from 0 to 1 m");
+  EXPECT_EQ(Range().Above(-1).AtMost(100).Text(), "above -1 and at most 100");
+  EXPECT_EQ(Range().AtLeast(0).Below(1).Text(), "at least 0 and below 1");
+  EXPECT_EQ(Range().Below(2).Text(), "below 2");
+  EXPECT_EQ(Range().Positive().OrInfinite().Text("s"), "above 0 s, or infinite");
+}
+
+struct Spring {
+  double stiffness = 1;
+  Vec<2> anchor = Vec<2>::Zero();
+  std::optional<double> limit;
+  std::vector<double> knots;
+  int turns = 3;
+  double preload = 0;
+  static FieldList Fields() {
+    return {Required("stiffness_N_per_m", &Spring::stiffness).Positive(),
+            Field("anchor_m", &Spring::anchor).Between(-1, 1),
+            Field("limit_N", &Spring::limit).AtLeast(0).Because("a spring cannot push"),
+            Field("knots", &Spring::knots).Below(5),
+            Field("turns", &Spring::turns).AtLeast(2),
+            {"preload_N", &Spring::preload}};
+  }
+};
+struct Suspension {
+  std::array<Spring, 2> springs;
+  std::optional<Spring> spare;
+  Rate rate = Hz(100);
+  static FieldList Fields() {
+    return {{"springs", &Suspension::springs}, {"spare", &Suspension::spare}, Undescribed(&Suspension::rate)};
+  }
+};
+
+std::string ErrorOf(const std::string& text) {
+  try {
+    YamlDocument::Parse(text, "s.yaml").Read<Suspension>();
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RangeTest, FilesAreRefusedWithPlaceKeyValueAndRange) {
+  const std::string begin = "springs:\n  - stiffness_N_per_m: 1\n  - stiffness_N_per_m: 2\n    ";
+  for (const auto& [line, place, parts] : std::vector<std::array<std::string, 3>>{
+           {"anchor_m: [0, 1.5]", "4:19: springs.1.anchor_m.1: ", "= 1.5 must be from -1 to 1 m"},
+           {"limit_N: -2", "4:14: springs.1.limit_N: ", "-2 must be at least 0 N: a spring cannot push"},
+           {"knots: [1, 2, 5]", "4:19: springs.1.knots.2: ", "knots.2 = 5 must be below 5"},
+           {"turns: 1", "4:12: springs.1.turns: ", "turns = 1 must be at least 2"}})
+    EXPECT_THAT(ErrorOf(begin + line), AllOf(StartsWith("s.yaml:" + place), HasSubstr(parts))) << line;
+  for (const char* line : {"anchor_m: [-1, 1]", "limit_N: 0", "limit_N: null", "knots: []", "turns: 2"})
+    EXPECT_EQ(ErrorOf(begin + line), "") << line;
+  EXPECT_THAT(ErrorOf("springs:\n  - stiffness_N_per_m: 0\n  - stiffness_N_per_m: 2\n"),
+              StartsWith("s.yaml:2:24: springs.0.stiffness_N_per_m: "));
+}
+
+class Vehicle final : public LeafSystem<Suspension> {
+ public:
+  using LeafSystem::LeafSystem;
+  Parameter<Spring> spring{this, {"spring"}, params.springs[0], "one of the springs"};
+  Parameter<double> stiffness{this, {"stiffness", "N/m"}, params.springs[1].stiffness, "of the other"};
+  Parameter<Vec<2>> gain{this, {"gain", "m"}, Vec<2>::Zero(), "no member of params", Range().AtMost(1)};
+  Parameter<double> free{this, "free", 0, "without a range"};
+};
+
+class Trailer final : public Subdiagram {
+ public:
+  explicit Trailer(const Suspension& suspension) { Add<Vehicle>("axle", suspension); }
+};
+
+TEST(RangeTest, BlocksAreRefusedWithBlockAndKey) {
+  DiagramBuilder builder;
+  Suspension suspension;
+  suspension.spare.emplace().limit = -1;
+  try {
+    builder.Add<Trailer>("trailer", suspension);
+    ADD_FAILURE();
+  } catch (const ParameterError& error) {
+    EXPECT_EQ(error.block(), "trailer.axle");
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("'axle'"), HasSubstr("spare.limit_N = -1")));
+  }
+  EXPECT_TRUE(Throws<ParameterError>([&] { CheckRanges(suspension, "rear"); }, "rear.spare.limit_N"));
+}
+
+TEST(RangeTest, ParametersAreRefused) {
+  TestRig<Vehicle> rig;
+  const auto refused = [&](auto set, const char* key) {
+    try {
+      set();
+    } catch (const ParameterError& error) {
+      EXPECT_EQ(error.block(), "block");
+      EXPECT_THAT(error.what(), HasSubstr(key));
+      return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refused([&] { rig.Set(rig->spring, {.stiffness = 0}); }, "spring.stiffness_N_per_m = 0"));
+  EXPECT_TRUE(refused([&] { rig.Set(rig->stiffness, 0); }, "stiffness = 0 must be above 0 N/m"));
+  EXPECT_TRUE(refused([&] { rig.Set(rig->gain, {0, 1.5}); }, "gain.1 = 1.5 must be at most 1 m"));
+  EXPECT_EQ(rig[rig->gain], Vec<2>(0, 0)) << "nothing is changed";
+  rig.Set(rig->gain, {-3, 1});
+  rig.Set(rig->free, -kInfinity);
+}
+
+TEST(RangeTest, ParametersTellTheirRanges) {
+  const TestRig<Vehicle> rig;
+  const std::vector<Range> spring = rig->spring.ranges();
+  ASSERT_EQ(spring.size(), 5U) << "stiffness, two of anchor, turns, preload";
+  EXPECT_EQ(spring[0].low(), 0);
+  EXPECT_TRUE(spring[0].low_open());
+  EXPECT_EQ(spring[2].high(), 1);
+  EXPECT_FALSE(spring[2].high_open());
+  EXPECT_EQ(spring[3].low(), 2);
+  EXPECT_TRUE(spring[4].any());
+  EXPECT_EQ(rig->stiffness.ranges()[0].low(), 0) << "of the member of params";
+  EXPECT_EQ(rig->gain.ranges()[1].high(), 1);
+  EXPECT_TRUE(rig->free.range().any());
+}
+
+class Broken final : public LeafSystem<void> {
+ public:
+  OutputPort<double> y{this, "y", Uses(), []() -> double { throw std::runtime_error("broken"); }};
+};
+
+TEST(RangeTest, RunErrorsTellTheirBlock) {
+  DiagramBuilder builder;
+  const auto& broken = builder.Add<Broken>("pump");
+  const auto context = builder.Build()->CreateContext();
+  try {
+    context->Eval(broken.y);
+    ADD_FAILURE();
+  } catch (const RunError& error) {
+    EXPECT_EQ(error.block(), "pump");
+  }
+}
+
+}  // namespace
+}  // namespace tenon::range_test
