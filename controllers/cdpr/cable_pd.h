@@ -14,7 +14,6 @@ struct CablePdParams {
   double stiffness_N_per_m = 0;  ///< gain K_p of the length error
   double damping_N_s_per_m = 0;  ///< gain K_d of the error of the length's rate
   Rate rate = Hz(1000);
-  void Validate() const;  ///< throws ParameterError unless K_p > 0 and K_d >= 0
 };
 
 /// Length controller with a tension feedforward for each cable (Morlando 2023, eq. (3.25)):
@@ -31,10 +30,16 @@ class CablePd final : public LeafSystem<CablePdParams> {
   using LeafSystem::LeafSystem;
   InputPort<CableSignals> cables{this, {"cables"}};
   InputPort<CdprReference> reference{this, {"reference"}};
-  Parameter<double> stiffness{
-      this, {"stiffness", "N/m"}, params.stiffness_N_per_m, "tension per length error"};
-  Parameter<double> damping{
-      this, {"damping", "N s/m"}, params.damping_N_s_per_m, "tension per error of the length's rate"};
+  Parameter<double> stiffness{this,
+                              {"stiffness", "N/m"},
+                              params.stiffness_N_per_m,
+                              "tension per length error",
+                              Range().Positive().Because("otherwise length errors are not corrected")};
+  Parameter<double> damping{this,
+                            {"damping", "N s/m"},
+                            params.damping_N_s_per_m,
+                            "tension per error of the length's rate",
+                            Range().AtLeast(0).Because("otherwise it amplifies oscillations")};
   OutputPort<CableVector> command{this,
                                   {"command", "N"},
                                   CableVector::Zero(params.robot.num_cables()),

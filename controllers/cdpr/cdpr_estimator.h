@@ -30,11 +30,13 @@ struct CdprNoise {
   double length_rate = 0.005;       ///< rate of a cable length, mean between samples: 2 % of 0.25 m/s [m/s]
 
   static FieldList Fields() {
-    return {{"position", &CdprNoise::position, "m"},
-            {"attitude", &CdprNoise::attitude, "rad"},
-            {"angular_velocity", &CdprNoise::angular_velocity, "rad/s"},
-            {"specific_force", &CdprNoise::specific_force, "m/s^2"},
-            {"length_rate", &CdprNoise::length_rate, "m/s"}};
+    FieldList fields{{"position", &CdprNoise::position, "m"},
+                     {"attitude", &CdprNoise::attitude, "rad"},
+                     {"angular_velocity", &CdprNoise::angular_velocity, "rad/s"},
+                     {"specific_force", &CdprNoise::specific_force, "m/s^2"},
+                     {"length_rate", &CdprNoise::length_rate, "m/s"}};
+    for (Field& field : fields) field.Positive().Because("give a perfect sensor a small deviation");
+    return fields;
   }
 };
 

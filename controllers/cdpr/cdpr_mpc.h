@@ -51,7 +51,8 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
   Parameter<int> max_fallbacks_in_a_row{this,
                                         {"max_fallbacks_in_a_row"},
                                         params.max_fallbacks_in_a_row,
-                                        "consecutive failed solves above which the run ends"};
+                                        "consecutive failed solves above which the run ends",
+                                        Range().AtLeast(0).Because("below 0 every solve ends the run")};
   Shared<CdprMpcCost> cost{this, "cost", Uses(weights, terminal_weights), &CdprMpc::CalcCost};
   Scratch<CdprPlan> warm_start{this, "warm_start", CdprMpcSolver::FirstPlan(params)};
   Workspace<CdprMpcSolver> solver{this, "solver", CdprMpcSolver(params)};

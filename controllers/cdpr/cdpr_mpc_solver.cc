@@ -92,21 +92,10 @@ void CdprMpcParams::Validate() const {
   Demand(weights.tension > 0,
          fmt::format("weights.tension = {} must be positive: the tensions would not be unique",
                      weights.tension));
-  for (const auto& [which, w] : {std::pair{"weights", weights}, {"terminal_weights", terminal_weights}}) {
-    for (const auto& [name, weight] : {std::pair{"position", w.position},
-                                       {"velocity", w.velocity},
-                                       {"attitude", w.attitude},
-                                       {"angular_velocity", w.angular_velocity}})
-      Demand(weight >= 0 && std::isfinite(weight),
-             fmt::format("{}.{} = {} must be finite and not negative: the optimal control problem would have "
-                         "no minimum",
-                         which, name, weight));
-  }
+  CheckRanges(weights, "weights");
+  CheckRanges(terminal_weights, "terminal_weights");
   Demand(std::isfinite(unheld_time) && unheld_time >= 0,
          fmt::format("unheld_time = {} s must be finite and not negative", unheld_time));
-  Demand(max_fallbacks_in_a_row >= 0,
-         fmt::format("max_fallbacks_in_a_row = {} must not be negative: every solve would end the run",
-                     max_fallbacks_in_a_row));
   static_cast<void>(CdprMpcSolver::Cost(*this, weights, terminal_weights));
 }
 

@@ -20,11 +20,11 @@ struct CdprMpcWeights {
   double tension = 0;           ///< weight of each tension's deviation from its reference, or from 0 [1/N^2]
 
   static FieldList Fields() {
-    return {Required("position_per_m2", &CdprMpcWeights::position),
-            Required("velocity_s2_per_m2", &CdprMpcWeights::velocity),
-            Required("attitude_per_rad2", &CdprMpcWeights::attitude),
-            Required("angular_velocity_s2_per_rad2", &CdprMpcWeights::angular_velocity),
-            Required("tension_per_N2", &CdprMpcWeights::tension)};
+    return {Required("position_per_m2", &CdprMpcWeights::position).AtLeast(0),
+            Required("velocity_s2_per_m2", &CdprMpcWeights::velocity).AtLeast(0),
+            Required("attitude_per_rad2", &CdprMpcWeights::attitude).AtLeast(0),
+            Required("angular_velocity_s2_per_rad2", &CdprMpcWeights::angular_velocity).AtLeast(0),
+            Required("tension_per_N2", &CdprMpcWeights::tension).AtLeast(0)};
   }
 };
 

@@ -19,7 +19,6 @@ void CheckPositive(const char* name, double value, const char* unit) {
 }  // namespace
 
 void LoadEstimatorParams::Validate() const {
-  CheckPositive("bandwidth", bandwidth, " rad/s");
   Demand(bandwidth * rate.period() < 1,
          fmt::format("bandwidth = {} rad/s is too much at {} Hz: it must be below the rate", bandwidth,
                      1 / rate.period()));

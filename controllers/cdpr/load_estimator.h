@@ -76,8 +76,11 @@ class LoadEstimator final : public LeafSystem<LoadEstimatorParams> {
   InputPort<PlatformEstimate> estimate{this, {"estimate"}};
   InputPort<ImuMeasurement> inertial{this, {"inertial"}};
   InputPort<CableSignals> cables{this, {"cables"}};
-  Parameter<double> bandwidth{
-      this, {"bandwidth", "rad/s"}, params.bandwidth, "bandwidth of the estimated force and torque"};
+  Parameter<double> bandwidth{this,
+                              {"bandwidth", "rad/s"},
+                              params.bandwidth,
+                              "bandwidth of the estimated force and torque",
+                              Range().Positive()};
   Scratch<Memory> memory{this, "memory"};
   OutputPort<LoadEstimate> load{this,
                                 {"load"},

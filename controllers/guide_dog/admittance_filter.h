@@ -24,10 +24,14 @@ struct AdmittanceGains {
 
   static FieldList Fields() {
     using G = AdmittanceGains;
-    return {{"desired_tension_N", &G::desired_tension}, {"mass_kg", &G::mass},
-            {"damping_N_s_per_m", &G::damping},         {"stiffness_N_per_m", &G::stiffness},
-            {"min_forward_m_per_s", &G::min_forward},   {"max_forward_m_per_s", &G::max_forward},
-            {"max_left_m_per_s", &G::max_left},         {"acceleration_m_per_s2", &G::acceleration}};
+    return {Field("desired_tension_N", &G::desired_tension).Positive(),
+            Field("mass_kg", &G::mass).Positive(),
+            Field("damping_N_s_per_m", &G::damping).Positive(),
+            Field("stiffness_N_per_m", &G::stiffness).AtLeast(0),
+            Field("min_forward_m_per_s", &G::min_forward).AtLeast(0),
+            Field("max_forward_m_per_s", &G::max_forward).Finite(),
+            Field("max_left_m_per_s", &G::max_left).AtLeast(0),
+            Field("acceleration_m_per_s2", &G::acceleration).Positive()};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -35,7 +39,6 @@ struct AdmittanceGains {
 struct AdmittanceFilterParams {
   AdmittanceGains gains;
   Rate rate = Hz(100);
-  void Validate() const { gains.Validate(); }  ///< throws ParameterError
 };
 
 /// State of AdmittanceFilter.

@@ -36,15 +36,15 @@ struct SupervisorGains {
 
   static FieldList Fields() {
     using G = SupervisorGains;
-    return {{"threshold_N", &G::threshold},
-            {"release_N", &G::release},
-            {"stop_time_s", &G::stop_time},
-            {"start_time_s", &G::start_time},
-            {"dwell_s", &G::dwell},
-            {"turn_rate_rad_per_s", &G::turn_rate},
-            {"turn_gain_per_s", &G::turn_gain},
-            {"heading_tolerance_rad", &G::heading_tolerance},
-            {"align_time_s", &G::align_time}};
+    return {Field("threshold_N", &G::threshold).Positive(),
+            Field("release_N", &G::release).Positive(),
+            Field("stop_time_s", &G::stop_time).Positive(),
+            Field("start_time_s", &G::start_time).Positive(),
+            Field("dwell_s", &G::dwell).AtLeast(0),
+            Field("turn_rate_rad_per_s", &G::turn_rate).Positive(),
+            Field("turn_gain_per_s", &G::turn_gain).Positive(),
+            Field("heading_tolerance_rad", &G::heading_tolerance).Positive(),
+            Field("align_time_s", &G::align_time).Positive()};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -52,7 +52,6 @@ struct SupervisorGains {
 struct SupervisorParams {
   SupervisorGains gains;
   Rate rate = Hz(100);
-  void Validate() const { gains.Validate(); }  ///< throws ParameterError
 };
 
 /// Conditions of the mode's transitions at a tick.

@@ -8,7 +8,6 @@
 namespace tenon {
 
 void CableFaultParams::Validate() const {
-  schedule.Validate();
   Demand(num_cables > 0, fmt::format("num_cables = {} must be the number of the robot's cables", num_cables));
   for (const int i : cables)
     Demand(i >= 0 && i < num_cables, fmt::format("there is no cable {}: give 0 to {}", i, num_cables - 1));

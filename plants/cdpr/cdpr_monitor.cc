@@ -7,13 +7,6 @@
 #include <cmath>
 
 namespace tenon {
-void CdprMonitorParams::Validate() const {
-  Demand(max_tension_ratio >= 1,
-         fmt::format("max_tension_ratio = {} must be at least 1: commands go up to tension_max",
-                     max_tension_ratio));
-  Demand(std::isfinite(floor), fmt::format("floor = {} must be finite: give metres", floor));
-}
-
 Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,
                                   double max_tension_ratio) const {
   const double limit = max_tension_ratio * params.robot.cable.tension_max;

@@ -15,8 +15,6 @@ struct CdprMonitorParams {
   double max_tension_ratio = 1.1;  ///< largest tension over the winches' tension_max
   double floor = 0;                ///< minimum height of attachments and CoM in W [m]
   Rate rate = Hz(1000);
-
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Ends the run of a cable robot if
@@ -36,9 +34,13 @@ class CdprMonitor final : public LeafSystem<CdprMonitorParams> {
   InputPort<PlatformState> platform{this, {"platform"}};
   Parameter<bool> forbid_slack{
       this, {"forbid_slack"}, params.forbid_slack, "whether a slack cable ends the run"};
-  Parameter<double> max_tension_ratio{
-      this, {"max_tension_ratio"}, params.max_tension_ratio, "maximum tension over the winches' tension_max"};
-  Parameter<double> floor{this, {"floor", "m"}, params.floor, "minimum height of attachments and CoM"};
+  Parameter<double> max_tension_ratio{this,
+                                      {"max_tension_ratio"},
+                                      params.max_tension_ratio,
+                                      "maximum tension over the winches' tension_max",
+                                      Range().AtLeast(1).Because("commands go up to tension_max")};
+  Parameter<double> floor{
+      this, {"floor", "m"}, params.floor, "minimum height of attachments and CoM", Range().Finite()};
   Monitor tension{this, "tension", Sampled{params.rate}, Uses(cables, forbid_slack, max_tension_ratio),
                   &CdprMonitor::CheckTension};
   Monitor place{this, "place", Sampled{params.rate}, Uses(platform, floor), &CdprMonitor::CheckPlace};

@@ -37,10 +37,13 @@ class SineForce final : public LeafSystem<SineForceParams> {
   using LeafSystem::LeafSystem;
   Parameter<ExternalForce> amplitude{
       this, {"amplitude"}, params.amplitude, "point of application and amplitude"};
-  Parameter<double> angular_frequency{
-      this, {"angular_frequency", "rad/s"}, params.angular_frequency, "angular frequency of the sine"};
-  Parameter<double> start{this, {"start", "s"}, params.start, "start of the force"};
-  Parameter<double> end{this, {"end", "s"}, params.end, "end of the force"};
+  Parameter<double> angular_frequency{this,
+                                      {"angular_frequency", "rad/s"},
+                                      params.angular_frequency,
+                                      "angular frequency of the sine",
+                                      Range().Finite()};
+  Parameter<double> start{this, {"start", "s"}, params.start, "start of the force", Range().Finite()};
+  Parameter<double> end{this, {"end", "s"}, params.end, "end of the force", Range().Finite().OrInfinite()};
   OutputPort<ExternalForce> force{
       this, {"force"}, Uses(time, amplitude, angular_frequency, start, end), &SineForce::CalcForce};
   NextJump next_jump{this, "next_jump", Uses(time, start, end), [](double time, double start, double end) {
@@ -69,9 +72,12 @@ class PulseForce final : public LeafSystem<PulseForceParams> {
  public:
   using LeafSystem::LeafSystem;
   Parameter<ExternalForce> push{this, {"push"}, params.push, "point of application and force"};
-  Parameter<double> start{this, {"start", "s"}, params.start, "start of the force"};
-  Parameter<double> duration{
-      this, {"duration", "s"}, params.duration, "duration of the force; infinity: permanent"};
+  Parameter<double> start{this, {"start", "s"}, params.start, "start of the force", Range().Finite()};
+  Parameter<double> duration{this,
+                             {"duration", "s"},
+                             params.duration,
+                             "duration of the force; infinity: permanent",
+                             Range().AtLeast(0).OrInfinite()};
   OutputPort<ExternalForce> force{
       this, {"force"}, Sampled{params.rate}, Uses(time, push, start, duration), &PulseForce::CalcForce};
 
@@ -99,8 +105,10 @@ class RandomForce final : public LeafSystem<RandomForceParams> {
   using LeafSystem::LeafSystem;
   Parameter<bool> on_trunk{
       this, {"on_trunk"}, params.on_trunk, "whether the force acts at B's origin instead of on a leg"};
-  Parameter<double> lower{this, {"lower", "N"}, params.lower, "lower bound of the magnitude"};
-  Parameter<double> upper{this, {"upper", "N"}, params.upper, "upper bound of the magnitude"};
+  Parameter<double> lower{
+      this, {"lower", "N"}, params.lower, "lower bound of the magnitude", Range().AtLeast(0)};
+  Parameter<double> upper{
+      this, {"upper", "N"}, params.upper, "upper bound of the magnitude", Range().AtLeast(0)};
   Random random{this, "random"};
   OutputPort<ExternalForce> force{
       this, {"force"}, Sampled{params.period}, Uses(on_trunk, lower, upper, random), &RandomForce::CalcForce};

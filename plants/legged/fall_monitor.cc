@@ -10,9 +10,6 @@ namespace tenon {
 
 void FallMonitorParams::Validate() const {
   terrain.Validate();
-  Demand(std::isfinite(min_height), fmt::format("min_height = {} must be finite: give metres", min_height));
-  Demand(max_tilt > 0 && max_tilt <= std::numbers::pi,
-         fmt::format("max_tilt = {} must be above 0 and at most pi: give radians", max_tilt));
   Demand(max_height > min_height,
          fmt::format("max_height = {} must be above min_height = {}: give metres", max_height, min_height));
 }

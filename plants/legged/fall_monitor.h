@@ -33,12 +33,18 @@ class FallMonitor final : public LeafSystem<FallMonitorParams> {
   Parameter<double> min_height{this,
                                {"min_height", "m"},
                                params.min_height,
-                               "lower bound of the height of B's origin above the ground"};
-  Parameter<double> max_tilt{this, {"max_tilt", "rad"}, params.max_tilt, "upper bound of the trunk's tilt"};
+                               "lower bound of the height of B's origin above the ground",
+                               Range().Finite()};
+  Parameter<double> max_tilt{this,
+                             {"max_tilt", "rad"},
+                             params.max_tilt,
+                             "upper bound of the trunk's tilt",
+                             Range().Above(0).AtMost(std::numbers::pi)};
   Parameter<double> max_height{this,
                                {"max_height", "m"},
                                params.max_height,
-                               "upper bound of the height of B's origin above the ground"};
+                               "upper bound of the height of B's origin above the ground",
+                               Range().Finite().OrInfinite()};
   Monitor fall{this, "fall", Sampled{params.rate}, Uses(state, min_height, max_tilt),
                &FallMonitor::CheckFall};
   Monitor flight{this, "flight", Sampled{params.rate}, Uses(state, max_height), &FallMonitor::CheckFlight};

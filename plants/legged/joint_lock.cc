@@ -8,7 +8,6 @@
 namespace tenon {
 
 void JointLockParams::Validate() const {
-  schedule.Validate();
   for (const int j : joints)
     Demand(j >= 0 && j < kNumJoints,
            fmt::format("joint {} does not exist: give 3 leg + i, from 0 to {}", j, kNumJoints - 1));

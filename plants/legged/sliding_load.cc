@@ -20,13 +20,8 @@ void DemandPositive(const char* name, double value, const char* unit) {
 }  // namespace
 
 void SlidingLoadParams::Validate() const {
-  Demand(std::isfinite(mass) && mass >= 0,
-         fmt::format("the sliding load's mass of {} kg must not be negative: give 0 for none", mass));
-  DemandPositive("slip_speed", slip_speed, " m/s");
   DemandPositive("stiffness", stiffness, " N/m");
   DemandPositive("gravity", gravity, " m/s^2");
-  Demand(std::isfinite(friction) && friction >= 0,
-         fmt::format("the sliding load's friction of {} must not be negative: give 0 for none", friction));
   Demand(std::isfinite(damping_ratio) && damping_ratio >= 0,
          fmt::format("the sliding load's damping_ratio of {} must not be negative", damping_ratio));
   Demand(position_B.allFinite() && reach.allFinite() && reach.minCoeff() >= 0,

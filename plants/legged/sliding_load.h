@@ -55,11 +55,15 @@ class SlidingLoad final : public LeafSystem<SlidingLoadParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<LeggedState> robot{this, {"robot"}};
-  Parameter<double> mass{this, {"mass", "kg"}, params.mass, "mass of the load; 0: no load"};
+  Parameter<double> mass{
+      this, {"mass", "kg"}, params.mass, "mass of the load; 0: no load", Range().AtLeast(0)};
   Parameter<double> friction{
-      this, {"friction"}, params.friction, "friction coefficient between trunk and load"};
-  Parameter<double> slip_speed{
-      this, {"slip_speed", "m/s"}, params.slip_speed, "speed at which friction is 71 % of its bound"};
+      this, {"friction"}, params.friction, "friction coefficient between trunk and load", Range().AtLeast(0)};
+  Parameter<double> slip_speed{this,
+                               {"slip_speed", "m/s"},
+                               params.slip_speed,
+                               "speed at which friction is 71 % of its bound",
+                               Range().Positive()};
   ContinuousState<LoadMotion> motion{this, {"motion"}, Start(params)};
   OutputPort<Vec<3>> place{this, {"place", "m"}, Uses(robot, motion), &SlidingLoad::CalcPlace};
   OutputPort<ExternalForce> force{

@@ -39,11 +39,16 @@ struct CableProperties {
       0;  ///< mass per unstrained length [kg/m]; only for the plant, controllers assume massless cables
 
   static FieldList Fields() {
-    return {Required("axial_stiffness_N", &CableProperties::axial_stiffness),
-            Required("axial_damping_N_s", &CableProperties::axial_damping),
-            Required("tension_min_N", &CableProperties::tension_min),
-            Required("tension_max_N", &CableProperties::tension_max),
-            {"mass_kg_per_m", &CableProperties::mass_per_length}};
+    return {
+        Required("axial_stiffness_N", &CableProperties::axial_stiffness)
+            .Positive()
+            .Because("EA, Young's modulus times cross-section"),
+        Required("axial_damping_N_s", &CableProperties::axial_damping)
+            .AtLeast(0)
+            .Because("EA times the material's damping time"),
+        Required("tension_min_N", &CableProperties::tension_min).AtLeast(0).Because("a cable cannot push"),
+        Required("tension_max_N", &CableProperties::tension_max).Finite(),
+        Field("mass_kg_per_m", &CableProperties::mass_per_length).AtLeast(0)};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -65,12 +70,19 @@ struct DrumProperties {
   double cable_length = 0;     ///< total length, on the drum and paid out [m]
 
   static FieldList Fields() {
-    return {Required("radius_m", &DrumProperties::radius),
-            Required("cable_diameter_m", &DrumProperties::cable_diameter),
-            Required("turns_per_layer", &DrumProperties::turns_per_layer),
-            Required("cable_length_m", &DrumProperties::cable_length)};
+    return {Required("radius_m", &DrumProperties::radius)
+                .Positive()
+                .Because("that of the first layer, to the middle of the cable"),
+            Required("cable_diameter_m", &DrumProperties::cable_diameter)
+                .Positive()
+                .Because("that by which layers grow"),
+            Required("turns_per_layer", &DrumProperties::turns_per_layer)
+                .Positive()
+                .Because("its width over the cable's diameter"),
+            Required("cable_length_m", &DrumProperties::cable_length)
+                .Positive()
+                .Because("all the cable that it has")};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Two drums, i and j, on the outputs of a symmetric bevel gear differential, two motors at its inputs:
@@ -88,7 +100,9 @@ struct DifferentialProperties {
 
   static FieldList Fields() {
     return {Required("pairs", &DifferentialProperties::pairs),
-            Required("motor_tension_max_N", &DifferentialProperties::motor_tension_max)};
+            Required("motor_tension_max_N", &DifferentialProperties::motor_tension_max)
+                .Positive()
+                .Because("the motor's largest torque over the drum's radius")};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -108,10 +122,14 @@ struct WinchProperties {
 
   static FieldList Fields() {
     return {{"mode", &WinchProperties::mode},
-            Required("time_constant_s", &WinchProperties::time_constant),
-            Required("reel_damping_N_s_per_m", &WinchProperties::reel_damping),
-            {"effective_mass_kg", &WinchProperties::effective_mass},
-            {"pulley_radius_m", &WinchProperties::pulley_radius},
+            Required("time_constant_s", &WinchProperties::time_constant)
+                .Positive()
+                .Because("the lag of the motor's current loop"),
+            Required("reel_damping_N_s_per_m", &WinchProperties::reel_damping).AtLeast(0),
+            Field("effective_mass_kg", &WinchProperties::effective_mass).AtLeast(0),
+            Field("pulley_radius_m", &WinchProperties::pulley_radius)
+                .AtLeast(0)
+                .Because("0 is a cable that leaves from a point"),
             {"drum", &WinchProperties::drum},
             {"differential", &WinchProperties::differential}};
   }
@@ -134,7 +152,7 @@ struct CdprDescription {
 
   static FieldList Fields() {
     return {Required("name", &CdprDescription::name),
-            Required("mass_kg", &CdprDescription::mass),
+            Required("mass_kg", &CdprDescription::mass).Above(0).AtMost(1e6),
             Required("inertia_kg_m2", &CdprDescription::inertia_B),
             Required("cables", &CdprDescription::cables),
             Required("cable_properties", &CdprDescription::cable),

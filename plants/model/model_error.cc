@@ -6,12 +6,6 @@
 namespace tenon {
 namespace {
 
-void CheckRatio(const char* name, double ratio) {
-  if (!(ratio >= 0 && ratio < 1))
-    throw ParameterError(
-        fmt::format("{} = {} must be at least 0 and below 1: 0.1 is an error of up to 10 %", name, ratio));
-}
-
 double TrunkLength(const QuadrupedDescription& robot) {
   const auto hip = [&](Leg leg) -> const Eigen::Vector3d& { return robot.legs[leg].joints[0].p_PJ; };
   return (hip(kFrontLeft) + hip(kFrontRight) - hip(kRearLeft) - hip(kRearRight)).norm() / 2;
@@ -19,16 +13,9 @@ double TrunkLength(const QuadrupedDescription& robot) {
 
 }  // namespace
 
-void ModelErrorParams::Validate() const {
-  CheckRatio("mass_ratio", mass_ratio);
-  CheckRatio("com_ratio", com_ratio);
-  CheckRatio("inertia_ratio", inertia_ratio);
-  CheckRatio("length_ratio", length_ratio);
-}
-
 QuadrupedDescription WithModelError(QuadrupedDescription robot, const ModelErrorParams& error,
                                     RandomStream& random) {
-  error.Validate();
+  CheckRanges(error);
   const auto off = [&](double bound) { return random.Uniform(-bound, bound); };
   const auto disturb = [&](RigidInertia& body, double length) {
     const double mass_factor = 1 + off(error.mass_ratio);

@@ -15,12 +15,13 @@ struct ModelErrorParams {
   double length_ratio = 0;   ///< error of the length of each link of a leg
 
   static FieldList Fields() {
-    return {{"mass_ratio", &ModelErrorParams::mass_ratio},
-            {"com_ratio", &ModelErrorParams::com_ratio},
-            {"inertia_ratio", &ModelErrorParams::inertia_ratio},
-            {"length_ratio", &ModelErrorParams::length_ratio}};
+    FieldList fields{{"mass_ratio", &ModelErrorParams::mass_ratio},
+                     {"com_ratio", &ModelErrorParams::com_ratio},
+                     {"inertia_ratio", &ModelErrorParams::inertia_ratio},
+                     {"length_ratio", &ModelErrorParams::length_ratio}};
+    for (Field& field : fields) field.AtLeast(0).Below(1).Because("0.1 is an error of up to 10 %");
+    return fields;
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// A robot with random errors in the masses, centres of mass and inertias of all bodies and in the lengths of

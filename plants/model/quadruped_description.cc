@@ -10,17 +10,6 @@
 namespace tenon {
 namespace {
 
-void CheckPositive(const char* key, double value, const char* remedy) {
-  if (!(value > 0))
-    throw ParameterError(fmt::format("{} is {} but must be positive; {}", key, value, remedy));
-}
-
-void CheckNotNegative(const char* key, double value) {
-  if (!(value >= 0))
-    throw ParameterError(
-        fmt::format("{} is {} but must not be negative; give 0 for none, or a positive value", key, value));
-}
-
 /// A point of the leg's body i, given in that body's frame, in the trunk's frame B.
 Eigen::Vector3d PointInTrunk(const LegDescription& leg, int i, Eigen::Vector3d p,
                              const Vec<kJointsPerLeg>& q) {
@@ -32,37 +21,6 @@ Eigen::Vector3d PointInTrunk(const LegDescription& leg, int i, Eigen::Vector3d p
 }
 
 }  // namespace
-
-void DriveProperties::Validate() const {
-  CheckNotNegative("rotor_inertia_kg_m2", rotor_inertia);
-  CheckNotNegative("damping_N_m_s_per_rad", damping);
-  constexpr double kMostDamping = 1e4;  // N m s/rad; with a leg's inertia a time constant of microseconds
-  if (damping > kMostDamping)
-    throw ParameterError(fmt::format(
-        "damping_N_m_s_per_rad is {} but must be at most {}: with a higher value, the joint hardly moves",
-        damping, kMostDamping));
-  CheckNotNegative("friction_N_m", friction);
-  if (!(full_torque_speed_ratio >= 0 && full_torque_speed_ratio < 1))
-    throw ParameterError(
-        fmt::format("full_torque_speed_ratio is {} but must be at least 0 and below 1; it is the part of the "
-                    "speed limit up "
-                    "to which the motor has its full torque",
-                    full_torque_speed_ratio));
-  CheckNotNegative("stop_stiffness_N_m_per_rad", stop_stiffness);
-  CheckNotNegative("stop_dissipation_s_per_rad", stop_dissipation);
-}
-
-void ContactProperties::Validate() const {
-  CheckPositive("stiffness_N_per_m", stiffness, "give the weight on a foot over its static depth");
-  CheckNotNegative("dissipation_s_per_m", dissipation);
-  CheckPositive("blend_m", blend, "give about a tenth of the static depth");
-  CheckPositive("bristle_stiffness_per_m", bristle_stiffness,
-                "give the friction coefficient over the deflection before sliding");
-  CheckNotNegative("bristle_damping_s_per_m", bristle_damping);
-  CheckPositive("bristle_friction", bristle_friction, "give 0.2, or the lowest friction of interest");
-  CheckPositive("full_friction_N", full_friction, "give a small fraction of the weight on a foot");
-  CheckPositive("release_time_s", release_time, "give a few milliseconds");
-}
 
 double QuadrupedDescription::mass() const {
   double sum = trunk.mass;

@@ -50,14 +50,18 @@ struct DriveProperties {
   double stop_dissipation = 0;         ///< see QuadrupedPlant [s/rad]
 
   static FieldList Fields() {
-    return {Required("rotor_inertia_kg_m2", &DriveProperties::rotor_inertia),
-            Required("damping_N_m_s_per_rad", &DriveProperties::damping),
-            Required("friction_N_m", &DriveProperties::friction),
-            Required("full_torque_speed_ratio", &DriveProperties::full_torque_speed_ratio),
-            Required("stop_stiffness_N_m_per_rad", &DriveProperties::stop_stiffness),
-            Required("stop_dissipation_s_per_rad", &DriveProperties::stop_dissipation)};
+    return {Required("rotor_inertia_kg_m2", &DriveProperties::rotor_inertia).AtLeast(0),
+            Required("damping_N_m_s_per_rad", &DriveProperties::damping)
+                .Between(0, 1e4)
+                .Because("a joint with more does not move"),
+            Required("friction_N_m", &DriveProperties::friction).AtLeast(0),
+            Required("full_torque_speed_ratio", &DriveProperties::full_torque_speed_ratio)
+                .AtLeast(0)
+                .Below(1)
+                .Because("the part of the speed limit up to which the motor has its full torque"),
+            Required("stop_stiffness_N_m_per_rad", &DriveProperties::stop_stiffness).AtLeast(0),
+            Required("stop_dissipation_s_per_rad", &DriveProperties::stop_dissipation).AtLeast(0)};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Contact model of the feet, see foot_contact.h.
@@ -72,16 +76,27 @@ struct ContactProperties {
   double release_time = 0;        ///< tau [s]
 
   static FieldList Fields() {
-    return {Required("stiffness_N_per_m", &ContactProperties::stiffness),
-            Required("dissipation_s_per_m", &ContactProperties::dissipation),
-            Required("blend_m", &ContactProperties::blend),
-            Required("bristle_stiffness_per_m", &ContactProperties::bristle_stiffness),
-            Required("bristle_damping_s_per_m", &ContactProperties::bristle_damping),
-            {"bristle_friction", &ContactProperties::bristle_friction},
-            Required("full_friction_N", &ContactProperties::full_friction),
-            Required("release_time_s", &ContactProperties::release_time)};
+    return {Required("stiffness_N_per_m", &ContactProperties::stiffness)
+                .Positive()
+                .Because("the weight on a foot over its static depth"),
+            Required("dissipation_s_per_m", &ContactProperties::dissipation).AtLeast(0),
+            Required("blend_m", &ContactProperties::blend)
+                .Positive()
+                .Because("about a tenth of the static depth"),
+            Required("bristle_stiffness_per_m", &ContactProperties::bristle_stiffness)
+                .Positive()
+                .Because("the friction coefficient over the deflection before sliding"),
+            Required("bristle_damping_s_per_m", &ContactProperties::bristle_damping).AtLeast(0),
+            Field("bristle_friction", &ContactProperties::bristle_friction)
+                .Positive()
+                .Because("0.2, or the lowest friction of interest"),
+            Required("full_friction_N", &ContactProperties::full_friction)
+                .Positive()
+                .Because("a small fraction of the weight on a foot"),
+            Required("release_time_s", &ContactProperties::release_time)
+                .Positive()
+                .Because("a few milliseconds")};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// A quadruped: a trunk and four legs of three revolute joints. x forward, y left, z up.

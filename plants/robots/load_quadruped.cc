@@ -68,7 +68,10 @@ struct RobotFile {
             {"forward", &RobotFile::forward},
             {"up", &RobotFile::up},
             Required("feet", &RobotFile::feet),
-            Required("foot_radius_m", &RobotFile::foot_radius),
+            Required("foot_radius_m", &RobotFile::foot_radius)
+                .Above(0)
+                .AtMost(0.1)
+                .Because("the radius of the sphere that touches the ground"),
             {"foot_centres_m", &RobotFile::foot_centres},
             {"joint_limits", &RobotFile::limits},
             {"locked_joints", &RobotFile::locked},
@@ -80,14 +83,6 @@ struct RobotFile {
   void Validate() const {
     if (internal::Along(forward).dot(internal::Along(up)) != 0)
       throw ParameterError("forward and up must be at right angles: choose another axis");
-    if (!(foot_radius > 0))
-      throw ParameterError(
-          fmt::format("foot_radius_m is {} m but must be positive; give the radius of the "
-                      "sphere that touches the ground",
-                      foot_radius));
-    if (foot_radius > 0.1)
-      throw ParameterError(fmt::format(
-          "foot_radius_m is {:.6g} m but must be at most 0.1, the limit of the terrain model", foot_radius));
   }
 };
 

@@ -3,7 +3,6 @@
 namespace tenon {
 
 void FootForceSensorParams::Validate() const {
-  error.Validate("the force sensor");
   CheckNotNegative("threshold", threshold, " N");
 }
 

@@ -13,8 +13,6 @@ namespace tenon {
 struct ForceSensorParams {
   Rate rate = Hz(1000);
   SensorError error = {};  ///< error of each component [N m] or [N]
-
-  void Validate() const { error.Validate("the force sensor"); }  ///< throws ParameterError
 };
 
 /// By default there are no errors.

@@ -9,10 +9,6 @@
 namespace tenon {
 
 void ImuParams::Validate() const {
-  CheckDeviation("angular_velocity_noise", angular_velocity_noise);
-  CheckDeviation("specific_force_noise", specific_force_noise);
-  if (!angular_velocity_bias.allFinite() || !specific_force_bias.allFinite())
-    throw ParameterError("a bias of the IMU is not finite; give rad/s and m/s^2, or 0 for none");
   if (!p_B.allFinite()) throw ParameterError("p_B, the position of the IMU, is not finite; give metres in B");
   if (!std::isfinite(gravity)) throw ParameterError(fmt::format("gravity is {}; give m/s^2", gravity));
 }

@@ -49,13 +49,23 @@ class BasicImu final : public LeafSystem<ImuParams> {
   Parameter<Vec<3>> angular_velocity_noise{this,
                                            {"angular_velocity_noise", "rad/s"},
                                            params.angular_velocity_noise,
-                                           "standard deviation per axis"};
-  Parameter<Vec<3>> specific_force_noise{
-      this, {"specific_force_noise", "m/s^2"}, params.specific_force_noise, "standard deviation per axis"};
-  Parameter<Vec<3>> angular_velocity_bias{
-      this, {"angular_velocity_bias", "rad/s"}, params.angular_velocity_bias, "bias of all samples"};
-  Parameter<Vec<3>> specific_force_bias{
-      this, {"specific_force_bias", "m/s^2"}, params.specific_force_bias, "bias of all samples"};
+                                           "standard deviation per axis",
+                                           Range().AtLeast(0)};
+  Parameter<Vec<3>> specific_force_noise{this,
+                                         {"specific_force_noise", "m/s^2"},
+                                         params.specific_force_noise,
+                                         "standard deviation per axis",
+                                         Range().AtLeast(0)};
+  Parameter<Vec<3>> angular_velocity_bias{this,
+                                          {"angular_velocity_bias", "rad/s"},
+                                          params.angular_velocity_bias,
+                                          "bias of all samples",
+                                          Range().Finite()};
+  Parameter<Vec<3>> specific_force_bias{this,
+                                        {"specific_force_bias", "m/s^2"},
+                                        params.specific_force_bias,
+                                        "bias of all samples",
+                                        Range().Finite()};
   Random noise{this, "noise"};
   OutputPort<ImuMeasurement> measurement{
       this,

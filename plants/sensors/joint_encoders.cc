@@ -6,8 +6,6 @@
 namespace tenon {
 
 void JointEncodersParams::Validate() const {
-  angle.Validate("the joint angles");
-  speed.Validate("the joint speeds");
   CheckNotNegative("resolution", resolution, " rad");
   CheckNotNegative("offset_deviation", offset_deviation, " rad");
   CheckNotNegative("speed_bandwidth", speed_bandwidth, " Hz");

@@ -4,8 +4,6 @@
 namespace tenon {
 
 void PoseSensorParams::Validate() const {
-  CheckDeviation("position_noise", position_noise);
-  CheckDeviation("attitude_noise", attitude_noise);
   CheckDeviation("position_offset", Vec<3>::Constant(position_offset));
   CheckDeviation("attitude_offset", Vec<3>::Constant(attitude_offset));
 }

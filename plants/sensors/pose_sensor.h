@@ -44,10 +44,16 @@ class PoseSensor final : public LeafSystem<PoseSensorParams> {
   };
 
   InputPort<PlatformState> platform{this, {"platform"}};
-  Parameter<Vec<3>> position_noise{
-      this, {"position_noise", "m"}, params.position_noise, "standard deviation along x, y, z of W"};
-  Parameter<Vec<3>> attitude_noise{
-      this, {"attitude_noise", "rad"}, params.attitude_noise, "standard deviation about x, y, z of B"};
+  Parameter<Vec<3>> position_noise{this,
+                                   {"position_noise", "m"},
+                                   params.position_noise,
+                                   "standard deviation along x, y, z of W",
+                                   Range().AtLeast(0)};
+  Parameter<Vec<3>> attitude_noise{this,
+                                   {"attitude_noise", "rad"},
+                                   params.attitude_noise,
+                                   "standard deviation about x, y, z of B",
+                                   Range().AtLeast(0)};
   Random noise{this, "noise"};
   Random calibration{this, "calibration"};
   DiscreteState<Offset> offset{this, {"offset"}};

@@ -27,9 +27,9 @@ struct SensorError {
   double bias = 0;      ///< [unit of the signal]
 
   static FieldList Fields() {
-    return {{"absolute", &SensorError::absolute},
-            {"relative", &SensorError::relative},
-            {"bias", &SensorError::bias}};
+    return {Field("absolute", &SensorError::absolute).AtLeast(0).Because("a standard deviation, 0 for none"),
+            Field("relative", &SensorError::relative).AtLeast(0).Because("a standard deviation, 0.1 is 10 %"),
+            Field("bias", &SensorError::bias).Finite()};
   }
 
   /// The measured value. Draws no random number if there is no noise.
@@ -44,8 +44,6 @@ struct SensorError {
     for (int i = 0; i < N; ++i) y[i] = Measure(x[i], noise);
     return y;
   }
-  /// Throws ParameterError, naming the measured signal.
-  void Validate(const char* signal) const;
 };
 
 /// Throws ParameterError unless `value` is finite and not negative.
@@ -63,20 +61,6 @@ inline void CheckDeviation(const char* name, const Vec<3>& deviation) {
   text << name << " is (" << deviation[0] << ", " << deviation[1] << ", " << deviation[2]
        << "); a standard deviation is finite and not negative";
   throw ParameterError(text.str());
-}
-
-inline void SensorError::Validate(const char* signal) const {
-  if (!(std::isfinite(absolute) && absolute >= 0 && std::isfinite(relative) && relative >= 0)) {
-    std::ostringstream text;
-    text << "the noise of " << signal << " is " << absolute << " absolute and " << relative
-         << " relative; give standard deviations, finite and not negative";
-    throw ParameterError(text.str());
-  }
-  if (!std::isfinite(bias)) {
-    std::ostringstream text;
-    text << "the bias of " << signal << " is " << bias << "; give a finite number, 0 for none";
-    throw ParameterError(text.str());
-  }
 }
 
 }  // namespace tenon

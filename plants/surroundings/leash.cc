@@ -13,16 +13,6 @@ constexpr double kDrawnRadius = 0.01;  // [m]
 
 }  // namespace
 
-void LeashParams::Validate() const {
-  Demand(nominal_length > 0 && std::isfinite(nominal_length),
-         fmt::format("nominal_length = {} m must be positive", nominal_length));
-  Demand(stiffness > 0 && std::isfinite(stiffness),
-         fmt::format("stiffness = {} N/m must be positive", stiffness));
-  Demand(dissipation >= 0 && std::isfinite(dissipation),
-         fmt::format("dissipation = {} s/m must not be negative: give 0 for none", dissipation));
-  Demand(attachment_B.allFinite(), "attachment must be finite: give metres");
-}
-
 LeashState Leash::CalcLeash(const LeggedState& robot, const PersonState& person, double nominal_length,
                             double stiffness, double dissipation) const {
   const Eigen::Vector3d arm = robot.R_WB() * params.attachment_B;

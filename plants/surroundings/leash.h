@@ -17,12 +17,11 @@ struct LeashParams {
   Vec<3> attachment_B{-0.25, 0, 0.1};  ///< attachment of the leash on the trunk, in B [m]
 
   static FieldList Fields() {
-    return {{"nominal_length_m", &LeashParams::nominal_length},
-            {"stiffness_N_per_m", &LeashParams::stiffness},
-            {"dissipation_s_per_m", &LeashParams::dissipation},
-            {"attachment_m", &LeashParams::attachment_B}};
+    return {Field("nominal_length_m", &LeashParams::nominal_length).Positive(),
+            Field("stiffness_N_per_m", &LeashParams::stiffness).Positive(),
+            Field("dissipation_s_per_m", &LeashParams::dissipation).AtLeast(0),
+            Field("attachment_m", &LeashParams::attachment_B).Finite()};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// A leash between a person's hand and a robot's trunk: a unilateral spring (Morlando 2023, eq. (2.48)) with

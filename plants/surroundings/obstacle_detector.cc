@@ -12,19 +12,6 @@ constexpr double kDrawnHeight = 0.8;  // [m]
 
 }  // namespace
 
-void ObstacleDetectorParams::Validate() const {
-  Demand(range > 0 && std::isfinite(range), fmt::format("range = {} m must be positive", range));
-  Demand(half_width >= 0 && std::isfinite(half_width),
-         fmt::format("half_width = {} m must not be negative", half_width));
-  for (std::size_t i = 0; i < obstacles.size(); ++i) {
-    const Obstacle& obstacle = obstacles[i];
-    Demand(obstacle.centre.allFinite() && obstacle.radius > 0 && std::isfinite(obstacle.radius),
-           fmt::format("obstacles.{} has a radius of {} m about ({}, {}): give a finite place and a positive "
-                       "radius",
-                       i, obstacle.radius, obstacle.centre[0], obstacle.centre[1]));
-  }
-}
-
 bool ObstacleDetector::CalcObstacle(const LeggedState& state, double range, double half_width) const {
   const Eigen::Vector2d heading = state.R_WB().col(0).head<2>().normalized();
   for (const Obstacle& obstacle : params.obstacles) {

@@ -16,7 +16,8 @@ struct Obstacle {
   double radius = 0;               ///< radius of the pillar [m]
 
   static FieldList Fields() {
-    return {Required("centre_m", &Obstacle::centre), Required("radius_m", &Obstacle::radius)};
+    return {Required("centre_m", &Obstacle::centre).Finite(),
+            Required("radius_m", &Obstacle::radius).Positive()};
   }
 };
 
@@ -27,10 +28,9 @@ struct ObstacleDetectorParams {
 
   static FieldList Fields() {
     return {{"obstacles", &ObstacleDetectorParams::obstacles},
-            {"range_m", &ObstacleDetectorParams::range},
-            {"half_width_m", &ObstacleDetectorParams::half_width}};
+            Field("range_m", &ObstacleDetectorParams::range).Positive(),
+            Field("half_width_m", &ObstacleDetectorParams::half_width).AtLeast(0)};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Detects obstacles ahead of a robot: true if a pillar's nearest point is less than `range` ahead of B's

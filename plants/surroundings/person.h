@@ -36,12 +36,12 @@ struct PersonPhase {
 
   static FieldList Fields() {
     return {Required("activity", &PersonPhase::activity),
-            Required("duration_s", &PersonPhase::duration),
-            {"speed_m_per_s", &PersonPhase::speed},
+            Required("duration_s", &PersonPhase::duration).Positive().OrInfinite(),
+            Field("speed_m_per_s", &PersonPhase::speed).Finite(),
             {"speed_amplitude_m_per_s", &PersonPhase::speed_amplitude},
-            {"angular_frequency_rad_per_s", &PersonPhase::angular_frequency},
-            {"direction_rad", &PersonPhase::direction},
-            {"force_N", &PersonPhase::force}};
+            Field("angular_frequency_rad_per_s", &PersonPhase::angular_frequency).Finite(),
+            Field("direction_rad", &PersonPhase::direction).Finite(),
+            Field("force_N", &PersonPhase::force).AtLeast(0).Because("give another direction_rad")};
   }
 };
 
@@ -58,12 +58,12 @@ struct PersonParams {
   Rate rate = Hz(100);              ///< rate at which the intent is updated
 
   static FieldList Fields() {
-    return {{"mass_kg", &PersonParams::mass},
-            {"damping_N_s_per_m", &PersonParams::damping},
-            {"stiffness_N_per_m", &PersonParams::stiffness},
-            {"felt_tension_N", &PersonParams::felt_tension},
-            {"hand_height_m", &PersonParams::hand_height},
-            {"start_m", &PersonParams::start},
+    return {Field("mass_kg", &PersonParams::mass).Positive(),
+            Field("damping_N_s_per_m", &PersonParams::damping).Positive(),
+            Field("stiffness_N_per_m", &PersonParams::stiffness).AtLeast(0),
+            Field("felt_tension_N", &PersonParams::felt_tension).Positive(),
+            Field("hand_height_m", &PersonParams::hand_height).AtLeast(0),
+            Field("start_m", &PersonParams::start).Finite(),
             Required("phases", &PersonParams::phases),
             Undescribed(&PersonParams::rate)};
   }

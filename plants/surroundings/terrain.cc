@@ -13,36 +13,6 @@ namespace {
 
 constexpr double kMaxCells = 1e6;
 constexpr double kMaxPlaces = 1e5;
-constexpr double kLeastSide = 1e-3, kMaxExtent = 1e5, kMaxHeight = 100;  // [m]
-constexpr double kMaxFriction = 10;
-
-void CheckFriction(double friction) {
-  if (!(friction >= 0 && friction <= kMaxFriction))
-    throw ParameterError(
-        fmt::format("friction is {} but must be from 0 to {}; give the coefficient, about 1 for rubber on a "
-                    "dry floor",
-                    friction, kMaxFriction));
-}
-
-void CheckHeight(double height) {
-  if (!(height > 0 && height <= kMaxHeight))
-    throw ParameterError(
-        fmt::format("height_m is {} m but must be positive, and {} m at most; boxes stand on the plane",
-                    height, kMaxHeight));
-}
-
-void CheckSize(const Vec<2>& size) {
-  if (!(size.minCoeff() >= kLeastSide && size.maxCoeff() <= kMaxExtent))
-    throw ParameterError(
-        fmt::format("size_m is ({}, {}) m; both sides of a box must be positive, from {} to {}", size[0],
-                    size[1], kLeastSide, kMaxExtent));
-}
-
-void CheckPlace(const char* key, const Vec<2>& place) {
-  if (!(place.cwiseAbs().maxCoeff() <= kMaxExtent))
-    throw ParameterError(fmt::format("{} is ({}, {}) m, but coordinates must be at most {} m", key, place[0],
-                                     place[1], kMaxExtent));
-}
 
 /// The nearest point of a box to p, and the depth of a sphere there; p may be inside.
 bool TouchBox(const TerrainBox& box, const Vec<3>& p, double radius, Vec<3>* normal, double* depth) {
@@ -79,26 +49,11 @@ void Insert(const Terrain::Contact& contact, Terrain::Contacts* contacts) {
 
 }  // namespace
 
-void TerrainBox::Validate() const {
-  CheckPlace("centre_m", centre);
-  CheckSize(size);
-  CheckHeight(height);
-  CheckFriction(friction);
-}
-
 void BoxField::Validate() const {
-  CheckPlace("lower_m", lower);
-  CheckPlace("upper_m", upper);
-  CheckSize(size);
-  if (!(lower.allFinite() && upper.allFinite() && (upper - lower).minCoeff() > 0))
+  if ((upper - lower).minCoeff() <= 0)
     throw ParameterError(
         fmt::format("upper_m is ({}, {}) m but must exceed lower_m, ({}, {}) m: the field has no area",
                     upper[0], upper[1], lower[0], lower[1]));
-  if (!(std::isfinite(gap) && gap >= 0))
-    throw ParameterError(fmt::format("gap_m is {} m but must not be negative; boxes cannot overlap", gap));
-  if (!(coverage >= 0 && coverage <= 1))
-    throw ParameterError(
-        fmt::format("coverage is {} but must be from 0 to 1; it is a probability", coverage));
   const double places = ((upper - lower).array() / (size.array() + gap)).max(1).prod();
   if (!(places <= kMaxPlaces))
     throw ParameterError(fmt::format(
@@ -106,14 +61,6 @@ void BoxField::Validate() const {
         kMaxPlaces));
   if (kinds.empty())
     throw ParameterError("the field has no kinds of boxes; list height_m and friction under kinds");
-  for (std::size_t i = 0; i < kinds.size(); ++i) {
-    try {
-      CheckHeight(kinds[i].height);
-      CheckFriction(kinds[i].friction);
-    } catch (const ParameterError& error) {
-      throw ParameterError(fmt::format("kinds.{}.{}", i, error.what()));
-    }
-  }
 }
 
 std::vector<TerrainBox> BoxField::Boxes() const {
@@ -136,12 +83,7 @@ std::vector<TerrainBox> BoxField::Boxes() const {
 }
 
 void TerrainParams::Validate() const {
-  constexpr double kSteepest = 1000;  // slope of a nearly vertical plane
-  if (!(grade.cwiseAbs().array() <= kSteepest).all())
-    throw ParameterError(fmt::format("grade is ({}, {}); give two finite slopes dz/dx, dz/dy, up to {}",
-                                     grade[0], grade[1], kSteepest));
-  CheckFriction(friction);
-  for (const TerrainBox& box : boxes) box.Validate();
+  CheckRanges(*this);
   if (field) field->Validate();
 }
 

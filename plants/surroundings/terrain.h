@@ -18,10 +18,14 @@ struct TerrainBox {
   double friction = 0;             ///< friction coefficient of the box's faces, 0 to 10
 
   static FieldList Fields() {
-    return {Required("centre_m", &TerrainBox::centre), Required("size_m", &TerrainBox::size),
-            Required("height_m", &TerrainBox::height), Required("friction", &TerrainBox::friction)};
+    return {
+        Required("centre_m", &TerrainBox::centre).Between(-1e5, 1e5),
+        Required("size_m", &TerrainBox::size).Between(1e-3, 1e5),
+        Required("height_m", &TerrainBox::height).Above(0).AtMost(100).Because("boxes stand on the plane"),
+        Required("friction", &TerrainBox::friction)
+            .Between(0, 10)
+            .Because("about 1 for rubber on a dry floor")};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Kind of boxes in a field.
@@ -30,7 +34,9 @@ struct BoxKind {
   double friction = 0;  ///< friction coefficient of the boxes, 0 to 10
 
   static FieldList Fields() {
-    return {Required("height_m", &BoxKind::height), Required("friction", &BoxKind::friction)};
+    return {
+        Required("height_m", &BoxKind::height).Above(0).AtMost(100).Because("boxes stand on the plane"),
+        Required("friction", &BoxKind::friction).Between(0, 10).Because("about 1 for rubber on a dry floor")};
   }
 };
 
@@ -45,11 +51,11 @@ struct BoxField {
   std::uint64_t seed = 1;  ///< seed of the layout, added to the run's seed
 
   static FieldList Fields() {
-    return {Required("lower_m", &BoxField::lower),
-            Required("upper_m", &BoxField::upper),
-            {"size_m", &BoxField::size},
-            {"gap_m", &BoxField::gap},
-            {"coverage", &BoxField::coverage},
+    return {Required("lower_m", &BoxField::lower).Between(-1e5, 1e5),
+            Required("upper_m", &BoxField::upper).Between(-1e5, 1e5),
+            Field("size_m", &BoxField::size).Between(1e-3, 1e5),
+            Field("gap_m", &BoxField::gap).AtLeast(0).Because("boxes cannot overlap"),
+            Field("coverage", &BoxField::coverage).Between(0, 1).Because("it is a probability"),
             Required("kinds", &BoxField::kinds),
             {"seed", &BoxField::seed}};
   }
@@ -66,8 +72,10 @@ struct TerrainParams {
   std::optional<BoxField> field;  ///< field of additional, random boxes
 
   static FieldList Fields() {
-    return {{"grade", &TerrainParams::grade},
-            {"friction", &TerrainParams::friction},
+    return {Field("grade", &TerrainParams::grade).Between(-1000, 1000).Because("the slopes dz/dx, dz/dy"),
+            Field("friction", &TerrainParams::friction)
+                .Between(0, 10)
+                .Because("about 1 for rubber on a dry floor"),
             {"boxes", &TerrainParams::boxes},
             {"field", &TerrainParams::field}};
   }

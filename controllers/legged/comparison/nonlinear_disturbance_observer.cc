@@ -10,9 +10,6 @@ namespace tenon {
 
 void NonlinearDisturbanceObserverParams::Validate() const {
   Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-  for (const auto& [name, value] :
-       {std::pair{"gain", gain}, std::pair{"min_singular_value", min_singular_value}})
-    Demand(std::isfinite(value) && value > 0, fmt::format("{} = {} must be positive", name, value));
 }
 
 LegForceEstimate NonlinearDisturbanceObserver::CalcEstimate(const LeggedState& state,

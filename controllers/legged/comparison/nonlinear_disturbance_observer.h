@@ -83,12 +83,14 @@ class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanc
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
-  Parameter<double> gain{this, {"gain"}, params.gain, "observer gain X [N m s/rad], or its inverse"};
+  Parameter<double> gain{
+      this, {"gain"}, params.gain, "observer gain X [N m s/rad], or its inverse", Range().Positive()};
   Parameter<double> min_singular_value{
       this,
       {"min_singular_value", "m"},
       params.min_singular_value,
-      "lower bound of a leg's singular values, below which its foot force is damped"};
+      "lower bound of a leg's singular values, below which its foot force is damped",
+      Range().Positive()};
 
   DiscreteState<Vec<12>> held_torque{
       this, {"held_torque", "N m", kJointElements}};  ///< torque of the last interval

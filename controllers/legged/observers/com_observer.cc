@@ -7,18 +7,8 @@
 
 namespace tenon {
 
-void ComObserverGains::Validate() const {
-  for (const auto& [name, value] : {std::pair{"force_bandwidth_rad_per_s", force_bandwidth},
-                                    std::pair{"torque_bandwidth_rad_per_s", torque_bandwidth}}) {
-    Demand(std::isfinite(value) && value > 0,
-           fmt::format("{} = {} must be finite and positive; with 0 the estimate stays at its initial value",
-                       name, value));
-  }
-}
-
 void ComObserverParams::Validate() const {
   Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-  gains.Validate();
 }
 
 WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootForces& foot_forces,

@@ -29,11 +29,14 @@ struct ComObserverGains {
   ForceSource force_source = ForceSource::kImu;
 
   static FieldList Fields() {
-    return {{"force_bandwidth_rad_per_s", &ComObserverGains::force_bandwidth},
-            {"torque_bandwidth_rad_per_s", &ComObserverGains::torque_bandwidth},
+    return {Field("force_bandwidth_rad_per_s", &ComObserverGains::force_bandwidth)
+                .Positive()
+                .Because("with 0 the estimate stays at its initial value"),
+            Field("torque_bandwidth_rad_per_s", &ComObserverGains::torque_bandwidth)
+                .Positive()
+                .Because("with 0 the estimate stays at its initial value"),
             {"force_source", &ComObserverGains::force_source}};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Gains that make ComObserver the centroidal momentum observer of Focchi et al. 2020: force and moment from

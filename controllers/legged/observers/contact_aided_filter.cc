@@ -37,21 +37,6 @@ TENON_VECTOR_CLONES void Multiply(const Filter::Covariance& a, const Filter::Cov
 
 }  // namespace
 
-void ContactAidedNoise::Validate() const {
-  const auto check = [](const char* name, double value) {
-    Demand(std::isfinite(value) && value > 0,
-           fmt::format("noise.{} = {} must be finite and positive; use a small value for a perfect sensor",
-                       name, value));
-  };
-  check("specific_force", specific_force);
-  check("angular_velocity", angular_velocity);
-  check("specific_force_bias_walk", specific_force_bias_walk);
-  check("angular_velocity_bias_walk", angular_velocity_bias_walk);
-  check("encoder", encoder);
-  check("foot", foot);
-  check("foot_walk", foot_walk);
-}
-
 ContactAidedMean Plus(const ContactAidedMean& mean, const Filter::Error& error) {
   const Vec<4> turn = QuaternionFromRotationVector(error.segment<3>(Filter::kAttitude));
   const Matrix3d E = RotationFromQuaternion(turn);

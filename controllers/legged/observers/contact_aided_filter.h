@@ -23,17 +23,16 @@ struct ContactAidedNoise {
 
   static FieldList Fields() {
     using N = ContactAidedNoise;
-    return {{"specific_force", &N::specific_force, "m/s^2"},
-            {"angular_velocity", &N::angular_velocity, "rad/s"},
-            {"specific_force_bias_walk", &N::specific_force_bias_walk, "m/s^2/sqrt(s)"},
-            {"angular_velocity_bias_walk", &N::angular_velocity_bias_walk, "rad/s/sqrt(s)"},
-            {"encoder", &N::encoder, "rad"},
-            {"foot", &N::foot, "m"},
-            {"foot_walk", &N::foot_walk, "m/sqrt(s)"}};
+    FieldList fields{{"specific_force", &N::specific_force, "m/s^2"},
+                     {"angular_velocity", &N::angular_velocity, "rad/s"},
+                     {"specific_force_bias_walk", &N::specific_force_bias_walk, "m/s^2/sqrt(s)"},
+                     {"angular_velocity_bias_walk", &N::angular_velocity_bias_walk, "rad/s/sqrt(s)"},
+                     {"encoder", &N::encoder, "rad"},
+                     {"foot", &N::foot, "m"},
+                     {"foot_walk", &N::foot_walk, "m/sqrt(s)"}};
+    for (Field& field : fields) field.Positive().Because("use a small value for a perfect sensor");
+    return fields;
   }
-  /// Throws ParameterError unless all deviations are finite and positive; use a small value for a perfect
-  /// sensor.
-  void Validate() const;
 };
 
 /// Mean of the estimate. I is the IMU's frame, with the trunk's axes; W is the world, z up.

@@ -47,21 +47,8 @@ void Correct(const Vec<3>& foothold_W, const GroundBelief& belief, double roughn
 
 }  // namespace
 
-void GroundBelief::Validate() const {
-  for (const auto& [name, value] :
-       {std::pair{"roughness", roughness}, std::pair{"start_roughness", start_roughness}})
-    Demand(std::isfinite(value) && value > 0,
-           fmt::format("{} = {} m must be finite and positive: four feet never lie exactly in a plane", name,
-                       value));
-  for (const auto& [name, value] : {std::pair{"level_walk", level_walk}, std::pair{"slope_walk", slope_walk},
-                                    std::pair{"doubt", doubt}, std::pair{"start_slope", start_slope}})
-    Demand(std::isfinite(value) && value >= 0,
-           fmt::format("{} = {} must be finite and at least 0; 0 turns it off", name, value));
-}
-
 void GroundEstimatorParams::Validate() const {
   Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-  belief.Validate();
 }
 
 GroundPlane GroundEstimator::CalcGround(const LeggedState& state, const ContactSchedule& schedule,

@@ -23,15 +23,17 @@ struct GroundBelief {
   double doubt = 3;                ///< dead band of the output slope, in standard deviations of the slope
 
   static FieldList Fields() {
-    return {{"roughness_m", &GroundBelief::roughness},
-            {"level_walk_m", &GroundBelief::level_walk},
-            {"slope_walk", &GroundBelief::slope_walk},
-            {"start_slope", &GroundBelief::start_slope},
-            {"start_roughness_m", &GroundBelief::start_roughness},
-            {"doubt", &GroundBelief::doubt}};
+    return {Field("roughness_m", &GroundBelief::roughness)
+                .Positive()
+                .Because("four feet never lie exactly in a plane"),
+            Field("level_walk_m", &GroundBelief::level_walk).AtLeast(0).Because("0 turns it off"),
+            Field("slope_walk", &GroundBelief::slope_walk).AtLeast(0).Because("0 turns it off"),
+            Field("start_slope", &GroundBelief::start_slope).AtLeast(0).Because("0 turns it off"),
+            Field("start_roughness_m", &GroundBelief::start_roughness)
+                .Positive()
+                .Because("four feet never lie exactly in a plane"),
+            Field("doubt", &GroundBelief::doubt).AtLeast(0).Because("0 turns it off")};
   }
-  void Validate()
-      const;  ///< throws ParameterError unless both roughnesses are positive and the rest is at least 0
 };
 
 struct GroundEstimatorParams {

@@ -7,14 +7,14 @@
 
 namespace tenon {
 void ContactThresholds::Validate() const {
-  Demand(std::isfinite(touch) && leave > 0 && leave < touch,
-         fmt::format("leave = {} must be positive and below touch = {}, for hysteresis", leave, touch));
+  Demand(leave < touch,
+         fmt::format("leave_weight_ratio = {} must be below touch_weight_ratio = {}, for hysteresis", leave,
+                     touch));
 }
 
 void GroundForceObserverParams::Validate() const {
   Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
   Demand(gravity > 0, fmt::format("gravity = {} m/s^2 must be positive", gravity));
-  thresholds.Validate();
   Demand(std::isfinite(min_singular_value) && min_singular_value > 0,
          fmt::format("min_singular_value = {} m must be finite and positive, or a straight leg is singular",
                      min_singular_value));

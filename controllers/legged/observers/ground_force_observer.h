@@ -19,8 +19,8 @@ struct ContactThresholds {
   double leave = 0.04;  ///< lift-off below this ratio
 
   static FieldList Fields() {
-    return {{"touch_weight_ratio", &ContactThresholds::touch},
-            {"leave_weight_ratio", &ContactThresholds::leave}};
+    return {Field("touch_weight_ratio", &ContactThresholds::touch).Finite(),
+            Field("leave_weight_ratio", &ContactThresholds::leave).Positive()};
   }
   void Validate() const;  ///< throws ParameterError unless 0 < leave < touch
 };

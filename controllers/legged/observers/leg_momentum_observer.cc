@@ -16,9 +16,6 @@ void LegObserverGains::Validate() const {
   Demand(gains.empty() || !butterworth,
          "gains_per_s and butterworth are both given, but exclude each other: set gains_per_s to [] or "
          "butterworth to null");
-  Demand(std::isfinite(min_singular_value) && min_singular_value > 0,
-         fmt::format("min_singular_value_m = {} must be finite and positive, or a straight leg is singular",
-                     min_singular_value));
   DemandHurwitz(Gains());
 }
 

@@ -35,7 +35,9 @@ struct LegObserverGains {
     return {{"gains_per_s", &LegObserverGains::gains},
             {"butterworth", &LegObserverGains::butterworth},
             {"dynamics", &LegObserverGains::dynamics},
-            {"min_singular_value_m", &LegObserverGains::min_singular_value}};
+            Field("min_singular_value_m", &LegObserverGains::min_singular_value)
+                .Positive()
+                .Because("at 0 a straight leg is singular")};
   }
   /// K_1 ... K_r [1/s] from `gains` or `butterworth`. With neither, (100, 256): second order with a damping
   /// ratio of 0.8, with the noise and the lag of the first order at 100 rad/s, see docs/observers.md.

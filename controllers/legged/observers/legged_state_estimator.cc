@@ -15,7 +15,6 @@ constexpr double kSettleTolerance = 1e-9;  // [s]
 }  // namespace
 
 void LeggedStateEstimatorParams::Validate() const {
-  noise.Validate();
   const auto check = [](const char* name, double value) {
     Demand(std::isfinite(value) && value > 0,
            fmt::format("{} = {} must be finite and positive; give a standard deviation", name, value));
@@ -25,10 +24,6 @@ void LeggedStateEstimatorParams::Validate() const {
   check("start.attitude", start.attitude);
   check("start.specific_force_bias", start.specific_force_bias);
   check("start.angular_velocity_bias", start.angular_velocity_bias);
-  check("outlier", outlier);
-  Demand(std::isfinite(settle_time) && settle_time >= 0,
-         fmt::format("settle_time = {} s must not be negative; 0 trusts a foot from its touchdown",
-                     settle_time));
   Demand(robot.contact.stiffness > 0,
          fmt::format("robot.contact.stiffness = {} N/m must be positive: read the robot by LoadQuadruped",
                      robot.contact.stiffness));

@@ -122,10 +122,16 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
   InputPort<ContactSchedule> schedule{this, {"schedule"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   Parameter<ContactAidedNoise> noise{this, {"noise"}, params.noise, "noise model of the filter"};
-  Parameter<double> settle_time{
-      this, {"settle_time", "s"}, params.settle_time, "time in stance before a foot is used"};
-  Parameter<double> outlier{
-      this, {"outlier"}, params.outlier, "squared Mahalanobis distance above which a foot has moved"};
+  Parameter<double> settle_time{this,
+                                {"settle_time", "s"},
+                                params.settle_time,
+                                "time in stance before a foot is used",
+                                Range().AtLeast(0).Because("0 trusts a foot from its touchdown")};
+  Parameter<double> outlier{this,
+                            {"outlier"},
+                            params.outlier,
+                            "squared Mahalanobis distance above which a foot has moved",
+                            Range().Positive()};
   Scratch<Memory> memory{this, "memory"};
 
  private:

@@ -51,18 +51,7 @@ void Fade(const Vec<6>& offset, const Vec<6>& rate, double blend, ComPlan* plan)
 
 }  // namespace
 
-void ZmpPlanParams::Validate() const {
-  constexpr int kMost = (ZmpSpline::kMaxPhases - 1) / 2;
-  Demand(horizon >= 1 && horizon <= kMost,
-         fmt::format("horizon_steps is {}, but must be from 1 to {}", horizon, kMost));
-  Demand(half_width > 0, fmt::format("half_width_m is {} m: it must be positive", half_width));
-  Demand(margin >= 0, fmt::format("margin_m is {} m: it must not be negative", margin));
-  spline.Validate();
-}
-
 void ComPlannerParams::Validate() const {
-  zmp.Validate();
-  Demand(blend > 0, fmt::format("blend is {} s: it must be positive", blend));
   Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
 }
 

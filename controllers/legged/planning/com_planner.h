@@ -34,12 +34,11 @@ struct ZmpPlanParams {
   ZmpSplineParams spline;
 
   static FieldList Fields() {
-    return {{"horizon_steps", &ZmpPlanParams::horizon},
-            {"half_width_m", &ZmpPlanParams::half_width},
-            {"margin_m", &ZmpPlanParams::margin},
+    return {Field("horizon_steps", &ZmpPlanParams::horizon).Between(1, (ZmpSpline::kMaxPhases - 1) / 2),
+            Field("half_width_m", &ZmpPlanParams::half_width).Positive(),
+            Field("margin_m", &ZmpPlanParams::margin).AtLeast(0),
             {"spline", &ZmpPlanParams::spline}};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 struct ComPlannerParams {
@@ -98,7 +97,8 @@ class ComPlanner final : public LeafSystem<ComPlannerParams> {
   InputPort<GroundPlane> ground{this, {"ground"}};
   Parameter<ZmpPlanParams> zmp{
       this, {"zmp"}, params.zmp, "planning of the CoM spline, for the reference zmp_spline"};
-  Parameter<double> blend{this, {"blend", "s"}, params.blend, "duration of the transition to a new plan"};
+  Parameter<double> blend{
+      this, {"blend", "s"}, params.blend, "duration of the transition to a new plan", Range().Positive()};
   Scratch<ComPlan> memory{this, "memory", ComPlan()};
   Workspace<ZmpSpline> optimizer{this, "optimizer"};
   OutputPort<ComPlan> plan{this,

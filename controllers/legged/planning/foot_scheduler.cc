@@ -71,8 +71,7 @@ void BeginStep(Gait gait, const GaitTable& gaits, FootScheduler::Memory* memory)
 }  // namespace
 
 void GaitProperties::Validate() const {
-  Demand(stance >= 0, fmt::format("stance_s = {} must not be negative", stance));
-  Demand(swing > 0, fmt::format("swing_s = {} must be positive", swing));
+  CheckRanges(*this);
   std::array<int, kNumLegs> count{};
   for (const std::vector<Leg>& group : swing_groups) {
     Demand(!group.empty(), "swing_groups has an empty group: remove it");
@@ -118,21 +117,6 @@ void FootSchedulerParams::Validate() const {
       throw ParameterError(fmt::format("gaits.{}: {}", EnumName(gait), error.what()));
     }
   }
-  Demand(touchdown_force > 0, fmt::format("touchdown_force_N is {} N: it must be positive", touchdown_force));
-  Demand(early_touchdown_phase >= 0 && early_touchdown_phase <= 1,
-         fmt::format("early_touchdown_phase is {}, but must be from 0 to 1, a fraction of the swing",
-                     early_touchdown_phase));
-  Demand(late_wait >= 0, fmt::format("late_wait_s is {} s: it must not be negative", late_wait));
-  Demand(search_after > 0, fmt::format("search_after_s is {} s: it must be positive", search_after));
-}
-
-void GaitFile::Validate() const {
-  Demand(
-      touchdown_force > 0 && touchdown_force < 0.25,
-      fmt::format(
-          "touchdown_force_mg is {}, but must be above 0 and below 0.25, the share of the weight on a foot",
-          touchdown_force));
-  For(1).Validate();
 }
 
 FootSchedulerParams GaitFile::For(double weight) const {

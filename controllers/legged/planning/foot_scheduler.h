@@ -25,7 +25,8 @@ struct GaitProperties {
 
   static FieldList Fields() {
     return {Required("swing_groups", &GaitProperties::swing_groups),
-            Required("stance_s", &GaitProperties::stance), Required("swing_s", &GaitProperties::swing)};
+            Required("stance_s", &GaitProperties::stance).AtLeast(0),
+            Required("swing_s", &GaitProperties::swing).Positive()};
   }
   void Validate() const;  ///< throws ParameterError
   GaitTiming Timing() const;
@@ -60,12 +61,17 @@ struct GaitFile {
   double search_after = 0;           ///< see FootSchedulerParams [s]
 
   static FieldList Fields() {
-    return {Required("gaits", &GaitFile::gaits), Required("touchdown_force_mg", &GaitFile::touchdown_force),
-            Required("early_touchdown_phase", &GaitFile::early_touchdown_phase),
-            Required("late_wait_s", &GaitFile::late_wait),
-            Required("search_after_s", &GaitFile::search_after)};
+    return {Required("gaits", &GaitFile::gaits),
+            Required("touchdown_force_mg", &GaitFile::touchdown_force)
+                .Above(0)
+                .Below(0.25)
+                .Because("it is below the share of the weight on a foot"),
+            Required("early_touchdown_phase", &GaitFile::early_touchdown_phase)
+                .Between(0, 1)
+                .Because("it is a fraction of the swing"),
+            Required("late_wait_s", &GaitFile::late_wait).AtLeast(0),
+            Required("search_after_s", &GaitFile::search_after).Positive()};
   }
-  void Validate() const;  ///< throws ParameterError
   FootSchedulerParams For(double weight /* [N] */) const;
 };
 
@@ -132,20 +138,26 @@ class FootScheduler final : public LeafSystem<FootSchedulerParams> {
   InputPort<WalkCommand> command{this, {"command"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   Parameter<GaitTable> gaits{this, {"gaits"}, params.gaits, "timing of the gaits"};
-  Parameter<double> touchdown_force{
-      this, {"touchdown_force", "N"}, params.touchdown_force, "force threshold of contact"};
+  Parameter<double> touchdown_force{this,
+                                    {"touchdown_force", "N"},
+                                    params.touchdown_force,
+                                    "force threshold of contact",
+                                    Range().Positive()};
   Parameter<double> early_touchdown_phase{this,
                                           {"early_touchdown_phase"},
                                           params.early_touchdown_phase,
-                                          "swing phase before which contact is ignored"};
+                                          "swing phase before which contact is ignored",
+                                          Range().Between(0, 1)};
   Parameter<double> late_wait{this,
                               {"late_wait", "s"},
                               params.late_wait,
-                              "longest wait of the gait clock for a late or searching foot"};
+                              "longest wait of the gait clock for a late or searching foot",
+                              Range().AtLeast(0).OrInfinite()};
   Parameter<double> search_after{this,
                                  {"search_after", "s"},
                                  params.search_after,
-                                 "time without contact after which a stance foot searches"};
+                                 "time without contact after which a stance foot searches",
+                                 Range().Positive().OrInfinite()};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<ContactSchedule> schedule{this,
                                        {"schedule"},

@@ -14,11 +14,14 @@ struct StepReflex {
   double rise_phase = 0.3;  ///< fraction of the next step in which the foot moves straight up
 
   static FieldList Fields() {
-    return {{"enabled", &StepReflex::enabled}, {"lag_m", &StepReflex::lag},
-            {"force_mg", &StepReflex::force},  {"retreat_m", &StepReflex::retreat},
-            {"height_m", &StepReflex::height}, {"rise_phase", &StepReflex::rise_phase}};
+    return {
+        {"enabled", &StepReflex::enabled},
+        Field("lag_m", &StepReflex::lag).Positive(),
+        Field("force_mg", &StepReflex::force).AtLeast(0),
+        Field("retreat_m", &StepReflex::retreat).AtLeast(0),
+        Field("height_m", &StepReflex::height).Positive(),
+        Field("rise_phase", &StepReflex::rise_phase).Between(0, 0.5).Because("at 0.5 the foot is highest")};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Shape of the steps and choice of the footholds.
@@ -37,20 +40,24 @@ struct StepProperties {
   StepReflex reflex = {};
 
   static FieldList Fields() {
-    return {{"height_m", &StepProperties::height},
-            {"touchdown_speed_m_per_s", &StepProperties::touchdown_speed},
-            {"search_depth_m", &StepProperties::search_depth},
-            {"velocity_feedback_s", &StepProperties::velocity_feedback},
-            {"retarget_phase", &StepProperties::retarget_phase},
+    return {Field("height_m", &StepProperties::height).Positive(),
+            Field("touchdown_speed_m_per_s", &StepProperties::touchdown_speed)
+                .Positive()
+                .Because("a late foot must reach the ground"),
+            Field("search_depth_m", &StepProperties::search_depth).Positive(),
+            Field("velocity_feedback_s", &StepProperties::velocity_feedback).AtLeast(0),
+            Field("retarget_phase", &StepProperties::retarget_phase)
+                .AtLeast(0)
+                .Below(1)
+                .Because("at 1 the swing ends"),
             {"wrench_shift", &StepProperties::wrench_shift},
-            {"free_shift_m", &StepProperties::free_shift},
-            {"shift_bandwidth_rad_per_s", &StepProperties::shift_bandwidth},
-            {"largest_shift_m", &StepProperties::largest_shift},
-            {"free_offset_m", &StepProperties::free_offset},
-            {"free_turn_rad", &StepProperties::free_turn},
+            Field("free_shift_m", &StepProperties::free_shift).AtLeast(0).OrInfinite(),
+            Field("shift_bandwidth_rad_per_s", &StepProperties::shift_bandwidth).Positive(),
+            Field("largest_shift_m", &StepProperties::largest_shift).AtLeast(0).OrInfinite(),
+            Field("free_offset_m", &StepProperties::free_offset).AtLeast(0).OrInfinite(),
+            Field("free_turn_rad", &StepProperties::free_turn).AtLeast(0).OrInfinite(),
             {"reflex", &StepProperties::reflex}};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 }  // namespace tenon

@@ -82,7 +82,6 @@ FootReference Search(const SwingPlanner::LegMemory& leg, const StepProperties& s
 }  // namespace
 
 void SwingPlannerParams::Validate() const {
-  step.Validate();
   Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
 }
 

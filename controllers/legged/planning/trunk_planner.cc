@@ -11,14 +11,6 @@
 
 namespace tenon {
 
-void TrunkPlannerParams::Validate() const {
-  Demand(std::isfinite(bandwidth) && bandwidth > 0,
-         fmt::format("bandwidth = {} rad/s must be finite and positive", bandwidth));
-  Demand(std::isfinite(sway_limit) && sway_limit >= 0,
-         fmt::format("sway_limit = {} rad/s^2 must be finite and at least 0; 0 keeps the trunk level",
-                     sway_limit));
-}
-
 // The acceleration a in the swing of this step, see the header; zero unless two feet stand in it.
 Vec<3> TrunkPlanner::FreeAcceleration(const ContactSchedule& schedule, const LeggedState& state,
                                       const WrenchEstimate& wrench) const {

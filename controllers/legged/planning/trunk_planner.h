@@ -17,7 +17,6 @@ struct TrunkPlannerParams {
   double bandwidth = 20;   ///< cut-off frequency of the low-pass filter of the wrench [rad/s]
   double sway_limit = 80;  ///< limit of the angular acceleration in stance; 0 keeps the trunk level [rad/s^2]
   Rate rate = Hz(1000);
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Plans a sway of the trunk under a steady push that two stance feet cannot resist.
@@ -75,9 +74,13 @@ class TrunkPlanner final : public LeafSystem<TrunkPlannerParams> {
   Parameter<double> bandwidth{this,
                               {"bandwidth", "rad/s"},
                               params.bandwidth,
-                              "cut-off frequency of the low-pass filter of the wrench"};
-  Parameter<double> sway_limit{
-      this, {"sway_limit", "rad/s^2"}, params.sway_limit, "limit of the angular acceleration in stance"};
+                              "cut-off frequency of the low-pass filter of the wrench",
+                              Range().Positive()};
+  Parameter<double> sway_limit{this,
+                               {"sway_limit", "rad/s^2"},
+                               params.sway_limit,
+                               "limit of the angular acceleration in stance",
+                               Range().AtLeast(0).Because("0 keeps the trunk level")};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<BodyReference> reference{this,
                                       {"reference"},

@@ -35,21 +35,13 @@ Vec<3> Squat(double amplitude, double w, double t, double end) {
 
 void WalkScheduleParams::Validate() const {
   Demand(!segments.empty(), "segments is empty: give at least one");
-  Demand(acceleration > 0, fmt::format("acceleration_m_per_s2 = {} must be positive", acceleration));
-  Demand(yaw_acceleration > 0,
-         fmt::format("yaw_acceleration_rad_per_s2 = {} must be positive", yaw_acceleration));
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const WalkSegment& s = segments[i];
     Demand(s.duration.has_value() != s.length.has_value(),
            fmt::format("segments.{} needs either duration_s or length_m, not {}", i,
                        s.duration ? "both" : "neither"));
-    for (const auto& [key, value] : {std::pair{"duration_s", s.duration}, {"length_m", s.length}})
-      Demand(value.value_or(1) > 0,
-             fmt::format("segments.{}.{} = {} must be positive", i, key, value.value_or(1)));
     Demand(s.gait != Gait::kStand || (s.forward == 0 && s.left == 0 && s.yaw_rate == 0),
            fmt::format("segments.{} moves while it stands: give it another gait", i));
-    Demand(s.squat_frequency > 0,
-           fmt::format("segments.{}: squat_frequency_hz = {} must be positive", i, s.squat_frequency));
     Demand(!s.length || s.forward != 0 || s.left != 0,
            fmt::format("segments.{} has a length but no speed: give its duration_s", i));
   }

@@ -25,10 +25,10 @@ struct WalkSegment {
             {"forward_m_per_s", &WalkSegment::forward},
             {"left_m_per_s", &WalkSegment::left},
             {"yaw_rate_rad_per_s", &WalkSegment::yaw_rate},
-            {"duration_s", &WalkSegment::duration},
-            {"length_m", &WalkSegment::length},
+            Field("duration_s", &WalkSegment::duration).Positive().OrInfinite(),
+            Field("length_m", &WalkSegment::length).Positive().OrInfinite(),
             {"squat_amplitude_m", &WalkSegment::squat_amplitude},
-            {"squat_frequency_hz", &WalkSegment::squat_frequency}};
+            Field("squat_frequency_hz", &WalkSegment::squat_frequency).Positive()};
   }
 };
 
@@ -39,10 +39,11 @@ struct WalkScheduleParams {
   Rate rate = Hz(100);
 
   static FieldList Fields() {
-    return {Required("segments", &WalkScheduleParams::segments),
-            {"acceleration_m_per_s2", &WalkScheduleParams::acceleration},
-            {"yaw_acceleration_rad_per_s2", &WalkScheduleParams::yaw_acceleration},
-            Undescribed(&WalkScheduleParams::rate)};
+    return {
+        Required("segments", &WalkScheduleParams::segments),
+        Field("acceleration_m_per_s2", &WalkScheduleParams::acceleration).Positive().OrInfinite(),
+        Field("yaw_acceleration_rad_per_s2", &WalkScheduleParams::yaw_acceleration).Positive().OrInfinite(),
+        Undescribed(&WalkScheduleParams::rate)};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -17,11 +17,6 @@ constexpr std::array<double, 4> kGaussWeight{0.17392742256872693, 0.326072577431
 
 }  // namespace
 
-void ZmpSplineParams::Validate() const {
-  Demand(path_weight >= 0, fmt::format("path_weight is {}: it must not be negative", path_weight));
-  Demand(end_weight >= 0, fmt::format("end_weight is {}: it must not be negative", end_weight));
-}
-
 double HeightProfile::At(double t) const {
   if (t >= fade_duration) return rest;
   return rest + fade[0] + t * (fade[1] + t * (fade[2] + t * fade[3]));

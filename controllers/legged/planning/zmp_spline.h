@@ -28,10 +28,9 @@ struct ZmpSplineParams {
 
   static FieldList Fields() {
     return {{"order", &ZmpSplineParams::order},
-            {"path_weight_per_s4", &ZmpSplineParams::path_weight},
-            {"end_weight_s", &ZmpSplineParams::end_weight}};
+            Field("path_weight_per_s4", &ZmpSplineParams::path_weight).AtLeast(0),
+            Field("end_weight_s", &ZmpSplineParams::end_weight).AtLeast(0)};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// A time interval with constant support.

@@ -11,11 +11,6 @@ namespace tenon {
 
 void JointPdParams::Validate() const {
   Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-  Demand(
-      std::isfinite(stiffness) && stiffness > 0,
-      fmt::format("stiffness = {} must be finite and positive; with 0 errors are not corrected", stiffness));
-  Demand(std::isfinite(damping) && damping >= 0,
-         fmt::format("damping = {} must be finite and at least 0; negative damping is unstable", damping));
   Demand(std::isfinite(gravity), fmt::format("gravity = {} must be finite; give m/s^2", gravity));
 }
 

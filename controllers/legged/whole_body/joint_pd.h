@@ -48,9 +48,16 @@ class JointPd final : public LeafSystem<JointPdParams> {
 
   InputPort<JointMotion> joints{this, {"joints"}};
   InputPort<Vec<12>> reference{this, {"reference", "rad"}, params.robot.stance};
-  Parameter<double> stiffness{
-      this, {"stiffness", "N m/rad"}, params.stiffness, "gain K_p of the joint angles"};
-  Parameter<double> damping{this, {"damping", "N m s/rad"}, params.damping, "gain K_d of the joint speeds"};
+  Parameter<double> stiffness{this,
+                              {"stiffness", "N m/rad"},
+                              params.stiffness,
+                              "gain K_p of the joint angles",
+                              Range().Positive().Because("with 0 errors are not corrected")};
+  Parameter<double> damping{this,
+                            {"damping", "N m s/rad"},
+                            params.damping,
+                            "gain K_d of the joint speeds",
+                            Range().AtLeast(0).Because("negative damping is unstable")};
   OutputPort<Vec<12>> torque{this,
                              {"torque", "N m", kJointElements},
                              Sampled{params.rate},

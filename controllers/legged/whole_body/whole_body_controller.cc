@@ -46,38 +46,6 @@ Eigen::Vector3d WithinFriction(const Eigen::Vector3d& force, const Eigen::Vector
 
 }  // namespace
 
-void WholeBodyGains::Validate() const {
-  for (const auto& [name, value] :
-       {std::pair{"com_stiffness", com_stiffness}, std::pair{"trunk_stiffness", trunk_stiffness},
-        std::pair{"swing_stiffness", swing_stiffness}}) {
-    Demand(value > 0 && std::isfinite(value),
-           fmt::format("{} = {} must be finite and positive; with 0 errors are not corrected", name, value));
-  }
-  for (const auto& [name, value] :
-       {std::pair{"com_damping", com_damping}, std::pair{"trunk_damping", trunk_damping},
-        std::pair{"swing_damping", swing_damping}, std::pair{"stance_damping", stance_damping}}) {
-    Demand(value >= 0 && std::isfinite(value),
-           fmt::format("{} = {} must be finite and at least 0; negative damping is unstable", name, value));
-  }
-  for (const auto& [name, value] :
-       {std::pair{"com_limit", com_limit}, std::pair{"grip_limit", grip_limit},
-        std::pair{"turn_limit", turn_limit}, std::pair{"swing_limit", swing_limit}})
-    Demand(value > 0, fmt::format("{} = {} must be positive", name, value));
-  Demand(stretch_limit > 0 && stretch_limit <= 1,
-         fmt::format("stretch_limit = {} must be above 0 and at most 1 (a straight leg)", stretch_limit));
-  Demand(
-      std::isfinite(stretch_stiffness) && stretch_stiffness >= 0,
-      fmt::format("stretch_stiffness = {} must be finite and at least 0; 0 turns it off", stretch_stiffness));
-  qp.Validate();
-}
-
-void WholeBodyParams::Validate() const {
-  gains.Validate();
-  Demand(max_failures_in_a_row >= 0,
-         fmt::format("max_failures_in_a_row = {} must be at least 0; 0 ends the run at the first failure",
-                     max_failures_in_a_row));
-}
-
 Vec<12> WholeBodyController::TorqueLimit(const QuadrupedDescription& robot) {
   Vec<12> limit;
   for (int j = 0; j < kNumJoints; ++j) limit[j] = robot.joint(j).torque_limit;

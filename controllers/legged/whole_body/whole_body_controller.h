@@ -53,26 +53,42 @@ struct WholeBodyGains {
   WholeBodyQpParams qp = {};
 
   static FieldList Fields() {
-    return {{"com_stiffness_N_per_m", &WholeBodyGains::com_stiffness},
-            {"com_damping_N_s_per_m", &WholeBodyGains::com_damping},
-            {"com_limit_m", &WholeBodyGains::com_limit},
-            {"grip_limit", &WholeBodyGains::grip_limit},
-            {"trunk_stiffness_per_s2", &WholeBodyGains::trunk_stiffness},
-            {"trunk_damping_per_s", &WholeBodyGains::trunk_damping},
-            {"turn_limit_rad", &WholeBodyGains::turn_limit},
-            {"swing_stiffness_per_s2", &WholeBodyGains::swing_stiffness},
-            {"swing_damping_per_s", &WholeBodyGains::swing_damping},
-            {"swing_limit_m_per_s2", &WholeBodyGains::swing_limit},
-            {"stance_damping_per_s", &WholeBodyGains::stance_damping},
-            {"stretch_limit", &WholeBodyGains::stretch_limit},
-            {"stretch_stiffness_per_s2", &WholeBodyGains::stretch_stiffness},
+    return {Field("com_stiffness_N_per_m", &WholeBodyGains::com_stiffness)
+                .Positive()
+                .Because("with 0 errors are not corrected"),
+            Field("com_damping_N_s_per_m", &WholeBodyGains::com_damping)
+                .AtLeast(0)
+                .Because("negative damping is unstable"),
+            Field("com_limit_m", &WholeBodyGains::com_limit).Positive().OrInfinite(),
+            Field("grip_limit", &WholeBodyGains::grip_limit).Positive().OrInfinite(),
+            Field("trunk_stiffness_per_s2", &WholeBodyGains::trunk_stiffness)
+                .Positive()
+                .Because("with 0 errors are not corrected"),
+            Field("trunk_damping_per_s", &WholeBodyGains::trunk_damping)
+                .AtLeast(0)
+                .Because("negative damping is unstable"),
+            Field("turn_limit_rad", &WholeBodyGains::turn_limit).Positive().OrInfinite(),
+            Field("swing_stiffness_per_s2", &WholeBodyGains::swing_stiffness)
+                .Positive()
+                .Because("with 0 errors are not corrected"),
+            Field("swing_damping_per_s", &WholeBodyGains::swing_damping)
+                .AtLeast(0)
+                .Because("negative damping is unstable"),
+            Field("swing_limit_m_per_s2", &WholeBodyGains::swing_limit).Positive().OrInfinite(),
+            Field("stance_damping_per_s", &WholeBodyGains::stance_damping)
+                .AtLeast(0)
+                .Because("negative damping is unstable"),
+            Field("stretch_limit", &WholeBodyGains::stretch_limit)
+                .Above(0)
+                .AtMost(1)
+                .Because("1 is a straight leg"),
+            Field("stretch_stiffness_per_s2", &WholeBodyGains::stretch_stiffness)
+                .AtLeast(0)
+                .Because("0 turns it off"),
             {"dynamics", &WholeBodyGains::dynamics},
             {"leg_compensation", &WholeBodyGains::compensation},
             {"qp", &WholeBodyGains::qp}};
   }
-  /// Throws ParameterError unless limits and stiffnesses are positive (stretch_stiffness may be 0,
-  /// stretch_limit is at most 1), dampings are at least 0, and `qp` is valid.
-  void Validate() const;
 };
 
 struct WholeBodyParams {
@@ -81,7 +97,6 @@ struct WholeBodyParams {
   Rate qp_rate = Hz(1000);           ///< rate of the optimisation
   Rate rate = Hz(1000);              ///< rate of the torques
   long max_failures_in_a_row = 100;  ///< number of consecutive failed solves above which the run ends
-  void Validate() const;             ///< throws ParameterError
 };
 
 /// Statistics of the whole-body controller's solves.
@@ -171,7 +186,8 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   Parameter<long> max_failures_in_a_row{this,
                                         {"max_failures_in_a_row"},
                                         params.max_failures_in_a_row,
-                                        "consecutive failed solves above which the run ends"};
+                                        "consecutive failed solves above which the run ends",
+                                        Range().AtLeast(0).Because("0 ends the run at the first failure")};
 
  private:
   QuadrupedModel model_{params.robot};

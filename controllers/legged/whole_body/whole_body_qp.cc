@@ -108,20 +108,6 @@ Eigen::Matrix<double, 3, 6> TrunkJacobian(const QuadrupedDynamics& dynamics, int
 
 }  // namespace
 
-void WholeBodyQpParams::Validate() const {
-  for (const auto& [name, value] :
-       {std::pair{"wrench_weight", wrench_weight}, std::pair{"moment_weight", moment_weight},
-        std::pair{"yaw_weight", yaw_weight}, std::pair{"force_weight", force_weight},
-        std::pair{"acceleration_weight", acceleration_weight}, std::pair{"slack_weight", slack_weight},
-        std::pair{"friction", friction}}) {
-    Demand(value > 0 && std::isfinite(value),
-           fmt::format("{} = {} must be finite and positive", name, value));
-  }
-  for (const auto& [name, value] : {std::pair{"tilt_weight", tilt_weight}, std::pair{"free_tilt", free_tilt}})
-    Demand(value >= 0 && std::isfinite(value),
-           fmt::format("{} = {} must be finite and not negative", name, value));
-}
-
 WholeBodyQp::WholeBodyQp(const Vec<12>& torque_limit)
     : torque_limit_(torque_limit),
       H_(Eigen::MatrixXd::Zero(12, 12)),

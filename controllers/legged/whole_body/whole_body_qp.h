@@ -22,15 +22,15 @@ struct WholeBodyQpParams {
   double friction = 1;                ///< coefficient mu of the friction pyramids
 
   static FieldList Fields() {
-    return {{"wrench_weight", &WholeBodyQpParams::wrench_weight},
-            {"moment_weight", &WholeBodyQpParams::moment_weight},
-            {"tilt_weight_per_rad2", &WholeBodyQpParams::tilt_weight},
-            {"free_tilt_rad", &WholeBodyQpParams::free_tilt},
-            {"yaw_weight", &WholeBodyQpParams::yaw_weight},
-            {"force_weight", &WholeBodyQpParams::force_weight},
-            {"acceleration_weight", &WholeBodyQpParams::acceleration_weight},
-            {"slack_weight", &WholeBodyQpParams::slack_weight},
-            {"friction", &WholeBodyQpParams::friction}};
+    return {Field("wrench_weight", &WholeBodyQpParams::wrench_weight).Positive(),
+            Field("moment_weight", &WholeBodyQpParams::moment_weight).Positive(),
+            Field("tilt_weight_per_rad2", &WholeBodyQpParams::tilt_weight).AtLeast(0),
+            Field("free_tilt_rad", &WholeBodyQpParams::free_tilt).AtLeast(0),
+            Field("yaw_weight", &WholeBodyQpParams::yaw_weight).Positive(),
+            Field("force_weight", &WholeBodyQpParams::force_weight).Positive(),
+            Field("acceleration_weight", &WholeBodyQpParams::acceleration_weight).Positive(),
+            Field("slack_weight", &WholeBodyQpParams::slack_weight).Positive(),
+            Field("friction", &WholeBodyQpParams::friction).Positive()};
   }
   /// Weight of the horizontal moment at this tilt of the trunk [rad].
   double MomentWeight(double tilt) const {
@@ -44,8 +44,6 @@ struct WholeBodyQpParams {
     weights << wrench_weight, wrench_weight, wrench_weight, moment, moment, yaw_weight;
     return weights;
   }
-  /// Throws ParameterError unless tilt_weight and free_tilt are at least 0 and all others are positive.
-  void Validate() const;
 };
 
 /// Inputs of one WholeBodyQp.

@@ -368,11 +368,6 @@ class Reader {
 }  // namespace
 
 void JointLimits::Validate() const {
-  for (const auto& [key, value] : {std::pair("torque_N_m", torque), std::pair("speed_rad_per_s", speed)}) {
-    if (value && !(*value > 0))
-      throw ParameterError(
-          fmt::format("{} is {} but must be positive; remove it to use the URDF's value", key, *value));
-  }
   if (range && !((*range)[0] < (*range)[1]))
     throw ParameterError(
         fmt::format("range_rad is {} to {}, but the first must be below the second; leave it "

@@ -20,9 +20,10 @@ struct JointLimits {
   std::optional<Eigen::Vector2d> range;  ///< [rad]
 
   static FieldList Fields() {
-    return {{"torque_N_m", &JointLimits::torque},
-            {"speed_rad_per_s", &JointLimits::speed},
-            {"range_rad", &JointLimits::range}};
+    return {
+        Field("torque_N_m", &JointLimits::torque).Positive().Because("remove it to use the URDF's value"),
+        Field("speed_rad_per_s", &JointLimits::speed).Positive().Because("remove it to use the URDF's value"),
+        {"range_rad", &JointLimits::range}};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -265,9 +265,10 @@ TEST(ContactAidedFilterTest, AFootThatIsNotAnchoredHasNoCovariance) {
 }
 
 TEST(ContactAidedFilterTest, RefusesPerfectSensors) {
-  EXPECT_TRUE(
-      Throws<ParameterError>([] { ContactAidedNoise{.foot_walk = 0}.Validate(); }, "noise.foot_walk"));
-  EXPECT_TRUE(Throws<ParameterError>([] { ContactAidedNoise{.encoder = NAN}.Validate(); }, "noise.encoder"));
+  EXPECT_TRUE(Throws<ParameterError>([] { CheckRanges(ContactAidedNoise{.foot_walk = 0}, "noise"); },
+                                     "noise.foot_walk"));
+  EXPECT_TRUE(Throws<ParameterError>([] { CheckRanges(ContactAidedNoise{.encoder = NAN}, "noise"); },
+                                     "noise.encoder"));
 }
 
 }  // namespace

@@ -409,9 +409,10 @@ TEST_P(WholeBodyQpTest, SwingFootAccelerationIsThatOfTheProjector) {
 }
 
 TEST(WholeBodyQpParams, AreRefusedUnlessPositive) {
-  EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQpParams{.slack_weight = 0}.Validate(); },
+  EXPECT_TRUE(Throws<ParameterError>([] { CheckRanges(WholeBodyQpParams{.slack_weight = 0}); },
                                      "slack_weight = 0", "positive"));
-  EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQpParams{.friction = -1}.Validate(); }, "friction = -1"));
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { CheckRanges(WholeBodyQpParams{.friction = -1}); }, "friction = -1"));
   EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQp{Vec<12>::Zero()}; }, "torque limits"));
 }
 
