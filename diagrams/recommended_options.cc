@@ -2,29 +2,16 @@
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/recommended_options.h>
-#include <tenon/systems/framework/types/number_checks.h>
+#include <tenon/systems/framework/block/system.h>
+
+#include <fmt/core.h>
 
 #include <string>
 
 namespace tenon {
-namespace {
-
-constexpr double kFinestRtol = 1e-14, kFinestAtol = 1e-300, kCoarsest = 0.1;
-
-}  // namespace
-
 void LeggedIntegration::Validate() const {
-  DemandBetween("order", order, 2, method == LeggedIntegrator::kStabilized ? 3 : 5);
-  DemandBetween("rtol", rtol, kFinestRtol, kCoarsest);
-  DemandBetween("atol_position", atol_position, kFinestAtol, kCoarsest);
-  DemandBetween("atol_velocity", atol_velocity, kFinestAtol, kCoarsest);
-  DemandBetween("atol_bristles", atol_bristles, kFinestAtol, kCoarsest);
-}
-
-void CdprIntegration::Validate() const {
-  DemandBetween("order", order, 2, 5);
-  DemandBetween("rtol", rtol, kFinestRtol, kCoarsest);
-  DemandBetween("atol", atol, kFinestAtol, kCoarsest);
+  Demand(method != LeggedIntegrator::kStabilized || order <= 3,
+         fmt::format("order = {} must be 2 or 3 with the method 'stabilized'", order));
 }
 
 // Ticks restart the integrator every few milliseconds, and the plants declare their jumps. Open tables are

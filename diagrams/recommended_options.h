@@ -45,11 +45,11 @@ struct LeggedIntegration {
 
   static FieldList Fields() {
     return {{"method", &LeggedIntegration::method},
-            {"order", &LeggedIntegration::order},
-            {"rtol", &LeggedIntegration::rtol},
-            {"atol_position", &LeggedIntegration::atol_position},
-            {"atol_velocity", &LeggedIntegration::atol_velocity},
-            {"atol_bristles", &LeggedIntegration::atol_bristles}};
+            Field("order", &LeggedIntegration::order).Between(2, 5),
+            Field("rtol", &LeggedIntegration::rtol).Between(1e-14, 0.1),
+            Field("atol_position", &LeggedIntegration::atol_position).Between(1e-300, 0.1),
+            Field("atol_velocity", &LeggedIntegration::atol_velocity).Between(1e-300, 0.1),
+            Field("atol_bristles", &LeggedIntegration::atol_bristles).Between(1e-300, 0.1)};
   }
   void Validate() const;  ///< throws ParameterError
   /// Options for a diagram whose QuadrupedPlant has the path `plant`, such as "loop.world.plant".
@@ -64,11 +64,10 @@ struct CdprIntegration {
   double atol = 1e-5;  ///< absolute tolerance
 
   static FieldList Fields() {
-    return {{"order", &CdprIntegration::order},
-            {"rtol", &CdprIntegration::rtol},
-            {"atol", &CdprIntegration::atol}};
+    return {Field("order", &CdprIntegration::order).Between(2, 5),
+            Field("rtol", &CdprIntegration::rtol).Between(1e-14, 0.1),
+            Field("atol", &CdprIntegration::atol).Between(1e-300, 0.1)};
   }
-  void Validate() const;  ///< throws ParameterError
   SimulatorOptions Options() const;
 };
 

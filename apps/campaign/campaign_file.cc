@@ -1,5 +1,4 @@
 #include <tenon/apps/campaign/campaign_file.h>
-#include <tenon/apps/common/checks.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
@@ -9,8 +8,6 @@
 
 namespace tenon::apps {
 namespace {
-
-constexpr std::size_t kMostSeeds = 10'000'000;
 
 void DemandFactors(const std::map<std::string, double>& sets) {
   for (const auto& [key, factor] : sets)
@@ -65,8 +62,6 @@ std::optional<Distribution> Variation::distribution() const {
 }
 
 void SeedRange::Validate() const {
-  if (count < 1 || count > kMostSeeds)
-    throw ParameterError(fmt::format("count = {} must be from 1 to {}", count, kMostSeeds));
   if (first > std::numeric_limits<std::uint64_t>::max() - count)
     throw ParameterError(fmt::format("first = {}: the last seed would exceed 64 bits", first));
 }
@@ -74,33 +69,25 @@ void SeedRange::Validate() const {
 void LimitSearch::Validate() const {
   DemandFactors(sets);
   if (!(from < to)) throw ParameterError(fmt::format("from = {} must be below to = {}", from, to));
-  DemandBetween("steps", steps, 1, 20);
-  if (!(probability > 0 && probability < 1))
-    throw ParameterError(fmt::format("probability = {} must lie between 0 and 1", probability));
 }
 
 FieldList CampaignFile::Fields() {
   return {Required("app", &CampaignFile::app),
           Required("scenario", &CampaignFile::scenario),
           {"description", &CampaignFile::description},
-          {"duration_s", &CampaignFile::duration_s},
+          Field("duration_s", &CampaignFile::duration_s).Positive(),
           {"seeds", &CampaignFile::seeds},
           {"set", &CampaignFile::set},
           {"vary", &CampaignFile::vary},
-          {"wall_limit_s", &CampaignFile::wall_limit_s},
+          Field("wall_limit_s", &CampaignFile::wall_limit_s).Positive(),
           {"estimate", &CampaignFile::estimate},
-          {"interval_width", &CampaignFile::interval_width},
-          {"confidence", &CampaignFile::confidence},
+          Field("interval_width", &CampaignFile::interval_width).Between(1e-4, 1),
+          Field("confidence", &CampaignFile::confidence).Above(0).Below(1),
           {"limit", &CampaignFile::limit},
           {"worst_by", &CampaignFile::worst_by}};
 }
 
 void CampaignFile::Validate() const {
-  if (duration_s) DemandPositive("duration_s", *duration_s);
-  if (wall_limit_s) DemandPositive("wall_limit_s", *wall_limit_s);
-  DemandBetween("interval_width", interval_width, 1e-4, 1);
-  if (!(confidence > 0 && confidence < 1))
-    throw ParameterError(fmt::format("confidence = {} must lie between 0 and 1, say 0.95", confidence));
   if (limit && estimate != Estimate::kAll)
     throw ParameterError("estimate and limit exclude each other; remove estimate");
 }

@@ -45,7 +45,9 @@ struct SeedRange {
   std::uint64_t first = 1;  ///< seed of the first run
   std::size_t count = 1;    ///< number of runs with consecutive seeds
 
-  static FieldList Fields() { return {{"first", &SeedRange::first}, {"count", &SeedRange::count}}; }
+  static FieldList Fields() {
+    return {{"first", &SeedRange::first}, Field("count", &SeedRange::count).Between(1, 10'000'000)};
+  }
   void Validate() const;  ///< throws ParameterError
 };
 
@@ -62,9 +64,12 @@ struct LimitSearch {
   double probability = 0.9;            ///< required probability of survival
 
   static FieldList Fields() {
-    return {Required("key", &LimitSearch::key), {"sets", &LimitSearch::sets},
-            {"from", &LimitSearch::from},       Required("to", &LimitSearch::to),
-            {"steps", &LimitSearch::steps},     {"probability", &LimitSearch::probability}};
+    return {Required("key", &LimitSearch::key),
+            {"sets", &LimitSearch::sets},
+            {"from", &LimitSearch::from},
+            Required("to", &LimitSearch::to),
+            Field("steps", &LimitSearch::steps).Between(1, 20),
+            Field("probability", &LimitSearch::probability).Above(0).Below(1)};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -1,42 +1,45 @@
 #include <tenon/apps/cdpr/cdpr_hardware.h>
-#include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/ranges.h>
 #include <tenon/systems/yaml/resources.h>
 
 namespace tenon::apps {
 
 FieldList WinchScenario::Fields() {
   using S = WinchScenario;
-  return {{"gain_deviation", &S::gain_deviation},
-          {"ripple_ratio", &S::ripple_ratio},
-          {"friction_ratio", &S::friction_ratio},
-          {"friction_speed_m_per_s", &S::friction_speed_m_per_s}};
+  return {Field("gain_deviation", &S::gain_deviation).Between(0, 0.5),
+          Field("ripple_ratio", &S::ripple_ratio).Between(0, 0.5),
+          Field("friction_ratio", &S::friction_ratio).Between(0, 0.5),
+          Field("friction_speed_m_per_s", &S::friction_speed_m_per_s).Positive()};
 }
 
 FieldList CableSensorScenario::Fields() {
   using S = CableSensorScenario;
-  return {{"rate_hz", &S::rate_hz},
-          {"latency_samples", &S::latency_samples},
-          {"resolution_m", &S::resolution_m},
-          {"offset_m", &S::offset_m},
-          {"rate_bandwidth_hz", &S::rate_bandwidth_hz},
-          {"tension_noise_ratio", &S::tension_noise_ratio},
-          {"tension_offset_N", &S::tension_offset_N}};
+  return {Field("rate_hz", &S::rate_hz).In(Rates()),
+          Field("latency_samples", &S::latency_samples).In(Latencies()),
+          Field("resolution_m", &S::resolution_m).AtLeast(0),
+          Field("offset_m", &S::offset_m).AtLeast(0),
+          Field("rate_bandwidth_hz", &S::rate_bandwidth_hz).AtLeast(0),
+          Field("tension_noise_ratio", &S::tension_noise_ratio).AtLeast(0),
+          Field("tension_offset_N", &S::tension_offset_N).AtLeast(0)};
 }
 
 FieldList PoseHardwareScenario::Fields() {
   using S = PoseHardwareScenario;
-  return {
-      {"latency_samples", &S::latency_samples}, {"offset_m", &S::offset_m}, {"offset_rad", &S::offset_rad}};
+  return {Field("latency_samples", &S::latency_samples).In(Latencies()),
+          Field("offset_m", &S::offset_m).AtLeast(0), Field("offset_rad", &S::offset_rad).AtLeast(0)};
 }
 
 FieldList ImuHardwareScenario::Fields() {
   using S = ImuHardwareScenario;
-  return {{"latency_samples", &S::latency_samples},
-          {"angular_velocity_bias_deviation_rad_per_s", &S::angular_velocity_bias_deviation_rad_per_s},
-          {"acceleration_bias_deviation_m_per_s2", &S::acceleration_bias_deviation_m_per_s2},
-          {"angular_velocity_walk_rad_per_s_per_sqrt_s", &S::angular_velocity_walk_rad_per_s_per_sqrt_s},
-          {"acceleration_walk_m_per_s2_per_sqrt_s", &S::acceleration_walk_m_per_s2_per_sqrt_s},
-          {"misalignment_rad", &S::misalignment_rad}};
+  return {
+      Field("latency_samples", &S::latency_samples).In(Latencies()),
+      Field("angular_velocity_bias_deviation_rad_per_s", &S::angular_velocity_bias_deviation_rad_per_s)
+          .AtLeast(0),
+      Field("acceleration_bias_deviation_m_per_s2", &S::acceleration_bias_deviation_m_per_s2).AtLeast(0),
+      Field("angular_velocity_walk_rad_per_s_per_sqrt_s", &S::angular_velocity_walk_rad_per_s_per_sqrt_s)
+          .AtLeast(0),
+      Field("acceleration_walk_m_per_s2_per_sqrt_s", &S::acceleration_walk_m_per_s2_per_sqrt_s).AtLeast(0),
+      Field("misalignment_rad", &S::misalignment_rad).AtLeast(0)};
 }
 
 FieldList CdprSensorsScenario::Fields() {
@@ -50,44 +53,6 @@ FieldList CdprHardwareScenario::Fields() {
           {"winches", &S::winches},
           {"link", &S::link},
           {"sensors", &S::sensors}};
-}
-
-namespace {
-
-constexpr int kMostSamples = 10'000;  // maximum latency of a sensor
-
-}  // namespace
-
-void WinchScenario::Validate() const {
-  DemandBetween("gain_deviation", gain_deviation, 0, 0.5);
-  DemandBetween("ripple_ratio", ripple_ratio, 0, 0.5);
-  DemandBetween("friction_ratio", friction_ratio, 0, 0.5);
-  DemandPositive("friction_speed_m_per_s", friction_speed_m_per_s);
-}
-
-void CableSensorScenario::Validate() const {
-  if (rate_hz) DemandRate("rate_hz", *rate_hz);
-  DemandBetween("latency_samples", latency_samples, 0, kMostSamples);
-  DemandNotNegative("resolution_m", resolution_m);
-  DemandNotNegative("offset_m", offset_m);
-  DemandNotNegative("rate_bandwidth_hz", rate_bandwidth_hz);
-  DemandNotNegative("tension_noise_ratio", tension_noise_ratio);
-  DemandNotNegative("tension_offset_N", tension_offset_N);
-}
-
-void PoseHardwareScenario::Validate() const {
-  DemandBetween("latency_samples", latency_samples, 0, kMostSamples);
-  DemandNotNegative("offset_m", offset_m);
-  DemandNotNegative("offset_rad", offset_rad);
-}
-
-void ImuHardwareScenario::Validate() const {
-  DemandBetween("latency_samples", latency_samples, 0, kMostSamples);
-  DemandNotNegative("angular_velocity_bias_deviation_rad_per_s", angular_velocity_bias_deviation_rad_per_s);
-  DemandNotNegative("acceleration_bias_deviation_m_per_s2", acceleration_bias_deviation_m_per_s2);
-  DemandNotNegative("angular_velocity_walk_rad_per_s_per_sqrt_s", angular_velocity_walk_rad_per_s_per_sqrt_s);
-  DemandNotNegative("acceleration_walk_m_per_s2_per_sqrt_s", acceleration_walk_m_per_s2_per_sqrt_s);
-  DemandNotNegative("misalignment_rad", misalignment_rad);
 }
 
 CdprHardwareScenario LoadCdprHardware(const YamlFile& what) {

@@ -23,7 +23,6 @@ struct WinchScenario {
   double friction_speed_m_per_s = 0.005;  ///< cable speed at which the friction reaches 76 % of its bound
 
   static FieldList Fields();
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Encoders on the drums and load cells, see CableSensors.
@@ -38,7 +37,6 @@ struct CableSensorScenario {
   double tension_offset_N = 0;     ///< standard deviation of the constant error of each load cell
 
   static FieldList Fields();
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Residual errors of the pose sensor's calibration, see PoseSensor.
@@ -48,7 +46,6 @@ struct PoseHardwareScenario {
   double offset_rad = 0;  ///< standard deviation about each axis
 
   static FieldList Fields();
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Standard deviations of errors between units of the same type, see ImuErrors.
@@ -61,7 +58,6 @@ struct ImuHardwareScenario {
   double misalignment_rad = 0;
 
   static FieldList Fields();
-  void Validate() const;  ///< throws ParameterError
 };
 
 struct CdprSensorsScenario {

@@ -1,7 +1,6 @@
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/cdpr/path_file.h>
 #include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/checks.h>
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/notes.h>
 #include <tenon/plants/robots/load_robot.h>
@@ -15,13 +14,6 @@
 #include <numbers>
 
 namespace tenon::apps {
-
-void WaypointScenario::Validate() const {
-  DemandNear("position_m", position_m);
-  if (travel_s) DemandPositive("travel_s", *travel_s);
-  if (speed_m_per_s) DemandPositive("speed_m_per_s", *speed_m_per_s);
-  DemandNotNegative("dwell_s", dwell_s);
-}
 
 namespace {
 
@@ -48,7 +40,6 @@ void CheckWaypoints(const std::vector<WaypointScenario>& waypoints) {
 }  // namespace
 
 void PathScenario::Validate() const {
-  DemandNotNegative("tension_aim_N", tension_aim_N);
   const std::size_t points = points_m.size();
   if (!attitudes_rad.empty()) {
     Demand(!attitude_rad, "attitude_rad and attitudes_rad are both given: remove one of them");
@@ -58,14 +49,7 @@ void PathScenario::Validate() const {
            fmt::format("points_m has {} entries and attitudes_rad has {}: give one attitude per point",
                        points, attitudes_rad.size()));
   }
-  DemandNear("center_m", center_m);
-  for (std::size_t i = 0; i < points; ++i) DemandNear(fmt::format("points_m.{}", i).c_str(), points_m[i]);
-  if (kind == PathKind::kCircle) {
-    DemandPositive("radius_m", radius_m);
-    DemandPositive("period_s", period_s);
-    DemandNotNegative("ramp_s", ramp_s);
-    return;
-  }
+  if (kind == PathKind::kCircle) return;
   if (kind == PathKind::kFile)
     return Demand(file.has_value(), "a path of kind file needs a file: for example file: scan.csv");
   if (kind == PathKind::kWaypoints) return CheckWaypoints(waypoints);
@@ -154,58 +138,20 @@ PlatformPath PathScenario::Make() const {
   return path;
 }
 
-void PdScenario::Validate() const {
-  DemandRate("rate_hz", rate_hz);
-}
-
-void MpcScenario::Validate() const {
-  DemandBetween("horizon_s", horizon_s, 1e-3, 100);
-  DemandBetween("num_steps", num_steps, 1, 1000);
-  DemandRate("rate_hz", rate_hz);
-  DemandRate("command_rate_hz", command_rate_hz);
-  DemandNotNegative("max_fallbacks_in_a_row", max_fallbacks_in_a_row);
-  Demand(mass_error > -1 && mass_error <= 100,
-         fmt::format("mass_error = {:.4g} must be above -1, or the model would have no mass, and at most 100",
-                     mass_error));
-}
-
 void PayloadScenario::Validate() const {
-  DemandNotNegative("mass_kg", mass_kg);
-  DemandNear("position_m", position_m);
   Demand(release_s >= attach_s,
          fmt::format("release_s = {} must not be before attach_s = {}", release_s, attach_s));
 }
 
-void GustScenario::Validate() const {
-  DemandPositive("duration_s", duration_s);
-}
-
 void HangingLoadScenario::Validate() const {
-  DemandPositive("mass_kg", mass_kg);
-  DemandPositive("length_m", length_m);
   Demand(swing_m.norm() < length_m,
          fmt::format("swing_m has a length of {:.4g} m, but must be shorter than the rope, length_m = {}",
                      swing_m.norm(), length_m));
 }
 
-void NoiseScenario::Validate() const {
-  DemandNotNegative("position_m", position_m);
-  DemandNotNegative("attitude_rad", attitude_rad);
-  DemandNotNegative("angular_velocity_rad_per_s", angular_velocity_rad_per_s);
-  DemandNotNegative("acceleration_m_per_s2", acceleration_m_per_s2);
-  DemandRate("pose_rate_hz", pose_rate_hz);
-  DemandRate("imu_rate_hz", imu_rate_hz);
-}
-
 void CdprScenario::Validate() const {
-  Demand(duration_s > 0, fmt::format("duration_s = {} must be positive", duration_s));
   Demand(!IsMpc(controller) || mpc.has_value(),
          fmt::format("controller '{}' needs the key mpc: add mpc with its weights", EnumName(controller)));
-  DemandRate("log_rate_hz", log_rate_hz);
-  DemandBetween("max_tension_ratio", max_tension_ratio, 1, 2);
-  DemandNotNegative("cable_diameter_m", cable_diameter_m);
-  DemandPositive("path_tolerance", path_tolerance);
-  DemandNear("start_offset_m", start_offset_m);
 }
 
 namespace {

@@ -2,6 +2,7 @@
 
 #include <tenon/apps/cdpr/cdpr_hardware.h>
 #include <tenon/apps/common/path_verdict.h>
+#include <tenon/apps/common/ranges.h>
 #include <tenon/apps/common/report_scenario.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
@@ -37,13 +38,12 @@ struct WaypointScenario {
   double dwell_s = 0;  ///< time at rest at the waypoint
 
   static FieldList Fields() {
-    return {Required("position_m", &WaypointScenario::position_m),
+    return {Required("position_m", &WaypointScenario::position_m).In(Places()),
             {"attitude_rad", &WaypointScenario::attitude_rad},
-            {"travel_s", &WaypointScenario::travel_s},
-            {"speed_m_per_s", &WaypointScenario::speed_m_per_s},
-            {"dwell_s", &WaypointScenario::dwell_s}};
+            Field("travel_s", &WaypointScenario::travel_s).Positive(),
+            Field("speed_m_per_s", &WaypointScenario::speed_m_per_s).Positive(),
+            Field("dwell_s", &WaypointScenario::dwell_s).AtLeast(0)};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// The path of a platform, made from a PathScenario.
@@ -73,17 +73,17 @@ struct PathScenario {
 
   static FieldList Fields() {
     return {Required("kind", &PathScenario::kind),
-            {"center_m", &PathScenario::center_m},
-            {"radius_m", &PathScenario::radius_m},
-            {"period_s", &PathScenario::period_s},
-            {"ramp_s", &PathScenario::ramp_s},
-            {"points_m", &PathScenario::points_m},
+            Field("center_m", &PathScenario::center_m).In(Places()),
+            Field("radius_m", &PathScenario::radius_m).Positive(),
+            Field("period_s", &PathScenario::period_s).Positive(),
+            Field("ramp_s", &PathScenario::ramp_s).AtLeast(0),
+            Field("points_m", &PathScenario::points_m).In(Places()),
             {"times_s", &PathScenario::times_s},
             {"attitude_rad", &PathScenario::attitude_rad},
             {"attitudes_rad", &PathScenario::attitudes_rad},
             {"waypoints", &PathScenario::waypoints},
             {"file", &PathScenario::file},
-            {"tension_aim_N", &PathScenario::tension_aim_N}};
+            Field("tension_aim_N", &PathScenario::tension_aim_N).AtLeast(0)};
   }
   void Validate() const;      ///< throws ParameterError
   PlatformPath Make() const;  ///< throws ParameterError
@@ -96,11 +96,10 @@ struct PdScenario {
   double rate_hz = CdprLoopParams().control_rate.hz();  ///< sample rate of the controller
 
   static FieldList Fields() {
-    return {Required("stiffness_N_per_m", &PdScenario::stiffness_N_per_m),
-            Required("damping_N_s_per_m", &PdScenario::damping_N_s_per_m),
-            {"rate_hz", &PdScenario::rate_hz}};
+    return {Required("stiffness_N_per_m", &PdScenario::stiffness_N_per_m).Positive(),
+            Required("damping_N_s_per_m", &PdScenario::damping_N_s_per_m).AtLeast(0),
+            Field("rate_hz", &PdScenario::rate_hz).In(Rates())};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Model predictive control of the platform, see CdprMpc.
@@ -121,19 +120,21 @@ struct MpcScenario {
   bool offset_free = true;
 
   static FieldList Fields() {
-    return {{"horizon_s", &MpcScenario::horizon_s},
-            {"num_steps", &MpcScenario::num_steps},
-            {"rate_hz", &MpcScenario::rate_hz},
-            {"command_rate_hz", &MpcScenario::command_rate_hz},
+    return {Field("horizon_s", &MpcScenario::horizon_s).Between(1e-3, 100),
+            Field("num_steps", &MpcScenario::num_steps).Between(1, 1000),
+            Field("rate_hz", &MpcScenario::rate_hz).In(Rates()),
+            Field("command_rate_hz", &MpcScenario::command_rate_hz).In(Rates()),
             Required("weights", &MpcScenario::weights),
             {"method", &MpcScenario::method},
             {"bounds", &MpcScenario::bounds},
             {"final_weight", &MpcScenario::final_weight},
-            {"mass_error", &MpcScenario::mass_error},
-            {"max_fallbacks_in_a_row", &MpcScenario::max_fallbacks_in_a_row},
+            Field("mass_error", &MpcScenario::mass_error)
+                .Above(-1)
+                .AtMost(100)
+                .Because("at -1 the model has no mass"),
+            Field("max_fallbacks_in_a_row", &MpcScenario::max_fallbacks_in_a_row).AtLeast(0),
             {"offset_free", &MpcScenario::offset_free}};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// A point mass attached to the platform for part of the run. It is missing from the controller's model.
@@ -144,8 +145,8 @@ struct PayloadScenario {
   double release_s = 0;                                  ///< time at which the payload is released
 
   static FieldList Fields() {
-    return {{"mass_kg", &PayloadScenario::mass_kg},
-            {"position_m", &PayloadScenario::position_m},
+    return {Field("mass_kg", &PayloadScenario::mass_kg).AtLeast(0),
+            Field("position_m", &PayloadScenario::position_m).In(Places()),
             {"attach_s", &PayloadScenario::attach_s},
             {"release_s", &PayloadScenario::release_s}};
   }
@@ -160,9 +161,8 @@ struct GustScenario {
 
   static FieldList Fields() {
     return {Required("force_N", &GustScenario::force_N), Required("start_s", &GustScenario::start_s),
-            Required("duration_s", &GustScenario::duration_s)};
+            Required("duration_s", &GustScenario::duration_s).Positive()};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// A load that hangs below the platform on a rope with the properties of the robot's cables, see HangingLoad.
@@ -174,8 +174,8 @@ struct HangingLoadScenario {
   Eigen::Vector2d swing_m = Eigen::Vector2d::Zero();  ///< initial horizontal offset of the load
 
   static FieldList Fields() {
-    return {Required("mass_kg", &HangingLoadScenario::mass_kg),
-            Required("length_m", &HangingLoadScenario::length_m),
+    return {Required("mass_kg", &HangingLoadScenario::mass_kg).Positive(),
+            Required("length_m", &HangingLoadScenario::length_m).Positive(),
             {"attachment_m", &HangingLoadScenario::attachment_m},
             {"swing_m", &HangingLoadScenario::swing_m}};
   }
@@ -196,14 +196,13 @@ struct NoiseScenario {
   double imu_rate_hz = CdprLoopParams().imu.rate.hz();  ///< sample rate of gyroscope and accelerometer
 
   static FieldList Fields() {
-    return {{"position_m", &NoiseScenario::position_m},
-            {"attitude_rad", &NoiseScenario::attitude_rad},
-            {"angular_velocity_rad_per_s", &NoiseScenario::angular_velocity_rad_per_s},
-            {"acceleration_m_per_s2", &NoiseScenario::acceleration_m_per_s2},
-            {"pose_rate_hz", &NoiseScenario::pose_rate_hz},
-            {"imu_rate_hz", &NoiseScenario::imu_rate_hz}};
+    return {Field("position_m", &NoiseScenario::position_m).AtLeast(0),
+            Field("attitude_rad", &NoiseScenario::attitude_rad).AtLeast(0),
+            Field("angular_velocity_rad_per_s", &NoiseScenario::angular_velocity_rad_per_s).AtLeast(0),
+            Field("acceleration_m_per_s2", &NoiseScenario::acceleration_m_per_s2).AtLeast(0),
+            Field("pose_rate_hz", &NoiseScenario::pose_rate_hz).In(Rates()),
+            Field("imu_rate_hz", &NoiseScenario::imu_rate_hz).In(Rates())};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Estimate of the load on the platform, for offset-free controllers, see LoadEstimator. Empty bandwidths are
@@ -213,8 +212,8 @@ struct LoadEstimateScenario {
   std::optional<double> mass_bandwidth_rad_per_s;  ///< bandwidth of the load's estimated mass
 
   static FieldList Fields() {
-    return {{"bandwidth_rad_per_s", &LoadEstimateScenario::bandwidth_rad_per_s},
-            {"mass_bandwidth_rad_per_s", &LoadEstimateScenario::mass_bandwidth_rad_per_s}};
+    return {Field("bandwidth_rad_per_s", &LoadEstimateScenario::bandwidth_rad_per_s).Positive(),
+            Field("mass_bandwidth_rad_per_s", &LoadEstimateScenario::mass_bandwidth_rad_per_s).Positive()};
   }
 };
 
@@ -278,7 +277,7 @@ struct CdprScenario {
             {"description", &CdprScenario::description},
             Required("case", &CdprScenario::case_name),
             {"robot", &CdprScenario::robot},
-            {"duration_s", &CdprScenario::duration_s},
+            Field("duration_s", &CdprScenario::duration_s).Positive(),
             {"seed", &CdprScenario::seed},
             {"controller", &CdprScenario::controller},
             Required("path", &CdprScenario::path),
@@ -286,7 +285,7 @@ struct CdprScenario {
             {"mpc", &CdprScenario::mpc},
             {"load", &CdprScenario::load},
             {"known_pulleys", &CdprScenario::known_pulleys},
-            {"start_offset_m", &CdprScenario::start_offset_m},
+            Field("start_offset_m", &CdprScenario::start_offset_m).In(Places()),
             {"start_turn_rad", &CdprScenario::start_turn_rad},
             {"payload", &CdprScenario::payload},
             {"gusts", &CdprScenario::gusts},
@@ -295,11 +294,11 @@ struct CdprScenario {
             {"hardware", &CdprScenario::hardware},
             {"faults", &CdprScenario::faults},
             {"integrator", &CdprScenario::integrator},
-            {"log_rate_hz", &CdprScenario::log_rate_hz},
+            Field("log_rate_hz", &CdprScenario::log_rate_hz).In(Rates()),
             {"forbid_slack", &CdprScenario::forbid_slack},
-            {"max_tension_ratio", &CdprScenario::max_tension_ratio},
-            {"cable_diameter_m", &CdprScenario::cable_diameter_m},
-            {"path_tolerance", &CdprScenario::path_tolerance},
+            Field("max_tension_ratio", &CdprScenario::max_tension_ratio).Between(1, 2),
+            Field("cable_diameter_m", &CdprScenario::cable_diameter_m).AtLeast(0),
+            Field("path_tolerance", &CdprScenario::path_tolerance).Positive(),
             {"report", &CdprScenario::report},
             {"parameters", &CdprScenario::parameters},
             {"custom", &CdprScenario::custom}};

@@ -10,7 +10,8 @@ struct LinkScenario {
   double jitter_s = 0;  ///< delays are uniformly distributed within delay ± jitter
 
   static FieldList Fields() {
-    return {{"delay_s", &LinkScenario::delay_s}, {"jitter_s", &LinkScenario::jitter_s}};
+    return {Field("delay_s", &LinkScenario::delay_s).Between(0, 1),
+            Field("jitter_s", &LinkScenario::jitter_s).AtLeast(0)};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -1,5 +1,5 @@
-#include <tenon/apps/common/checks.h>
 #include <tenon/apps/common/faults.h>
+#include <tenon/apps/common/ranges.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 
 namespace tenon::apps {
@@ -25,13 +25,8 @@ FieldList GuideDogScenario::Fields() {
                                Required("person", &S::person),
                                {"leash", &S::leash},
                                {"surroundings", &S::surroundings},
-                               {"log_rate_hz", &S::log_rate_hz}});
+                               Field("log_rate_hz", &S::log_rate_hz).In(Rates())});
   return fields;
-}
-
-void GuideDogScenario::Validate() const {
-  LeggedScenario::Validate();
-  DemandRate("log_rate_hz", log_rate_hz);
 }
 
 double Duration(const GuideDogScenario& scenario) {

@@ -21,7 +21,6 @@ struct GuideDogScenario : LeggedScenario {
   double log_rate_hz = 100;             ///< sample rate of signals.csv
 
   static FieldList Fields();
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Simulated time [s].

@@ -1,5 +1,4 @@
 #include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/checks.h>
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/quadruped/legged_scenario.h>
 #include <tenon/systems/yaml/resources.h>
@@ -11,15 +10,6 @@
 
 namespace tenon::apps {
 
-void WalkScenario::Validate() const {
-  if (friction) DemandPositive("friction", *friction);
-  DemandNotNegative("judged_from_s", judged_from_s);
-  DemandPositive("path_tolerance", path_tolerance);
-  Demand(
-      std::isfinite(mass_error_ratio) && mass_error_ratio > -1,
-      fmt::format("mass_error_ratio = {} must be above -1: at -1 the model has no mass", mass_error_ratio));
-}
-
 void LiveScenario::Validate() const {
   const auto range = [](const char* key, const Vec<2>& limits) {
     Demand(limits.allFinite() && limits[0] <= 0 && limits[1] >= 0,
@@ -29,23 +19,6 @@ void LiveScenario::Validate() const {
   range("forward_m_per_s", forward_m_per_s);
   range("sideways_m_per_s", sideways_m_per_s);
   range("yaw_rad_per_s", yaw_rad_per_s);
-  DemandNotNegative("squat_m", squat_m);
-  DemandPositive("load_ratio", load_ratio);
-}
-
-void FallScenario::Validate() const {
-  Demand(min_height_ratio >= 0 && min_height_ratio < 1,
-         fmt::format("min_height_ratio = {} must be at least 0 and below 1: at 1 the nominal stance would "
-                     "count as a fall",
-                     min_height_ratio));
-  DemandBetween("max_tilt_rad", max_tilt_rad, 1e-3, std::numbers::pi);
-  DemandPositive("max_height_m", max_height_m);
-}
-
-void ForceScenario::Validate() const {
-  DemandBetween("height", height, 0, 1);
-  DemandNotNegative("duration_s", duration_s);
-  DemandNotNegative("frequency_rad_per_s", frequency_rad_per_s);
 }
 
 FieldList LeggedScenario::Fields() {
@@ -54,7 +27,7 @@ FieldList LeggedScenario::Fields() {
           {"description", &S::description},
           Required("case", &S::case_name),
           {"robot", &S::robot},
-          {"duration_s", &S::duration_s},
+          Field("duration_s", &S::duration_s).Positive(),
           {"seed", &S::seed},
           {"profile", &S::profile},
           {"terrain", &S::terrain},
@@ -70,10 +43,6 @@ FieldList LeggedScenario::Fields() {
           {"report", &S::report},
           {"parameters", &S::parameters},
           {"custom", &S::custom}};
-}
-
-void LeggedScenario::Validate() const {
-  if (duration_s) DemandPositive("duration_s", *duration_s);
 }
 
 PathVerdict MakePathVerdict(const WalkScenario& walk, bool live) {

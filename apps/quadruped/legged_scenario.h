@@ -56,13 +56,14 @@ struct WalkScenario {
             {"zmp", &WalkScenario::zmp},
             {"step", &WalkScenario::step},
             {"state", &WalkScenario::state},
-            {"friction", &WalkScenario::friction},
-            {"mass_error_ratio", &WalkScenario::mass_error_ratio},
+            Field("friction", &WalkScenario::friction).Positive(),
+            Field("mass_error_ratio", &WalkScenario::mass_error_ratio)
+                .Above(-1)
+                .Because("at -1 the model has no mass"),
             {"model_error", &WalkScenario::model_error},
-            {"judged_from_s", &WalkScenario::judged_from_s},
-            {"path_tolerance", &WalkScenario::path_tolerance}};
+            Field("judged_from_s", &WalkScenario::judged_from_s).AtLeast(0),
+            Field("path_tolerance", &WalkScenario::path_tolerance).Positive()};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Limits of the trunk's pose beyond which a robot counts as fallen.
@@ -74,11 +75,13 @@ struct FallScenario {
   double max_height_m = QuadrupedWorldParams().max_height;
 
   static FieldList Fields() {
-    return {{"min_height_ratio", &FallScenario::min_height_ratio},
-            {"max_tilt_rad", &FallScenario::max_tilt_rad},
-            {"max_height_m", &FallScenario::max_height_m}};
+    return {Field("min_height_ratio", &FallScenario::min_height_ratio)
+                .AtLeast(0)
+                .Below(1)
+                .Because("at 1 the nominal stance would count as a fall"),
+            Field("max_tilt_rad", &FallScenario::max_tilt_rad).Between(1e-3, std::numbers::pi),
+            Field("max_height_m", &FallScenario::max_height_m).Positive()};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Ranges of the commands in a live run. The default speeds are those of the shipped scenarios with the
@@ -94,8 +97,8 @@ struct LiveScenario {
     return {{"forward_m_per_s", &LiveScenario::forward_m_per_s},
             {"sideways_m_per_s", &LiveScenario::sideways_m_per_s},
             {"yaw_rad_per_s", &LiveScenario::yaw_rad_per_s},
-            {"squat_m", &LiveScenario::squat_m},
-            {"load_ratio", &LiveScenario::load_ratio}};
+            Field("squat_m", &LiveScenario::squat_m).AtLeast(0),
+            Field("load_ratio", &LiveScenario::load_ratio).Positive()};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -122,16 +125,15 @@ struct ForceScenario {
 
   static FieldList Fields() {
     return {{"on", &ForceScenario::on},
-            {"height", &ForceScenario::height},
+            Field("height", &ForceScenario::height).Between(0, 1),
             {"force_N", &ForceScenario::force_N},
             {"torque_N_m", &ForceScenario::torque_N_m},
             {"factor", &ForceScenario::factor},
             {"turn_rad", &ForceScenario::turn_rad},
             {"start_s", &ForceScenario::start_s},
-            Required("duration_s", &ForceScenario::duration_s),
-            {"frequency_rad_per_s", &ForceScenario::frequency_rad_per_s}};
+            Required("duration_s", &ForceScenario::duration_s).AtLeast(0),
+            Field("frequency_rad_per_s", &ForceScenario::frequency_rad_per_s).AtLeast(0)};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// The keys that tenon-quadruped and tenon-guide-dog share.
@@ -164,7 +166,6 @@ struct LeggedScenario {
   std::optional<YamlText> custom;                         ///< keys of a customised program, see Customisable
 
   static FieldList Fields();
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Judges whether a walk follows its path. A live run is not judged.

@@ -1,4 +1,4 @@
-#include <tenon/apps/common/checks.h>
+#include <tenon/apps/common/ranges.h>
 #include <tenon/apps/quadruped/quadruped_hardware.h>
 #include <tenon/systems/yaml/resources.h>
 
@@ -14,46 +14,52 @@ namespace tenon::apps {
 
 FieldList EncoderScenario::Fields() {
   using S = EncoderScenario;
-  return {{"rate_hz", &S::rate_hz},
-          {"latency_samples", &S::latency_samples},
-          {"angle_noise_rad", &S::angle_noise_rad},
+  return {Field("rate_hz", &S::rate_hz).In(Rates()),
+          Field("latency_samples", &S::latency_samples).In(Latencies()),
+          Field("angle_noise_rad", &S::angle_noise_rad).AtLeast(0),
           {"angle_bias_rad", &S::angle_bias_rad},
-          {"speed_noise_rad_per_s", &S::speed_noise_rad_per_s},
+          Field("speed_noise_rad_per_s", &S::speed_noise_rad_per_s).AtLeast(0),
           {"speed_bias_rad_per_s", &S::speed_bias_rad_per_s},
-          {"bits", &S::bits},
-          {"offset_rad", &S::offset_rad},
-          {"speed_bandwidth_hz", &S::speed_bandwidth_hz}};
+          Field("bits", &S::bits).Between(1, 52),
+          Field("offset_rad", &S::offset_rad).AtLeast(0),
+          Field("speed_bandwidth_hz", &S::speed_bandwidth_hz).AtLeast(0)};
 }
 
 FieldList TorqueSensorScenario::Fields() {
   using S = TorqueSensorScenario;
-  return {{"rate_hz", &S::rate_hz},
-          {"latency_samples", &S::latency_samples},
-          {"noise_ratio", &S::noise_ratio},
+  return {Field("rate_hz", &S::rate_hz).In(Rates()),
+          Field("latency_samples", &S::latency_samples).In(Latencies()),
+          Field("noise_ratio", &S::noise_ratio).AtLeast(0),
           {"bias_N_m", &S::bias_N_m}};
 }
 
 FieldList FootForceSensorScenario::Fields() {
   using S = FootForceSensorScenario;
-  return {{"rate_hz", &S::rate_hz},         {"latency_samples", &S::latency_samples},
-          {"noise_ratio", &S::noise_ratio}, {"noise_weight_ratio", &S::noise_weight_ratio},
-          {"bias_N", &S::bias_N},           {"threshold_weight_ratio", &S::threshold_weight_ratio},
+  return {Field("rate_hz", &S::rate_hz).In(Rates()),
+          Field("latency_samples", &S::latency_samples).In(Latencies()),
+          Field("noise_ratio", &S::noise_ratio).AtLeast(0),
+          Field("noise_weight_ratio", &S::noise_weight_ratio).AtLeast(0),
+          {"bias_N", &S::bias_N},
+          Field("threshold_weight_ratio", &S::threshold_weight_ratio).AtLeast(0),
           {"mounted", &S::mounted}};
 }
 
 FieldList ImuScenario::Fields() {
   using S = ImuScenario;
-  return {{"rate_hz", &S::rate_hz},
-          {"latency_samples", &S::latency_samples},
-          {"angular_velocity_noise_rad_per_s", &S::angular_velocity_noise_rad_per_s},
-          {"angular_velocity_bias_rad_per_s", &S::angular_velocity_bias_rad_per_s},
-          {"acceleration_noise_m_per_s2", &S::acceleration_noise_m_per_s2},
-          {"acceleration_bias_m_per_s2", &S::acceleration_bias_m_per_s2},
-          {"angular_velocity_bias_deviation_rad_per_s", &S::angular_velocity_bias_deviation_rad_per_s},
-          {"acceleration_bias_deviation_m_per_s2", &S::acceleration_bias_deviation_m_per_s2},
-          {"angular_velocity_walk_rad_per_s_per_sqrt_s", &S::angular_velocity_walk_rad_per_s_per_sqrt_s},
-          {"acceleration_walk_m_per_s2_per_sqrt_s", &S::acceleration_walk_m_per_s2_per_sqrt_s},
-          {"misalignment_rad", &S::misalignment_rad}};
+  return {
+      Field("rate_hz", &S::rate_hz).In(Rates()),
+      Field("latency_samples", &S::latency_samples).In(Latencies()),
+      Field("angular_velocity_noise_rad_per_s", &S::angular_velocity_noise_rad_per_s).AtLeast(0),
+      {"angular_velocity_bias_rad_per_s", &S::angular_velocity_bias_rad_per_s},
+      Field("acceleration_noise_m_per_s2", &S::acceleration_noise_m_per_s2).AtLeast(0),
+      {"acceleration_bias_m_per_s2", &S::acceleration_bias_m_per_s2},
+      Field("angular_velocity_bias_deviation_rad_per_s", &S::angular_velocity_bias_deviation_rad_per_s)
+          .AtLeast(0),
+      Field("acceleration_bias_deviation_m_per_s2", &S::acceleration_bias_deviation_m_per_s2).AtLeast(0),
+      Field("angular_velocity_walk_rad_per_s_per_sqrt_s", &S::angular_velocity_walk_rad_per_s_per_sqrt_s)
+          .AtLeast(0),
+      Field("acceleration_walk_m_per_s2_per_sqrt_s", &S::acceleration_walk_m_per_s2_per_sqrt_s).AtLeast(0),
+      Field("misalignment_rad", &S::misalignment_rad).AtLeast(0)};
 }
 
 FieldList SensorScenario::Fields() {
@@ -64,12 +70,12 @@ FieldList SensorScenario::Fields() {
 
 FieldList DriveScenario::Fields() {
   using S = DriveScenario;
-  return {{"rotor_acceleration_rad_per_s2", &S::rotor_acceleration_rad_per_s2},
-          {"friction_ratio", &S::friction_ratio},
-          {"damping_ratio", &S::damping_ratio},
-          {"gain_deviation", &S::gain_deviation},
-          {"ripple_ratio", &S::ripple_ratio},
-          {"bandwidth_hz", &S::bandwidth_hz},
+  return {Field("rotor_acceleration_rad_per_s2", &S::rotor_acceleration_rad_per_s2).Positive(),
+          Field("friction_ratio", &S::friction_ratio).Between(0, 1),
+          Field("damping_ratio", &S::damping_ratio).Between(0, 1),
+          Field("gain_deviation", &S::gain_deviation).Between(0, 0.5),
+          Field("ripple_ratio", &S::ripple_ratio).Between(0, 0.5),
+          Field("bandwidth_hz", &S::bandwidth_hz).Between(0.1, 1e6),
           {"limit_speed", &S::limit_speed}};
 }
 
@@ -82,16 +88,6 @@ FieldList HardwareScenario::Fields() {
 namespace {
 
 using Check = std::pair<const char*, const std::optional<double>*>;
-
-void DemandAllNotNegative(std::initializer_list<Check> checks) {
-  for (const auto& [name, value] : checks)
-    if (*value) DemandNotNegative(name, **value);
-}
-
-void CheckTiming(const std::optional<double>& rate_hz, const std::optional<int>& latency_samples) {
-  if (rate_hz) DemandRate("rate_hz", *rate_hz);
-  if (latency_samples) DemandBetween("latency_samples", *latency_samples, 0, 10'000);
-}
 
 /// Returns `first`, in which empty optionals of `members` are replaced by those of `then`.
 template <class S, class... Members>
@@ -222,49 +218,6 @@ void SetDrives(const DriveScenario& drives, Rate rate, QuadrupedWorldParams& wor
 }
 
 }  // namespace
-
-void EncoderScenario::Validate() const {
-  CheckTiming(rate_hz, latency_samples);
-  DemandAllNotNegative({{"angle_noise_rad", &angle_noise_rad},
-                        {"speed_noise_rad_per_s", &speed_noise_rad_per_s},
-                        {"offset_rad", &offset_rad},
-                        {"speed_bandwidth_hz", &speed_bandwidth_hz}});
-  if (bits) DemandBetween("bits", *bits, 1, 52);
-}
-
-void TorqueSensorScenario::Validate() const {
-  CheckTiming(rate_hz, latency_samples);
-  DemandAllNotNegative({{"noise_ratio", &noise_ratio}});
-}
-
-void FootForceSensorScenario::Validate() const {
-  CheckTiming(rate_hz, latency_samples);
-  DemandAllNotNegative({{"noise_ratio", &noise_ratio},
-                        {"noise_weight_ratio", &noise_weight_ratio},
-                        {"threshold_weight_ratio", &threshold_weight_ratio}});
-}
-
-void ImuScenario::Validate() const {
-  CheckTiming(rate_hz, latency_samples);
-  DemandAllNotNegative(
-      {{"angular_velocity_noise_rad_per_s", &angular_velocity_noise_rad_per_s},
-       {"acceleration_noise_m_per_s2", &acceleration_noise_m_per_s2},
-       {"angular_velocity_bias_deviation_rad_per_s", &angular_velocity_bias_deviation_rad_per_s},
-       {"acceleration_bias_deviation_m_per_s2", &acceleration_bias_deviation_m_per_s2},
-       {"angular_velocity_walk_rad_per_s_per_sqrt_s", &angular_velocity_walk_rad_per_s_per_sqrt_s},
-       {"acceleration_walk_m_per_s2_per_sqrt_s", &acceleration_walk_m_per_s2_per_sqrt_s},
-       {"misalignment_rad", &misalignment_rad}});
-}
-
-void DriveScenario::Validate() const {
-  if (rotor_acceleration_rad_per_s2)
-    DemandPositive("rotor_acceleration_rad_per_s2", *rotor_acceleration_rad_per_s2);
-  if (friction_ratio) DemandBetween("friction_ratio", *friction_ratio, 0, 1);
-  if (damping_ratio) DemandBetween("damping_ratio", *damping_ratio, 0, 1);
-  DemandBetween("gain_deviation", gain_deviation, 0, 0.5);
-  DemandBetween("ripple_ratio", ripple_ratio, 0, 0.5);
-  if (bandwidth_hz) DemandBetween("bandwidth_hz", *bandwidth_hz, 0.1, 1e6);
-}
 
 HardwareScenario LoadHardware(const YamlFile& file) {
   return LoadResource("hardware/legged", file).Read<HardwareScenario>();

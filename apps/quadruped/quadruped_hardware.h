@@ -33,7 +33,6 @@ struct EncoderScenario {
                                                 ///< differences of angles; empty: ideal speeds
 
   static FieldList Fields();
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Torque sensors of the joints. Their noise is proportional to the signal.
@@ -44,7 +43,6 @@ struct TorqueSensorScenario {
   std::optional<double> bias_N_m;      ///< bias, equal at all joints
 
   static FieldList Fields();
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Sensors of the ground forces on the feet.
@@ -62,7 +60,6 @@ struct FootForceSensorScenario {
   std::optional<FootSensing> mounted;
 
   static FieldList Fields();
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Inertial unit on the trunk, which measures angular velocity and specific force.
@@ -83,7 +80,6 @@ struct ImuScenario {
   std::optional<double> misalignment_rad;  ///< standard deviation of the rotation about each axis
 
   static FieldList Fields();
-  void Validate() const;  ///< throws ParameterError
 };
 
 struct SensorScenario {
@@ -108,7 +104,6 @@ struct DriveScenario {
   bool limit_speed = false;            ///< limits the torque by the torque-speed line
 
   static FieldList Fields();
-  void Validate() const;  ///< throws ParameterError
 };
 
 struct HardwareScenario {

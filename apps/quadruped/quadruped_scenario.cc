@@ -1,5 +1,5 @@
-#include <tenon/apps/common/checks.h>
 #include <tenon/apps/common/faults.h>
+#include <tenon/apps/common/ranges.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 
 #include <Eigen/Geometry>
@@ -10,41 +10,15 @@
 
 namespace tenon::apps {
 
-void JointPdScenario::Validate() const {
-  if (stiffness_N_m_per_rad) DemandNotNegative("stiffness_N_m_per_rad", *stiffness_N_m_per_rad);
-  if (damping_N_m_s_per_rad) DemandNotNegative("damping_N_m_s_per_rad", *damping_N_m_s_per_rad);
-  DemandRate("rate_hz", rate_hz);
-}
-
-void SlideScenario::Validate() const {
-  Demand(reach_m.allFinite() && reach_m.minCoeff() >= 0,
-         fmt::format("reach_m = [{}, {}] must not be negative", reach_m[0], reach_m[1]));
-  DemandBetween("friction", friction, 0, 10);
-}
-
-void TrunkLoadScenario::Validate() const {
-  DemandBetween("mass_kg", mass_kg, 0, 1e6);
-  DemandNear("position_m", position_m);
-  constexpr double kFar = 100;  // largest edge [m]
-  Demand(
-      edges_m.allFinite() && edges_m.minCoeff() >= 0 && edges_m.maxCoeff() <= kFar,
-      fmt::format("edges_m = [{}, {}, {}] must be from 0 to {} m", edges_m[0], edges_m[1], edges_m[2], kFar));
-}
-
 void SweepScenario::Validate() const {
   constexpr int kMost = 10000;  // runs
   Demand(phases <= kMost && directions <= kMost && static_cast<long>(phases) * directions <= kMost,
          fmt::format("a sweep over {} phases and {} directions has more than {} runs: reduce them, or run a "
                      "campaign by tenon-campaign",
                      phases, directions, kMost));
-  Demand(phases > 0 && directions > 0 && period_s > 0,
-         fmt::format("a sweep over {} phases of {} s and {} directions: all must be positive", phases,
-                     period_s, directions));
 }
 
 void RandomForceScenario::Validate() const {
-  DemandSamplePeriod("period_s", period_s);
-  DemandNotNegative("lower_N", lower_N);
   Demand(std::isfinite(upper_N) && upper_N >= lower_N,
          fmt::format("upper_N = {} must not be below lower_N = {}", upper_N, lower_N));
 }
@@ -61,27 +35,24 @@ RigidInertia TrunkLoadScenario::Make() const {
 FieldList QuadrupedScenario::Fields() {
   using S = QuadrupedScenario;
   FieldList fields = LeggedScenario::Fields();
-  fields.insert(fields.end(), {{"start_height_m", &S::start_height_m},
-                               {"pd", &S::pd},
-                               {"walk", &S::walk},
-                               {"observer", &S::observer},
-                               {"random_forces", &S::random_forces},
-                               {"payload", &S::payload},
-                               {"sweep", &S::sweep},
-                               {"compare", &S::compare},
-                               {"log_rate_hz", &S::log_rate_hz}});
+  fields.insert(
+      fields.end(),
+      {Field("start_height_m", &S::start_height_m).AtLeast(0).Because("below 0 the feet start in the ground"),
+       {"pd", &S::pd},
+       {"walk", &S::walk},
+       {"observer", &S::observer},
+       {"random_forces", &S::random_forces},
+       {"payload", &S::payload},
+       {"sweep", &S::sweep},
+       {"compare", &S::compare},
+       Field("log_rate_hz", &S::log_rate_hz).In(Rates())});
   return fields;
 }
 
 void QuadrupedScenario::Validate() const {
-  LeggedScenario::Validate();
   Demand(!pd || !walk, "pd and walk are both given: set pd to null for a walk, or walk to null for standing");
   Demand(pd || walk, "neither pd nor walk is given: give pd for a robot that stands, or walk");
   Demand(!sweep || (walk && !forces.empty()), "sweep needs walk and forces: give both, or set sweep to null");
-  Demand(start_height_m >= 0,
-         fmt::format("start_height_m = {} must not be negative: below 0 the feet start in the ground",
-                     start_height_m));
-  DemandRate("log_rate_hz", log_rate_hz);
   // One force is reserved for QuadrupedWorld::pull, and one for a load that slides.
   const std::size_t most = kMaxExternalForces - (payload.slides ? 2 : 1);
   const std::size_t num_forces = forces.size() + random_forces.size();

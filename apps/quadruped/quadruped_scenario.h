@@ -25,12 +25,11 @@ struct JointPdScenario {
   double rate_hz = JointPdParams().rate.hz();  ///< sample rate of the controller
 
   static FieldList Fields() {
-    return {{"stiffness_N_m_per_rad", &JointPdScenario::stiffness_N_m_per_rad},
-            {"damping_N_m_s_per_rad", &JointPdScenario::damping_N_m_s_per_rad},
+    return {Field("stiffness_N_m_per_rad", &JointPdScenario::stiffness_N_m_per_rad).AtLeast(0),
+            Field("damping_N_m_s_per_rad", &JointPdScenario::damping_N_m_s_per_rad).AtLeast(0),
             {"gravity_compensation", &JointPdScenario::gravity_compensation},
-            {"rate_hz", &JointPdScenario::rate_hz}};
+            Field("rate_hz", &JointPdScenario::rate_hz).In(Rates())};
   }
-  void Validate() const;  ///< throws ParameterError
   JointPdParams For(const QuadrupedDescription& robot) const;
 };
 
@@ -42,9 +41,9 @@ struct SweepScenario {
   int directions = 8;   ///< number of directions around the vertical
 
   static FieldList Fields() {
-    return {{"phases", &SweepScenario::phases},
-            Required("period_s", &SweepScenario::period_s),
-            {"directions", &SweepScenario::directions}};
+    return {Field("phases", &SweepScenario::phases).AtLeast(1),
+            Required("period_s", &SweepScenario::period_s).Positive(),
+            Field("directions", &SweepScenario::directions).AtLeast(1)};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -58,9 +57,9 @@ struct RandomForceScenario {
 
   static FieldList Fields() {
     return {{"on_trunk", &RandomForceScenario::on_trunk},
-            Required("lower_N", &RandomForceScenario::lower_N),
+            Required("lower_N", &RandomForceScenario::lower_N).AtLeast(0),
             Required("upper_N", &RandomForceScenario::upper_N),
-            {"period_s", &RandomForceScenario::period_s}};
+            Field("period_s", &RandomForceScenario::period_s).In(SamplePeriods())};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -71,9 +70,9 @@ struct SlideScenario {
   double friction = SlidingLoadParams().friction;       ///< friction coefficient between load and trunk
 
   static FieldList Fields() {
-    return {{"reach_m", &SlideScenario::reach_m}, {"friction", &SlideScenario::friction}};
+    return {Field("reach_m", &SlideScenario::reach_m).AtLeast(0),
+            Field("friction", &SlideScenario::friction).Between(0, 10)};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// A uniform box on the trunk for the whole run. It is missing from the controller's model.
@@ -84,12 +83,11 @@ struct TrunkLoadScenario {
   std::optional<SlideScenario> slides;                   ///< sliding of the box on the trunk; empty: fixed
 
   static FieldList Fields() {
-    return {{"mass_kg", &TrunkLoadScenario::mass_kg},
-            {"position_m", &TrunkLoadScenario::position_m},
-            {"edges_m", &TrunkLoadScenario::edges_m},
+    return {Field("mass_kg", &TrunkLoadScenario::mass_kg).Between(0, 1e6),
+            Field("position_m", &TrunkLoadScenario::position_m).In(Places()),
+            Field("edges_m", &TrunkLoadScenario::edges_m).Between(0, 100),
             {"slides", &TrunkLoadScenario::slides}};
   }
-  void Validate() const;  ///< throws ParameterError
   RigidInertia Make() const;
 };
 

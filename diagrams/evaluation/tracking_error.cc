@@ -10,13 +10,6 @@
 
 namespace tenon {
 
-void TrackingErrorParams::Validate() const {
-  Demand(std::isfinite(min_singular_value) && min_singular_value > 0,
-         fmt::format(
-             "min_singular_value = {} m must be positive: it bounds the inverse of a straight leg's Jacobian",
-             min_singular_value));
-}
-
 void TrackingError::CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const {
   model_.Calc(state, dynamics);
 }

@@ -14,8 +14,6 @@ namespace tenon {
 struct TrackingErrorParams {
   QuadrupedDescription robot;        ///< true model of the robot
   double min_singular_value = 0.02;  ///< least singular value of a leg's Jacobian, see SolveFootForces [m]
-
-  void Validate() const;  ///< throws ParameterError
 };
 
 struct WalkingErrors {
@@ -76,10 +74,12 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
   InputPort<FeetReference> feet{this, {"feet"}};
   InputPort<WholeBodyPlan> plan{this, {"plan"}};
   InputPort<Vec<12>> external_torque{this, {"external_torque", "N m"}, Vec<12>(Vec<12>::Zero())};
-  Parameter<double> min_singular_value{this,
-                                       {"min_singular_value", "m"},
-                                       params.min_singular_value,
-                                       "threshold of a leg's Jacobian below which its foot force is damped"};
+  Parameter<double> min_singular_value{
+      this,
+      {"min_singular_value", "m"},
+      params.min_singular_value,
+      "threshold of a leg's Jacobian below which its foot force is damped",
+      Range().Positive().Because("it bounds the inverse of a straight leg's Jacobian")};
 
  private:
   QuadrupedModel model_{params.robot};

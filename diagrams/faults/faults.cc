@@ -1,5 +1,4 @@
 #include <tenon/diagrams/faults/faults.h>
-#include <tenon/systems/framework/types/number_checks.h>
 
 #include <fmt/format.h>
 
@@ -22,10 +21,14 @@ std::string FirstMessage(const std::exception& error) {
 }  // namespace
 
 FieldList Fault::Fields() {
-  return {Required("kind", &Fault::kind), {"elements", &Fault::elements},
-          {"start_s", &Fault::start_s},   {"duration_s", &Fault::duration_s},
-          {"size", &Fault::size},         {"period_s", &Fault::period_s},
-          {"samples", &Fault::samples},   {"probability", &Fault::probability}};
+  return {Required("kind", &Fault::kind),
+          {"elements", &Fault::elements},
+          Field("start_s", &Fault::start_s).AtLeast(0),
+          Field("duration_s", &Fault::duration_s).AtLeast(0),
+          {"size", &Fault::size},
+          Field("period_s", &Fault::period_s).Positive(),
+          Field("samples", &Fault::samples).Between(1, 1e6),
+          Field("probability", &Fault::probability).Between(0, 1)};
 }
 
 void Fault::Validate() const {
@@ -40,11 +43,6 @@ void Fault::Validate() const {
   belongs("samples", samples.has_value(), kind == kLate, "late");
   belongs("probability", probability.has_value(), kind == kLost, "lost");
   if (period_s) belongs("period_s", true, kind == kSpike, "spike");
-  DemandNotNegative("start_s", start_s);
-  if (duration_s) DemandNotNegative("duration_s", *duration_s);
-  if (period_s) DemandPositive("period_s", *period_s);
-  if (samples) DemandBetween("samples", *samples, 1, 1e6);
-  if (probability) DemandBetween("probability", *probability, 0, 1);
 }
 
 std::vector<int> Fault::Indices(const char* type, const std::vector<Element>& parts) const {

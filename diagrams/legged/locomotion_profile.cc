@@ -73,9 +73,13 @@ struct RelativeProfile {
 
   static FieldList Fields() {
     return {Required("whole_body", &RelativeProfile::whole_body),
-            Required("sway_limit_rad_per_s2", &RelativeProfile::sway_limit),
+            Required("sway_limit_rad_per_s2", &RelativeProfile::sway_limit)
+                .AtLeast(0)
+                .Because("0 keeps the trunk level"),
             Required("ground", &RelativeProfile::ground),
-            Required("qp_rate_hz", &RelativeProfile::qp_rate_hz),
+            Required("qp_rate_hz", &RelativeProfile::qp_rate_hz).In(Range().Positive().Also([](double hz) {
+              Hz(hz);
+            })),
             Required("observer", &RelativeProfile::observer)};
   }
   static std::vector<RenamedKey> Renamed() {
@@ -86,16 +90,6 @@ struct RelativeProfile {
             {"ground.roughness_m", "roughness_l, its value over l"},
             {"ground.level_walk_m", "level_walk_l, its value over l"},
             {"ground.start_roughness_m", "start_roughness_l, its value over l"}};
-  }
-  void Validate() const {
-    Demand(
-        std::isfinite(sway_limit) && sway_limit >= 0,
-        fmt::format("sway_limit_rad_per_s2 = {} must not be negative; 0 keeps the trunk level", sway_limit));
-    try {
-      Hz(qp_rate_hz);
-    } catch (const ParameterError& error) {
-      throw ParameterError(fmt::format("qp_rate_hz: {}", error.what()));
-    }
   }
 };
 

@@ -294,8 +294,8 @@ TEST_F(TenonCdprTest, RefusesAWrongPathFileWithItsLine) {
 TEST(TenonCdprKeysTest, ListsKeysWithTheirMeanings) {
   const Result keys = RunCommand(TENON_CDPR " --keys");
   EXPECT_EQ(keys.exit_code, 0);
-  EXPECT_THAT(keys.text, AllOf(ContainsRegex("path\\.ramp_s +number +s +5 +[a-z]+"), HasSubstr("faults[].at"),
-                               HasSubstr("robot.cable_properties.")));
+  EXPECT_THAT(keys.text, AllOf(ContainsRegex("path\\.ramp_s +number +s +at least 0 +5 +[a-z]+"),
+                               HasSubstr("faults[].at"), HasSubstr("robot.cable_properties.")));
   EXPECT_EQ(RunCommand(TENON_CDPR " D1 --keys").exit_code, 0);
   EXPECT_THAT(RunCommand(TENON_CDPR " D1 --keys --set robot=mine.yaml").text,
               HasSubstr("--set robot=mine.yaml: robot: "));

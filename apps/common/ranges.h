@@ -1,0 +1,14 @@
+#pragma once
+
+#include <tenon/systems/framework/types/range.h>
+
+namespace tenon::apps {
+
+// Ranges of a scenario's numbers.
+
+Range Rates();          ///< valid for Hz(), and at most 100 kHz
+Range SamplePeriods();  ///< valid for Seconds(), and at least 10 us
+Range Latencies();      ///< of a sensor, in samples
+Range Places();         ///< each coordinate within 100 m
+
+}  // namespace tenon::apps
