@@ -8,7 +8,6 @@
 struct IntegralPdParams {
   tenon::CablePdParams pd;          // gains and model of the shipped PD
   double integral_N_per_m_s = 100;  // K_i
-  void Validate() const { pd.Validate(); }
 };
 
 // A PD of the cable lengths with an integral: f = f* + K_p e + K_d e' + K_i ∫ e dt, kept inside the bounds of
