@@ -5,9 +5,6 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
-#include <numbers>
-
 namespace tenon::apps {
 
 void LiveScenario::Validate() const {

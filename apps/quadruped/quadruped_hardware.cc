@@ -2,11 +2,8 @@
 #include <tenon/apps/quadruped/quadruped_hardware.h>
 #include <tenon/systems/yaml/resources.h>
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <numbers>
 #include <utility>
 
@@ -86,8 +83,6 @@ FieldList HardwareScenario::Fields() {
 }
 
 namespace {
-
-using Check = std::pair<const char*, const std::optional<double>*>;
 
 /// Returns `first`, in which empty optionals of `members` are replaced by those of `then`.
 template <class S, class... Members>

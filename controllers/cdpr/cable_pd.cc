@@ -1,10 +1,6 @@
 #include <tenon/controllers/cdpr/cable_pd.h>
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 
-#include <fmt/core.h>
-
-#include <cmath>
-
 namespace tenon {
 
 void CablePd::CalcCommand(const CableSignals& cables, const CdprReference& reference, double stiffness,

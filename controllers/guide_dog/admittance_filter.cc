@@ -4,7 +4,6 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tenon {
 

@@ -3,9 +3,7 @@
 #include <tenon/plants/signals/euler.h>
 
 #include <Eigen/Geometry>
-#include <fmt/core.h>
 
-#include <cmath>
 #include <numbers>
 
 namespace tenon {

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tenon {
 Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,

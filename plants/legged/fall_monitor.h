@@ -7,6 +7,8 @@
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
 
+#include <numbers>
+
 namespace tenon {
 
 struct FallMonitorParams {

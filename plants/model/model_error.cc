@@ -1,8 +1,6 @@
 #include <tenon/plants/model/model_error.h>
 #include <tenon/systems/framework/types/errors.h>
 
-#include <fmt/core.h>
-
 namespace tenon {
 namespace {
 

@@ -1,10 +1,8 @@
 #include <tenon/plants/surroundings/leash.h>
 
 #include <Eigen/Geometry>
-#include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tenon {
 namespace {

@@ -1,7 +1,5 @@
 #include <tenon/plants/surroundings/obstacle_detector.h>
 
-#include <fmt/core.h>
-
 #include <cmath>
 #include <string>
 

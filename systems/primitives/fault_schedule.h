@@ -4,7 +4,6 @@
 #include <tenon/systems/framework/block/system.h>
 #include <tenon/systems/framework/types/fields.h>
 
-#include <cmath>
 #include <limits>
 #include <string>
 

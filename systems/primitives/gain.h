@@ -4,7 +4,6 @@
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
-#include <cmath>
 #include <string>
 
 namespace tenon {

@@ -5,7 +5,6 @@
 #include <tenon/systems/primitives/internal/filtered_difference.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <string>
 

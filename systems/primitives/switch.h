@@ -3,7 +3,6 @@
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
 
-#include <cmath>
 #include <string>
 
 namespace tenon {

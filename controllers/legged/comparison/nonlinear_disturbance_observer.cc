@@ -2,9 +2,6 @@
 #include <tenon/controllers/legged/whole_body/foot_forces.h>
 
 #include <Eigen/Cholesky>
-#include <fmt/core.h>
-
-#include <cmath>
 
 namespace tenon {
 

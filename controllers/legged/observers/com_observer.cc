@@ -1,7 +1,6 @@
 #include <tenon/controllers/legged/observers/com_observer.h>
 
 #include <Eigen/Geometry>
-#include <fmt/core.h>
 
 #include <cmath>
 

@@ -5,7 +5,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <fmt/core.h>
 
 #include <cmath>
 

@@ -1,9 +1,7 @@
 #include <tenon/controllers/legged/observers/ground_estimator.h>
 
 #include <Eigen/Core>
-#include <fmt/core.h>
 
-#include <cmath>
 #include <utility>
 
 namespace tenon {

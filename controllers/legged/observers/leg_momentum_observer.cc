@@ -1,10 +1,6 @@
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
 #include <tenon/controllers/legged/whole_body/foot_forces.h>
 
-#include <fmt/core.h>
-
-#include <cmath>
-
 namespace tenon {
 
 std::vector<double> LegObserverGains::Gains() const {

@@ -3,7 +3,6 @@
 #include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Geometry>
-#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
-#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -10,7 +10,6 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <cmath>
 #include <limits>
 #include <utility>
 
