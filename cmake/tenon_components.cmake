@@ -1,6 +1,6 @@
 # Lists the components such that each follows its dependencies, and the dependencies of each. Sets TENON_HAS_<component> for the
 # components in TENON_COMPONENTS and their dependencies.
-set(TENON_ALL_COMPONENTS systems report live network lcm model robots plants controllers diagrams apps
+set(TENON_ALL_COMPONENTS systems report live network lcm model robots plants multibody controllers diagrams apps
   quadruped_app guide_dog_app cdpr_app robot_apps testing)
 set(TENON_systems_NEEDS)
 set(TENON_report_NEEDS systems)
@@ -10,6 +10,7 @@ set(TENON_lcm_NEEDS network)
 set(TENON_model_NEEDS systems)
 set(TENON_robots_NEEDS model)
 set(TENON_plants_NEEDS model)
+set(TENON_multibody_NEEDS plants)
 set(TENON_controllers_NEEDS model)
 set(TENON_diagrams_NEEDS plants controllers robots)
 set(TENON_apps_NEEDS live)

@@ -35,7 +35,11 @@ SimulatorOptions CdprIntegration::Options() const {
 }
 
 SimulatorOptions RecommendedOptions(const QuadrupedWorld& world) {
-  return LeggedIntegration().Options(world.plant.path());
+  const LeggedIntegration integration;
+  SimulatorOptions options = integration.Options(world.plant.path());
+  if (world.plant.additions.u.initial.size() > 0)
+    options.state_atol.push_back({world.plant.path() + ".added_u", integration.atol_velocity});
+  return options;
 }
 SimulatorOptions RecommendedOptions(const QuadrupedStand& stand) {
   return RecommendedOptions(stand.world);

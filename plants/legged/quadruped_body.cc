@@ -1,4 +1,5 @@
 #include <tenon/plants/legged/internal/per_leg.h>
+#include <tenon/plants/legged/internal/simbody_conversions.h>
 #include <tenon/plants/legged/quadruped_body.h>
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/simbody.h>
@@ -12,8 +13,11 @@
 namespace tenon {
 namespace {
 
+using internal::MassOf;
 using internal::Matrix3;
 using internal::PerLeg;
+using internal::ToEigen;
+using internal::ToSimbody;
 using internal::Vector3;
 template <class T>
 using Vector6 = Eigen::Matrix<T, 6, 1>;
@@ -21,14 +25,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr int kNumBodies = 1 + kNumJoints;
 
-SimTK::Vec3 ToSimbody(const Eigen::Vector3d& v) {
-  return {v[0], v[1], v[2]};
-}
-template <class Vec3>  // SimTK::Vec3 or SimTK::UnitVec3
-Vec<3> ToEigen(const Vec3& v) {
-  return {v[0], v[1], v[2]};
-}
-Matrix3<double> ToEigen(const SimTK::Rotation& R) {
+Matrix3<double> MatrixOf(const SimTK::Rotation& R) {
   Matrix3<double> out;
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column) out(row, column) = R.asMat33()(row, column);
@@ -164,13 +161,6 @@ Matrix3<PerLeg> Inverse(const Matrix3<PerLeg>& M) {
 /// A frame with z along the axis, equal for parallel axes.
 SimTK::Rotation Turned(const Eigen::Vector3d& axis) {
   return SimTK::Rotation(SimTK::UnitVec3(ToSimbody(axis)), SimTK::ZAxis);
-}
-
-/// Simbody's mass properties, with the inertia about the body's origin.
-SimTK::MassProperties MassOf(const RigidInertia& body) {
-  const Eigen::Matrix3d I = body.inertia + PointInertia(body.mass, body.com);
-  return SimTK::MassProperties(body.mass, ToSimbody(body.com),
-                               SimTK::Inertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)));
 }
 
 }  // namespace
@@ -313,7 +303,7 @@ void QuadrupedBody::Factorise() {
   std::array<Vector3<PerLeg>, kJointsPerLeg> places;  // from the trunk's origin
   std::array<Inertia<PerLeg>, kJointsPerLeg> bodies;
   std::array<Vector6<PerLeg>, kJointsPerLeg> biases;
-  Matrix3<PerLeg> R = ToEigen(work.poses[0]->R()).cast<PerLeg>();
+  Matrix3<PerLeg> R = MatrixOf(work.poses[0]->R()).cast<PerLeg>();
   Vector3<PerLeg> r = none.cast<PerLeg>();
   Motion<PerLeg> motion{x.w_W.cast<PerLeg>(), x.v_W.cast<PerLeg>(), r, r};
   for (std::size_t i = 0; i < kJointsPerLeg; ++i) {

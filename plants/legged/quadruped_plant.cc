@@ -90,10 +90,16 @@ Vec<12> QuadrupedPlant::CalcJointTorque(const LeggedState& x, const Vec<12>& com
   return torque;
 }
 
-LeggedAcceleration QuadrupedPlant::CalcAcceleration(const LeggedState& x, const QuadrupedBody& body,
-                                                    const FootContacts& contacts, const Vec<12>& joint_torque,
-                                                    const ExternalForces& external,
-                                                    const JointLocks& locks) const {
+void QuadrupedPlant::CalcExtended(double t, const LeggedState& x, const Eigen::VectorXd& q,
+                                  const Eigen::VectorXd& u, const Eigen::VectorXd& z,
+                                  ExtendedQuadruped* out) const {
+  if (out->exists()) out->SetState(t, x, q, u, z);
+}
+
+void QuadrupedPlant::CalcRates(const LeggedState& x, const QuadrupedBody& body, const FootContacts& contacts,
+                               const Vec<12>& joint_torque, const ExternalForces& external,
+                               const JointLocks& locks, const ExtendedQuadruped& extended,
+                               const Eigen::VectorXd& added_forces, ExtendedRates* out) const {
   std::array<PointForce, kNumLegs + kMaxExternalForces> forces;
   std::size_t count = 0;
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
@@ -112,7 +118,16 @@ LeggedAcceleration QuadrupedPlant::CalcAcceleration(const LeggedState& x, const 
     if (locks.stiffness[j] > 0)
       torque[j] -= locks.stiffness[j] * (x.q[j] - locks.angle[j]) + locks.damping[j] * x.qd[j];
   }
-  return body.Acceleration(torque, {forces.data(), count}, params.gravity);
+  if (!extended.exists()) {
+    out->robot = body.Acceleration(torque, {forces.data(), count}, params.gravity);
+    return;
+  }
+  if (added_forces.size() != additions.u.initial.size())
+    throw RunError(
+        fmt::format("the added forces have {} entries but the added joints have {} speeds: {}; give "
+                    "one force each",
+                    added_forces.size(), additions.u.initial.size(), additions.u.elements));
+  extended.CalcRates(torque, {forces.data(), count}, added_forces, out);
 }
 
 FootForces QuadrupedPlant::CalcFootForces(const FootContacts& contacts) const {
@@ -133,7 +148,8 @@ std::array<Vec<3>, kNumLegs> QuadrupedPlant::CalcFootSlips(const FootContacts& c
   return slips;
 }
 
-LeggedEnergy QuadrupedPlant::CalcEnergy(const QuadrupedBody& body) const {
+LeggedEnergy QuadrupedPlant::CalcEnergy(const QuadrupedBody& body, const ExtendedQuadruped& extended) const {
+  if (extended.exists()) return {extended.KineticEnergy(), extended.PotentialEnergy()};
   return {body.KineticEnergy(), params.gravity * loaded_.mass() * body.Com()[2]};
 }
 
@@ -170,9 +186,17 @@ Vec<12> QuadrupedPlant::CalcExternalTorque(const QuadrupedBody& body, const Exte
   return torque;
 }
 
+Geometry QuadrupedPlant::MakeGeometry() const {
+  Geometry shapes = MakeQuadrupedGeometry(params.robot, params.payload, params.terrain);
+  shapes.insert(shapes.end(), additions.shapes.begin(), additions.shapes.end());
+  return shapes;
+}
+
 void QuadrupedPlant::CalcGeometry(const LeggedState& x, const FootForces& feet,
-                                  const ExternalForces& external, Geometry* out) const {
+                                  const ExternalForces& external, const ExtendedQuadruped& extended,
+                                  Geometry* out) const {
   MoveQuadrupedGeometry(params.robot, params.payload, x, feet, external, out);
+  if (extended.exists()) extended.MoveShapes(out->size() - additions.shapes.size(), out);
 }
 
 LeggedState QuadrupedPlant::CalcMotionRate(const LeggedState& x,

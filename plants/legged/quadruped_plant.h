@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/plants/legged/extended_quadruped.h>
 #include <tenon/plants/legged/foot_contact.h>
 #include <tenon/plants/legged/quadruped_body.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
@@ -22,6 +23,7 @@ struct QuadrupedPlantParams {
   LeggedState initial;
   double gravity = kGravity;  ///< [m/s^2]
   bool limit_speed = true;    ///< the drives' torque falls with speed
+  ExtendQuadruped extend;     ///< adds to the robot in Simbody, see QuadrupedPlant; nothing by default
 
   void Validate() const;  ///< throws ParameterError
 };
@@ -58,6 +60,7 @@ struct LeggedEnergy {
 ///     ports in   torque           command to the joints' drives [N m]
 ///                external         up to eight forces and torques on the robot; none if not connected
 ///                locks            locked joints, see joint_lock.h; none if not connected
+///                added_forces     generalised forces on added joints [N m, N]; 0 if not connected
 ///     ports out  state            pose and velocity of the trunk, joint angles and speeds
 ///                acceleration     of B's origin and of the joints, for an IMU
 ///                foot_forces      ground force on each foot [N]
@@ -67,7 +70,15 @@ struct LeggedEnergy {
 ///                energy           kinetic, potential
 ///                external_wrench  `external` plus the payload's weight, about the CoM without payload
 ///                external_torque  torques of `external` on the joints [N m]
-///                geometry         shapes of robot and terrain
+///                geometry         shapes of robot, additions and terrain
+///                added_positions  coordinates of added joints [rad, m]
+///                added_speeds     speeds of added joints [rad/s, m/s]
+///
+/// **Additions.** The function `extend` adds bodies, joints, forces, constraints and contacts to the robot in
+/// Simbody; quadruped_multibody.h is the guide. Simbody then computes all accelerations, and the coordinates,
+/// speeds and auxiliary variables of the additions are the states added_q, added_u and added_z. `energy`
+/// includes the additions. `external_wrench` does not, and controllers know the robot alone. Without
+/// `extend`, the equations of quadruped_body.h hold, which are faster, and these states are empty.
 ///
 /// **Drives.** The torque is the command limited to the torque limit. With `limit_speed` it is also limited
 /// to the torque-speed line of the motor: full torque up to a fraction r of the speed limit w, then falling
@@ -95,7 +106,7 @@ struct LeggedEnergy {
 /// of its speed over z_max, and its friction depends on the error of the bristle: at 1 m/s it is 0.3 % too
 /// small. z_max has a lower bound, so ground may be arbitrarily slippery.
 ///
-/// Throws RunError for an external force on an invalid body.
+/// Throws RunError for an external force on an invalid body, and if the number of added forces is wrong.
 class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -103,31 +114,48 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
 
  private:
   const QuadrupedDescription loaded_{WithPayload(params.robot, params.payload)};
+  const ExtendedQuadruped additions_{loaded_, params.gravity, params.extend, params.initial};
 
  public:
+  /// Names, units and initial values of the added states; empty without additions.
+  const ExtendedQuadruped::Additions& additions = additions_.additions();
+
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<ExternalForces> external{this, {"external"}, ExternalForces{}};
   InputPort<JointLocks> locks{this, {"locks"}, JointLocks{}};
+  InputPort<Eigen::VectorXd> added_forces{this,
+                                          {"added_forces", additions.force_units, additions.u.elements},
+                                          Eigen::VectorXd::Zero(additions.u.initial.size())};
 
   ContinuousState<LeggedState> motion{this, {"motion"}, params.initial};
   ContinuousState<FootBristles> bristles{this, {"bristles"}};
+  ContinuousState<Eigen::VectorXd> added_q{
+      this, {"added_q", additions.q.units, additions.q.elements}, additions.q.initial};
+  ContinuousState<Eigen::VectorXd> added_u{
+      this, {"added_u", additions.u.units, additions.u.elements}, additions.u.initial};
+  ContinuousState<Eigen::VectorXd> added_z{this, {"added_z", "", additions.z.elements}, additions.z.initial};
 
   Shared<QuadrupedBody> body{this, "body", QuadrupedBody(loaded_), Uses(motion), &QuadrupedPlant::CalcBody};
   Shared<FootContacts> contacts{this, "contacts", Uses(body, bristles), &QuadrupedPlant::CalcContacts};
 
+  Shared<ExtendedQuadruped> extended{this, "extended", additions_,
+                                     Uses(time, motion, added_q, added_u, added_z),
+                                     &QuadrupedPlant::CalcExtended};
+
   OutputPort<LeggedState> state{this, {"state"}, Uses(motion), &QuadrupedPlant::CalcState};
   OutputPort<Vec<12>> joint_torque{
       this, {"joint_torque", "N m", kJointElements}, Uses(motion, torque), &QuadrupedPlant::CalcJointTorque};
-  OutputPort<LeggedAcceleration> acceleration{this,
-                                              {"acceleration"},
-                                              Uses(motion, body, contacts, joint_torque, external, locks),
-                                              &QuadrupedPlant::CalcAcceleration};
+  Shared<ExtendedRates> rates{
+      this, "rates", Uses(motion, body, contacts, joint_torque, external, locks, extended, added_forces),
+      &QuadrupedPlant::CalcRates};
+  OutputPort<LeggedAcceleration> acceleration{
+      this, {"acceleration"}, Uses(rates), &QuadrupedPlant::CalcAcceleration};
   OutputPort<FootForces> foot_forces{this, {"foot_forces"}, Uses(contacts), &QuadrupedPlant::CalcFootForces};
   OutputPort<Vec<4>> foot_depths{
       this, {"foot_depths", "m", kLegElements}, Uses(contacts), &QuadrupedPlant::CalcFootDepths};
   OutputPort<std::array<Vec<3>, kNumLegs>> foot_slips{
       this, {"foot_slips", "m/s", kLegElements}, Uses(contacts), &QuadrupedPlant::CalcFootSlips};
-  OutputPort<LeggedEnergy> energy{this, {"energy"}, Uses(body), &QuadrupedPlant::CalcEnergy};
+  OutputPort<LeggedEnergy> energy{this, {"energy"}, Uses(body, extended), &QuadrupedPlant::CalcEnergy};
   OutputPort<WrenchEstimate> external_wrench{
       this, {"external_wrench"}, Uses(body, external), &QuadrupedPlant::CalcExternalWrench};
   OutputPort<Vec<12>> external_torque{this,
@@ -136,30 +164,43 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
                                       &QuadrupedPlant::CalcExternalTorque};
   OutputPort<Geometry> geometry{this,
                                 {"geometry"},
-                                MakeQuadrupedGeometry(params.robot, params.payload, params.terrain),
-                                Uses(state, foot_forces, external),
+                                MakeGeometry(),
+                                Uses(state, foot_forces, external, extended),
                                 &QuadrupedPlant::CalcGeometry};
+  OutputPort<Eigen::VectorXd> added_positions{this, {"added_positions"}, added_q};
+  OutputPort<Eigen::VectorXd> added_speeds{this, {"added_speeds"}, added_u};
 
   TimeDerivative<LeggedState> motion_rate{motion, Uses(motion, acceleration),
                                           &QuadrupedPlant::CalcMotionRate};
   TimeDerivative<FootBristles> bristle_rate{bristles, Uses(contacts), &QuadrupedPlant::CalcBristleRate};
+  TimeDerivative<Eigen::VectorXd> added_q_rate{
+      added_q, Uses(rates), [](const ExtendedRates& rates, Eigen::VectorXd* out) { *out = rates.q; }};
+  TimeDerivative<Eigen::VectorXd> added_u_rate{
+      added_u, Uses(rates), [](const ExtendedRates& rates, Eigen::VectorXd* out) { *out = rates.u; }};
+  TimeDerivative<Eigen::VectorXd> added_z_rate{
+      added_z, Uses(rates), [](const ExtendedRates& rates, Eigen::VectorXd* out) { *out = rates.z; }};
 
  private:
   void CalcBody(const LeggedState& x, QuadrupedBody* out) const;
   void CalcContacts(const QuadrupedBody& body, const FootBristles& bristles, FootContacts* out) const;
   LeggedState CalcState(const LeggedState& x) const;
   Vec<12> CalcJointTorque(const LeggedState& x, const Vec<12>& command) const;
-  LeggedAcceleration CalcAcceleration(const LeggedState& x, const QuadrupedBody& body,
-                                      const FootContacts& contacts, const Vec<12>& joint_torque,
-                                      const ExternalForces& external, const JointLocks& locks) const;
+  void CalcExtended(double t, const LeggedState& x, const Eigen::VectorXd& q, const Eigen::VectorXd& u,
+                    const Eigen::VectorXd& z, ExtendedQuadruped* out) const;
+  void CalcRates(const LeggedState& x, const QuadrupedBody& body, const FootContacts& contacts,
+                 const Vec<12>& joint_torque, const ExternalForces& external, const JointLocks& locks,
+                 const ExtendedQuadruped& extended, const Eigen::VectorXd& added_forces,
+                 ExtendedRates* out) const;
+  LeggedAcceleration CalcAcceleration(const ExtendedRates& rates) const { return rates.robot; }
   FootForces CalcFootForces(const FootContacts& contacts) const;
   Vec<4> CalcFootDepths(const FootContacts& contacts) const;
   std::array<Vec<3>, kNumLegs> CalcFootSlips(const FootContacts& contacts) const;
-  LeggedEnergy CalcEnergy(const QuadrupedBody& body) const;
+  LeggedEnergy CalcEnergy(const QuadrupedBody& body, const ExtendedQuadruped& extended) const;
   WrenchEstimate CalcExternalWrench(const QuadrupedBody& body, const ExternalForces& external) const;
   Vec<12> CalcExternalTorque(const QuadrupedBody& body, const ExternalForces& external) const;
+  Geometry MakeGeometry() const;
   void CalcGeometry(const LeggedState& x, const FootForces& feet, const ExternalForces& external,
-                    Geometry* out) const;
+                    const ExtendedQuadruped& extended, Geometry* out) const;
   LeggedState CalcMotionRate(const LeggedState& x, const LeggedAcceleration& acceleration) const;
   FootBristles CalcBristleRate(const FootContacts& contacts) const;
 };
