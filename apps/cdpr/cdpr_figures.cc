@@ -1,5 +1,4 @@
 #include <tenon/apps/cdpr/cdpr_figures.h>
-#include <tenon/apps/common/columns.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,19 +17,21 @@ double Distance(std::span<const double> row, const std::vector<std::size_t>& a,
 }  // namespace
 
 std::vector<const Source*> CdprFigures::Signals(const CdprLoop& loop) {
-  return {&loop.world.plant.platform, &loop.world.plant.euler, &loop.world.plant.acceleration,
-          &loop.world.plant.cables,   &loop.command,           &loop.reference.reference,
-          &loop.world.payload.payload};
+  const CdprPlant& plant = loop.world.plant;
+  return Present<Source>({&plant.platform, &plant.euler, &plant.acceleration, &plant.cables, &loop.command,
+                          &loop.reference.reference, &loop.world.payload.payload});
 }
 
 void CdprFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  position_ = Columns(names, "loop.plant.platform.p_WB");
-  euler_ = Columns(names, "loop.plant.euler");
-  a_W_ = Columns(names, "loop.plant.acceleration.a_W");
-  tensions_ = Columns(names, "loop.plant.cables.tension");
-  commands_ = Columns(names, "loop.command");
-  ref_position_ = Columns(names, "loop.reference.reference.position");
-  ref_euler_ = Columns(names, "loop.reference.reference.euler");
+  const CdprPlant& plant = loop_.world.plant;
+  const OutputPort<CdprReference>& reference = loop_.reference.reference;
+  position_ = Columns(names, plant.platform, &PlatformState::p_WB);
+  euler_ = Columns(names, plant.euler);
+  a_W_ = Columns(names, plant.acceleration, &PlatformAcceleration::a_W);
+  tensions_ = Columns(names, plant.cables, &CableSignals::tension);
+  commands_ = Columns(names, loop_.command);
+  ref_position_ = Columns(names, reference, &CdprReference::position);
+  ref_euler_ = Columns(names, reference, &CdprReference::euler);
 }
 
 void CdprFigures::Row(std::span<const double> row) {
@@ -77,13 +78,14 @@ std::optional<double> CdprFigures::settling_time() const {
 }
 
 void MpcFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  time_ = Column(names, "loop.mpc.diagnostics.solve_time");
-  count_ = Column(names, "loop.mpc.diagnostics.fallbacks");
+  time_ = Column(names, FindCurrent(mpc_.diagnostics), &CdprMpcDiagnostics::solve_time);
+  count_ = Column(names, FindCurrent(mpc_.diagnostics), &CdprMpcDiagnostics::fallbacks);
 }
 
 void MpcFigures::Row(std::span<const double> row) {
-  times_.Add(row[time_]);
-  fallbacks_ = row[count_];
+  if (!time_) return;
+  times_.Add(row[*time_]);
+  fallbacks_ = row[*count_];
 }
 
 }  // namespace tenon::apps

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
@@ -12,15 +13,15 @@
 
 namespace tenon::apps {
 
-/// Figures of a cable robot's run, computed row by row from a log of Signals().
+/// Figures of a cable robot's run, computed row by row from a log of Signals.
 class CdprFigures final : public LogSink {
  public:
-  /// Signals to log; the name of the loop in its diagram must be `loop`.
+  /// Signals to log.
   static std::vector<const Source*> Signals(const CdprLoop& loop);
 
   /// A load is attached from `loaded_from` to `settle_from` [s]; the settling time begins at `settle_from`.
-  CdprFigures(double loaded_from, double settle_from, const PathVerdict& path = {})
-      : loaded_from_(loaded_from), settle_from_(settle_from), path_(path) {}
+  CdprFigures(const CdprLoop& loop, double loaded_from, double settle_from, const PathVerdict& path = {})
+      : loop_(loop), loaded_from_(loaded_from), settle_from_(settle_from), path_(path) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
@@ -40,6 +41,7 @@ class CdprFigures final : public LogSink {
   const PathVerdict& path() const { return path_; }
 
  private:
+  const CdprLoop& loop_;
   double loaded_from_, settle_from_;
   PathVerdict path_;
   std::vector<std::size_t> position_, euler_, a_W_, tensions_, commands_, ref_position_, ref_euler_;
@@ -52,9 +54,13 @@ class CdprFigures final : public LogSink {
   bool settled_ = false;
 };
 
-/// Statistics of an MPC's solves, from a log of its `diagnostics` at its rate.
+/// Statistics of an MPC's solves, from a log of Signals at its rate. There are none if a controller without
+/// `diagnostics` replaced the MPC.
 class MpcFigures final : public LogSink {
  public:
+  static std::vector<const Source*> Signals(const CdprMpc& mpc) { return Present<Source>({&mpc.diagnostics}); }
+
+  explicit MpcFigures(const CdprMpc& mpc) : mpc_(mpc) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
@@ -62,7 +68,8 @@ class MpcFigures final : public LogSink {
   std::optional<double> fallbacks() const { return fallbacks_; }
 
  private:
-  std::size_t time_ = 0, count_ = 0;
+  const CdprMpc& mpc_;
+  std::optional<std::size_t> time_, count_;
   TimeQuantiles times_;
   std::optional<double> fallbacks_;
 };

@@ -27,33 +27,34 @@ std::vector<const Source*> CdprLimits::Signals(const CdprLoop& loop) {
                                      &loop.world.payload.payload};
   if (loop.world.hanging_load != nullptr) signals.push_back(&loop.world.hanging_load->load);
   if (Sags(loop.world.plant.params.robot)) signals.push_back(&loop.world.plant.geometry);
-  return signals;
+  return Present(signals);
 }
 
 CdprLimits::CdprLimits(const CdprLoop& loop, double cable_diameter)
-    : robot_(loop.world.plant.params.robot),
+    : loop_(loop),
+      robot_(loop.world.plant.params.robot),
       cable_diameter_(cable_diameter),
       pull_(robot_.cables.size(), true),
       pulling_(robot_),
       interference_(robot_) {}
 
 void CdprLimits::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  position_ = Columns(names, "loop.plant.platform.p_WB");
-  attitude_ = Columns(names, "loop.plant.platform.q_WB");
-  euler_ = Columns(names, "loop.plant.euler");
-  reference_ = Columns(names, "loop.reference.reference.euler");
-  tension_ = Columns(names, "loop.plant.cables.tension");
-  payload_ = Columns(names, "loop.payload.payload.p_B");
-  payload_mass_ = Column(names, "loop.payload.payload.mass");
-  if (std::ranges::any_of(names,
-                          [](const auto& name) { return name.starts_with("loop.hanging_load.load."); }))
-    load_ = Columns(names, "loop.hanging_load.load.p_W");
+  const CdprPlant& plant = loop_.world.plant;
+  position_ = Columns(names, plant.platform, &PlatformState::p_WB);
+  attitude_ = Columns(names, plant.platform, &PlatformState::q_WB);
+  euler_ = Columns(names, plant.euler);
+  reference_ = Columns(names, loop_.reference.reference, &CdprReference::euler);
+  tension_ = Columns(names, plant.cables, &CableSignals::tension);
+  payload_ = Columns(names, loop_.world.payload.payload, &Payload::p_B);
+  payload_mass_ = Column(names, loop_.world.payload.payload, &Payload::mass);
+  if (const HangingLoad* hanging = loop_.world.hanging_load)
+    load_ = Columns(names, hanging->load, &HangingLoadState::p_W);
   if (!Sags(robot_)) return;
   const Geometry shapes = MakeCdprGeometry(robot_);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     if (shapes[i].role != ShapeRole::kLine) continue;
-    const std::string shape = fmt::format("loop.plant.geometry.{}", i);
-    pieces_.push_back({Columns(names, shape + ".p_W")[2], Column(names, shape + ".value")});
+    pieces_.push_back({Columns(names, plant.geometry, i, &Shape::p_W)[2],
+                       Column(names, plant.geometry, i, &Shape::value)});
   }
 }
 

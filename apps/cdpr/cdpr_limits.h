@@ -46,6 +46,7 @@ class CdprLimits final : public LogSink {
   void PlatformRow(std::span<const double> row, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
   void FloorRow(std::span<const double> row, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
 
+  const CdprLoop& loop_;
   CdprDescription robot_;
   double cable_diameter_;
   std::vector<bool> pull_;   // whether each cable has tension

@@ -3,6 +3,7 @@
 #include <tenon/apps/cdpr/cdpr_live.h>
 #include <tenon/apps/cdpr/cdpr_run.h>
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/tally.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
@@ -55,14 +56,16 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   std::vector<const Source*> signals = CdprFigures::Signals(loop);
-  const auto figures = std::make_shared<CdprFigures>(scenario.payload.attach_s, scenario.payload.release_s,
+  const auto figures = std::make_shared<CdprFigures>(loop, scenario.payload.attach_s, scenario.payload.release_s,
                                                      MakePathVerdict(scenario, options.live != nullptr));
-  const auto solves = std::make_shared<MpcFigures>();
   simulator.AddLog(Hz(scenario.pd.rate_hz), signals, {figures});
   const auto limits = std::make_shared<CdprLimits>(loop, scenario.cable_diameter_m);
   simulator.AddLog(Hz(scenario.pd.rate_hz), CdprLimits::Signals(loop), {limits});
-  if (loop.control.mpc != nullptr)
-    simulator.AddLog(Hz(scenario.mpc->rate_hz), {&loop.control.mpc->diagnostics}, {solves});
+  std::shared_ptr<MpcFigures> solves;
+  if (const CdprMpc* mpc = loop.control.mpc) {
+    solves = std::make_shared<MpcFigures>(*mpc);
+    simulator.AddLog(Hz(scenario.mpc->rate_hz), MpcFigures::Signals(*mpc), {solves});
+  }
   outputs.AddTo(simulator);
   signals.insert(signals.end(), faults.begin(), faults.end());
   std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry, &loop.reference.geometry};
@@ -72,6 +75,8 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
     shapes.push_back(&loop.world.hanging_load->geometry);
   }
 
+  signals = Present(signals);
+  shapes = Present(shapes);
   if (live) live->AddTo(signals);
   outputs.AddTo(signals, shapes);
 
@@ -98,7 +103,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
     summary.Limit("tension_max_N", {.high = scenario.max_tension_ratio * cable.tension_max});
     limits->AddTo(summary);
     figures->path().AddTo(summary);
-    if (loop.control.mpc != nullptr) {
+    if (solves) {
       summary.Set("mpc_time_median_us", Microseconds(solves->times().Quantile(0.5)));
       summary.Set("mpc_time_p99_us", Microseconds(solves->times().Quantile(0.99)));
       summary.Set("mpc_fallbacks", solves->fallbacks());
@@ -107,7 +112,8 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   };
   return RunScenario(options, scenario, Describe(scenario, controller), scenario.duration_s, simulator,
                      signals, shapes,
-                     {{loop.world.plant.cables.path() + ".tension", tension}, {"loop.command", tension}},
+                     {{SignalName(loop.world.plant.cables, &CableSignals::tension), tension},
+                      {SignalName(loop.command), tension}},
                      judge, live ? live->Controls() : LiveControls(), outputs.plots());
 }
 

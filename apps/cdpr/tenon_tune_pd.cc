@@ -112,7 +112,7 @@ Judgement Judge(const std::vector<Trial>& trials, double stiffness, double dampi
     auto& loop = builder.Add<CdprLoop>("loop", MakeLoopParams(trial.scenario));
     const auto diagram = builder.Build();
     Simulator simulator(*diagram, MakeSimulatorOptions(trial.scenario));
-    const auto figures = std::make_shared<CdprFigures>(trial.settle_from, trial.settle_from);
+    const auto figures = std::make_shared<CdprFigures>(loop, trial.settle_from, trial.settle_from);
     simulator.AddLog(Hz(trial.scenario.pd.rate_hz), CdprFigures::Signals(loop), {figures});
     const RunOutcome outcome = Advance(simulator, trial.scenario.duration_s);
     if (outcome.exit_code > 128)

@@ -1,18 +1,106 @@
 #pragma once
 
+#include <tenon/systems/framework/block/ports.h>
+#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
 
+#include <concepts>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace tenon::apps {
 
-/// Returns the index of the column that holds a signal. Throws Error if there is none.
+// The columns of a log are found by the port that was logged, and by the members of its value:
+//
+//     Columns(names, loop.errors.errors, &WalkingErrors::com)
+//     Column(names, loop.locomotion.schedule, &ContactSchedule::legs, leg, &LegContact::state)
+//
+// If the port's block was replaced, the port of the new block counts, see Source::Current.
+
+/// Returns the port that is now in the place of `source`, see Source::Current, or null if the new block has
+/// none.
+const Source* FindCurrent(const Source& source);
+template <class Port>
+const Port* FindCurrent(const Port& port) {
+  return static_cast<const Port*>(FindCurrent(static_cast<const Source&>(port)));
+}
+
+/// Returns the ports that are now in the places of `ports`, without those that the new blocks lack.
+template <class Port>
+std::vector<const Port*> Present(const std::vector<const Port*>& ports) {
+  std::vector<const Port*> present;
+  for (const Port* port : ports)
+    if (const Port* current = FindCurrent(*port)) present.push_back(current);
+  return present;
+}
+
+namespace logged {
+
+/// A part of a port's value: its name in logs, and the names of its items if it is an array.
+struct LoggedPart {
+  std::string name, items;
+};
+LoggedPart PartOf(const Source& port);
+LoggedPart MemberOf(const LoggedPart& part, const internal::TypeInfo& type, std::size_t offset,
+                    const internal::TypeInfo& member);
+LoggedPart ItemOf(const LoggedPart& part, std::size_t item);
+
+template <class Whole>
+std::string NameOf(const LoggedPart& part) {
+  return part.name;
+}
+template <class Whole, class Struct, class Member, class... Steps>
+std::string NameOf(const LoggedPart& part, Member Struct::*member, Steps... steps) {
+  static_assert(std::derived_from<Whole, Struct>, "the member belongs to another struct than the value");
+  using internal::OffsetOf, internal::TypeInfoOf;
+  const std::size_t offset = OffsetOf<Whole>(static_cast<Member Whole::*>(member));
+  return NameOf<Member>(MemberOf(part, TypeInfoOf<Whole>(), offset, TypeInfoOf<Member>()), steps...);
+}
+template <class Whole, class... Steps>
+std::string NameOf(const LoggedPart& part, std::size_t item, Steps... steps) {
+  return NameOf<typename Whole::value_type>(ItemOf(part, item), steps...);
+}
+
 std::size_t Column(const std::vector<std::string>& names, const std::string& signal);
-/// Returns the indices of the columns that hold the elements of a signal. Throws Error if there are none.
 std::vector<std::size_t> Columns(const std::vector<std::string>& names, const std::string& signal);
+
+}  // namespace logged
+
+/// Returns the name in logs of a port's value, or of the part of it that the steps lead to: members of
+/// structs, and indices of items. Throws BuildError if the block that replaced the port's block lacks the
+/// port.
+template <class T, class... Steps>
+std::string SignalName(const OutputPort<T>& port, Steps... steps) {
+  return logged::NameOf<T>(logged::PartOf(port.Current()), steps...);
+}
+
+/// Returns the column that holds a number. Throws Error if the port is not logged.
+template <class T, class... Steps>
+std::size_t Column(const std::vector<std::string>& names, const OutputPort<T>& port, Steps... steps) {
+  return logged::Column(names, SignalName(port, steps...));
+}
+/// Returns the columns that hold the elements of a vector, or of any other part of a value. Throws Error if
+/// the port is not logged.
+template <class T, class... Steps>
+std::vector<std::size_t> Columns(const std::vector<std::string>& names, const OutputPort<T>& port,
+                                 Steps... steps) {
+  return logged::Columns(names, SignalName(port, steps...));
+}
+
+/// Column and Columns for a port that may not exist: without a port, there are no columns.
+template <class T, class... Steps>
+std::optional<std::size_t> Column(const std::vector<std::string>& names, const OutputPort<T>* port,
+                                  Steps... steps) {
+  return port == nullptr ? std::nullopt : std::optional(Column(names, *port, steps...));
+}
+template <class T, class... Steps>
+std::vector<std::size_t> Columns(const std::vector<std::string>& names, const OutputPort<T>* port,
+                                 Steps... steps) {
+  return port == nullptr ? std::vector<std::size_t>() : Columns(names, *port, steps...);
+}
 
 /// Returns the vector in the given columns of a row.
 template <int N>

@@ -23,7 +23,7 @@ void PathVerdict::Add(double time, double deviation, double turn) {
 }
 
 void PathVerdict::AddTo(Summary& summary) const {
-  summary.SetFollowed(judged_ ? std::optional(!left_ && !turned_) : std::nullopt);
+  summary.SetFollowed(deviations_.max() ? std::optional(!left_ && !turned_) : std::nullopt);
   summary.Set("path_deviation_max_m", deviations_.max(), {.high = position_limit_});
   summary.Set("heading_deviation_max_rad", turns_.max(), {.high = heading_limit_});
   if (left_) {

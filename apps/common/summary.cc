@@ -1,4 +1,5 @@
 #include <tenon/apps/common/beside.h>
+#include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/run_options.h>
 #include <tenon/apps/common/summary.h>
@@ -17,22 +18,19 @@ namespace tenon::apps {
 
 namespace fs = std::filesystem;
 
-/// Name of the Monitor that detects a fall of the robot.
-static constexpr const char* kFall = "fall";
-
 struct Summary::Json {
   nlohmann::ordered_json values;
 };
 
 Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutcome& outcome)
-    : json_(std::make_unique<Json>()) {
+    : json_(std::make_unique<Json>()), ended_by_(outcome.status.monitor) {
   const bool failed = !outcome.failure.empty();
   exit_code_ = outcome.exit_code;
   auto& values = json_->values;
   values["case"] = case_name;
   values["seed"] = seed;
   values["finished"] = exit_code_ == kRan;
-  values["fell"] = outcome.status.monitor != nullptr && outcome.status.monitor->name() == kFall;
+  values["fell"] = false;
   values["end_reason"] = failed                 ? outcome.failure
                          : outcome.status.ended ? outcome.status.reason
                                                 : "end of the run";
@@ -99,6 +97,10 @@ void Summary::Set(const std::string& key,
     if (value && std::isnan(*value) && exit_code_ == kRan)
       EndedBy(fmt::format("the figure {}.{} is not a number", key, name), kNumericalFailure);
   }
+}
+
+void Summary::SetFell(const Monitor& fall) {
+  json_->values["fell"] = ended_by_ != nullptr && ended_by_ == FindCurrent(fall);
 }
 
 void Summary::SetFollowed(std::optional<bool> followed) {

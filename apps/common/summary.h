@@ -32,6 +32,9 @@ class Summary {
   /// Sets a figure with several named values, for example one for each leg.
   void Set(const std::string& key, const std::vector<std::pair<std::string, std::optional<double>>>& values);
 
+  /// Sets `fell`: whether `fall`, or the Monitor that replaced it, ended the run. Without this call, `fell` is
+  /// false.
+  void SetFell(const Monitor& fall);
   /// Sets `followed`: whether the robot followed its path, null without a path.
   void SetFollowed(std::optional<bool> followed);
   /// Adds a remark on a part of the scenario that has no effect, under `notes` in summary.json and the
@@ -65,6 +68,7 @@ class Summary {
   struct Json;
   Summary(std::unique_ptr<Json> json, int exit_code);
   std::unique_ptr<Json> json_;
+  const Source* ended_by_ = nullptr;  ///< the Monitor that ended the run
   std::vector<std::pair<std::string, Limits>> limits_;
   std::vector<std::string> notes_;
   std::vector<std::pair<double, std::string>> breaches_;  ///< times [s] and reasons, ascending

@@ -49,17 +49,13 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   std::optional<QuadrupedLive> live;
   if (options.live) Blame("forces", [&] { live.emplace(builder, loop.world, &loop.walk, scenario.live); });
   const auto diagram = builder.Build();
-  Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
+  Simulator simulator(*diagram, MakeSimulatorOptions(scenario, loop.world.plant));
   std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
-  // The parameters of the loop, unlike those of the scenario, are scaled to the robot.
-  const auto leash = std::make_shared<GuideDogFigures>(loop.admittance.params.gains.desired_tension,
-                                                       loop.supervisor.params.gains.threshold);
+  const auto leash = std::make_shared<GuideDogFigures>(loop);
   const auto walk =
-      std::make_shared<WalkFigures>(scenario.walk.judged_from_s, scenario.observer != ObserverKind::kNone,
+      std::make_shared<WalkFigures>(loop, scenario.walk.judged_from_s, scenario.observer != ObserverKind::kNone,
                                     MakePathVerdict(scenario.walk, options.live != nullptr));
-  std::vector<const Source*> judged = signals;
-  judged.push_back(WalkFigures::Solves(loop.locomotion));
-  simulator.AddLog(Hz(1000), judged, {leash, walk});
+  simulator.AddLog(Hz(1000), GuideDogFigures::Judged(loop), {leash, walk});
   const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
   simulator.AddLog(Hz(1000), LimitFigures::Signals(loop.world.plant), {InBackground(limits)});
   outputs.AddTo(simulator);
@@ -73,9 +69,7 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
     limits->AddTo(summary);
     outputs.AddTo(summary);
   };
-  std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry, &loop.view.geometry,
-                                                  &loop.person.geometry, &loop.leash.geometry,
-                                                  &loop.obstacles.geometry};
+  std::vector<const OutputPort<Geometry>*> shapes = GuideDogFigures::Shapes(loop);
   LiveControls controls;
   if (live) {
     live->AddTo(signals, shapes);

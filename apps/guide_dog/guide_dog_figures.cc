@@ -1,5 +1,6 @@
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
+#include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
 
 #include <algorithm>
@@ -38,36 +39,46 @@ std::vector<const Source*> GuideDogFigures::Signals(const GuideDog& loop) {
     signals.push_back(&loop.estimator->estimate);
     signals.push_back(&loop.errors.path);
   }
-  for (const Source*& signal : signals) signal = &signal->Current();
-  return signals;
+  return Present(signals);
+}
+
+std::vector<const Source*> GuideDogFigures::Judged(const GuideDog& loop) {
+  std::vector<const Source*> judged = Signals(loop);
+  if (const Source* solves = WalkFigures::Solves(loop)) judged.push_back(solves);
+  return judged;
+}
+
+std::vector<const OutputPort<Geometry>*> GuideDogFigures::Shapes(const GuideDog& loop) {
+  return Present<OutputPort<Geometry>>({&loop.world.plant.geometry, &loop.view.geometry, &loop.person.geometry,
+                                        &loop.leash.geometry, &loop.obstacles.geometry});
 }
 
 void GuideDogFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  tension_ = Column(names, "loop.leash.leash.tension");
-  length_ = Column(names, "loop.leash.leash.length");
-  direction_ = Columns(names, "loop.leash.leash.direction_W");
-  mode_ = Column(names, "loop.supervisor.status.mode");
-  activity_ = Column(names, "loop.person.intent.activity");
-  speed_ = Column(names, "loop.person.intent.speed");
-  obstacle_ = Column(names, "loop.obstacles.obstacle");
-  velocity_ = Columns(names, "loop.world.plant.state.v_W");
-  attitude_ = Columns(names, "loop.world.plant.state.q_WB");
+  tension_ = Column(names, loop_.leash.leash, &LeashState::tension);
+  length_ = Column(names, loop_.leash.leash, &LeashState::length);
+  direction_ = Columns(names, loop_.leash.leash, &LeashState::direction_W);
+  mode_ = Column(names, FindCurrent(loop_.supervisor.status), &GuideStatus::mode);
+  activity_ = Column(names, FindCurrent(loop_.person.intent), &PersonIntent::activity);
+  speed_ = Column(names, FindCurrent(loop_.person.intent), &PersonIntent::speed);
+  obstacle_ = Column(names, loop_.obstacles.obstacle);
+  velocity_ = Columns(names, loop_.world.plant.state, &LeggedState::v_W);
+  attitude_ = Columns(names, loop_.world.plant.state, &LeggedState::q_WB);
 }
 
 void GuideDogFigures::Row(std::span<const double> row) {
   LeashRow(row);
   StopRow(row);
   HeadingRow(row);
-  last_mode_ = row[mode_];
-  last_time_ = row[0];
+  if (mode_) last_mode_ = row[*mode_];
 }
 
 void GuideDogFigures::LeashRow(std::span<const double> row) {
   const double tension = row[tension_], distance = row[length_];
   tensions_.Add(tension);
 
+  if (!mode_ || !activity_) return;
   const bool together =
-      Is(row[mode_], GuideMode::kMove) && Is(row[activity_], Activity::kFollow) && row[speed_] > 0;
+      Is(row[*mode_], GuideMode::kMove) && Is(row[*activity_], Activity::kFollow) && row[*speed_] > 0;
   leads_ = together && (leads_ || tension >= desired_tension_);
   if (!leads_) return;
   tensions_leading_.Add(tension);
@@ -75,7 +86,7 @@ void GuideDogFigures::LeashRow(std::span<const double> row) {
 }
 
 void GuideDogFigures::StopRow(std::span<const double> row) {
-  if (stop_delay_) return;
+  if (stop_delay_ || !mode_) return;
   const bool moves = !Is(last_mode_, GuideMode::kStop);
   if (!cause_ && moves && (row[tension_] > threshold_ || row[obstacle_] != 0)) cause_ = row[0];
   if (cause_ && moves && row[tension_] <= threshold_ && row[obstacle_] == 0) cause_.reset();
@@ -92,7 +103,7 @@ void GuideDogFigures::HeadingRow(std::span<const double> row) {
   const Eigen::Matrix3d R = RotationFromQuaternion(VectorIn<4>(row, attitude_));
   if (headings_.size() == kSecond) headings_.pop_front();
   headings_.emplace_back(R(0, 0), R(1, 0));
-  if (Is(last_mode_, GuideMode::kStop) && Is(row[mode_], GuideMode::kTurn))
+  if (mode_ && Is(last_mode_, GuideMode::kStop) && Is(row[*mode_], GuideMode::kTurn))
     pull_yaw_ = std::atan2(-row[direction_[1]], -row[direction_[0]]);
 }
 

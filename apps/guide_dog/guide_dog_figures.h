@@ -23,11 +23,19 @@ class GuideDogFigures final : public LogSink {
  public:
   static constexpr double kStanding = 0.02;  ///< [m/s]
 
-  /// The signals that must be logged, in a diagram with a GuideDog named "loop".
+  /// The signals to log.
   static std::vector<const Source*> Signals(const GuideDog& loop);
+  /// The signals for these figures and WalkFigures: Signals and the diagnostics of the whole-body controller,
+  /// see WalkFigures::Judged.
+  static std::vector<const Source*> Judged(const GuideDog& loop);
+  /// The shapes of a replay.
+  static std::vector<const OutputPort<Geometry>*> Shapes(const GuideDog& loop);
 
-  GuideDogFigures(double desired_tension, double threshold)
-      : desired_tension_(desired_tension), threshold_(threshold) {}
+  /// The parameters of the loop, unlike those of its scenario, are scaled to the robot.
+  explicit GuideDogFigures(const GuideDog& loop)
+      : loop_(loop),
+        desired_tension_(loop.admittance.params.gains.desired_tension),
+        threshold_(loop.supervisor.params.gains.threshold) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
   void AddTo(Summary& summary) const;
@@ -37,16 +45,18 @@ class GuideDogFigures final : public LogSink {
   void StopRow(std::span<const double> row);
   void HeadingRow(std::span<const double> row);
 
-  double desired_tension_, threshold_;
+  const GuideDog& loop_;
+  double desired_tension_, threshold_;  // [N]
 
-  std::size_t tension_ = 0, length_ = 0, mode_ = 0, activity_ = 0, speed_ = 0, obstacle_ = 0;
+  std::size_t tension_ = 0, length_ = 0, obstacle_ = 0;
+  std::optional<std::size_t> mode_, activity_, speed_;
   std::vector<std::size_t> direction_, velocity_, attitude_;
 
   bool leads_ = false;
   Tally tensions_, tensions_leading_, distances_leading_;  // [N], [N], [m]
   std::optional<double> cause_, standing_, stop_delay_;    // [s]
   std::optional<double> pull_yaw_;                         // [rad]
-  double last_mode_ = 0, last_time_ = 0;
+  double last_mode_ = 0;
   std::deque<Vec<2>> headings_;  // headings of the last second as unit vectors
 };
 

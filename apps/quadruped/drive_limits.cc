@@ -1,3 +1,4 @@
+#include <tenon/apps/common/columns.h>
 #include <tenon/apps/quadruped/drive_limits.h>
 
 #include <fmt/core.h>
@@ -12,9 +13,9 @@ std::vector<SignalLimits> DriveLimits(const QuadrupedPlant& plant) {
   for (int i = 0; i < kNumJoints; ++i) {
     const JointDescription& joint = plant.params.robot.joint(i);
     const std::string& name = joints[static_cast<std::size_t>(i)].name;
-    limits.push_back({fmt::format("{}.{}", plant.joint_torque.path(), name),
+    limits.push_back({fmt::format("{}.{}", SignalName(plant.joint_torque), name),
                       {.low = -joint.torque_limit, .high = joint.torque_limit}});
-    limits.push_back({fmt::format("{}.qd.{}", plant.state.path(), name),
+    limits.push_back({fmt::format("{}.{}", SignalName(plant.state, &LeggedState::qd), name),
                       {.low = -joint.speed_limit, .high = joint.speed_limit}});
   }
   return limits;

@@ -1,5 +1,6 @@
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
+#include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Geometry>
@@ -10,17 +11,17 @@
 namespace tenon::apps {
 
 void EstimateFigures::Begin(const std::vector<std::string>& names) {
-  const std::string estimate = "loop.estimator.estimate.state";
-  const bool estimated = std::any_of(names.begin(), names.end(),
-                                     [&](const std::string& name) { return name.starts_with(estimate); });
-  if (!estimated) return;
-  const auto columns = [&](const std::string& state) -> State {
-    return {Columns(names, state + ".p_WB"), Columns(names, state + ".q_WB"), Columns(names, state + ".v_W")};
+  if (loop_.estimator == nullptr) return;
+  const OutputPort<LeggedEstimate>* const estimate = FindCurrent(loop_.estimator->estimate);
+  if (estimate == nullptr) return;
+  const auto columns = [&](const auto&... state) -> State {
+    return {Columns(names, state..., &LeggedState::p_WB), Columns(names, state..., &LeggedState::q_WB),
+            Columns(names, state..., &LeggedState::v_W)};
   };
-  true_ = columns("loop.world.plant.state");
-  estimated_ = columns(estimate);
-  path_com_ = Columns(names, "loop.errors.path.com");
-  path_foot_ = Columns(names, "loop.errors.path.foot");
+  true_ = columns(loop_.world.plant.state);
+  estimated_ = columns(*estimate, &LeggedEstimate::state);
+  path_com_ = Columns(names, FindCurrent(loop_.errors.path), &PathErrors::com);
+  path_foot_ = Columns(names, FindCurrent(loop_.errors.path), &PathErrors::foot);
 }
 
 void EstimateFigures::Row(std::span<const double> row) {
@@ -36,6 +37,7 @@ void EstimateFigures::Row(std::span<const double> row) {
   position_end_ = drift.norm();
   drift_.Add(drift.norm());
   height_drift_.Add(std::abs(drift[2]));
+  if (path_com_.empty()) return;
   path_errors_.Add(VectorIn<3>(row, path_com_).norm());
   for (std::size_t leg = 0; leg < kNumLegs; ++leg)  // 0 marks a foot in stance
     if (row[path_foot_[leg]] > 0) path_foot_errors_[leg].Add(row[path_foot_[leg]]);

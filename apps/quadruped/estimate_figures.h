@@ -2,7 +2,7 @@
 
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
-#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/diagrams/legged/quadruped_walk.h>
 
 #include <array>
 #include <cstddef>
@@ -13,12 +13,12 @@
 
 namespace tenon::apps {
 
-/// Figures of the state estimate and of the walk relative to it (PathErrors), from a log of
-/// "loop.world.plant.state", "loop.estimator.estimate" and "loop.errors.path". Without an estimator there are
-/// no figures. The tilt error is the angle between the true and the estimated vertical. Position and yaw
+/// Figures of the state estimate and of the walk relative to it (PathErrors), from a log of the true state,
+/// the estimate and TrackingError::path. Without an estimator there are no figures. The tilt error is the angle between the true and the estimated vertical. Position and yaw
 /// drift, because no sensor measures them.
 class EstimateFigures {
  public:
+  explicit EstimateFigures(const QuadrupedWalk& loop) : loop_(loop) {}
   void Begin(const std::vector<std::string>& names);
   void Row(std::span<const double> row);
   void AddTo(Summary& summary) const;
@@ -30,6 +30,7 @@ class EstimateFigures {
   struct State {
     std::vector<std::size_t> position, attitude, velocity;
   };
+  const QuadrupedWalk& loop_;
   State true_, estimated_;
   Tally velocity_, tilt_;  // errors [m/s], [rad]
   std::optional<double> position_end_;

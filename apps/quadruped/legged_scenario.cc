@@ -62,8 +62,8 @@ double EndOfWalk(const WalkScenario& walk) {
   return Blame("walk.path", [&] { return WalkSchedule(walk.path).end_time(); });
 }
 
-SimulatorOptions MakeSimulatorOptions(const LeggedScenario& scenario) {
-  SimulatorOptions options = scenario.integrator.Options("loop.world.plant");
+SimulatorOptions MakeSimulatorOptions(const LeggedScenario& scenario, const QuadrupedPlant& plant) {
+  SimulatorOptions options = scenario.integrator.Options(plant.path());
   options.seed = scenario.seed;
   return options;
 }

@@ -175,8 +175,8 @@ PathVerdict MakePathVerdict(const WalkScenario& walk, bool live);
 void AddNotes(const std::vector<ForceScenario>& forces, double duration, std::vector<std::string>& notes);
 /// Returns the time at which the walk ends [s]. Throws KeyError for a path that cannot be walked.
 double EndOfWalk(const WalkScenario& walk);
-/// Returns the options for a diagram that has a QuadrupedWorld named "loop.world".
-SimulatorOptions MakeSimulatorOptions(const LeggedScenario& scenario);
+/// Returns the options for a diagram that holds `plant`.
+SimulatorOptions MakeSimulatorOptions(const LeggedScenario& scenario, const QuadrupedPlant& plant);
 /// Returns robot, duration and seed in one line.
 std::string Describe(const LeggedScenario& scenario, double duration);
 

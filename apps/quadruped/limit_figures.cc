@@ -19,27 +19,27 @@ const char* NameOf(int leg) {
 }  // namespace
 
 std::vector<const Source*> LimitFigures::Signals(const QuadrupedPlant& plant) {
-  return {&plant.state, &plant.joint_torque, &plant.foot_depths};
+  return Present<Source>({&plant.state, &plant.joint_torque, &plant.foot_depths});
 }
 
 LimitFigures::LimitFigures(const QuadrupedPlant& plant)
-    : path_(plant.path()),
+    : plant_(plant),
       robot_(plant.params.robot),
       clearance_(plant.params.robot, plant.params.terrain),
       foot_limit_(std::max(kPressedIn, kPressedRatio * robot_.foot_radius)) {}
 
 void LimitFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  position_ = Columns(names, path_ + ".state.p_WB");
-  attitude_ = Columns(names, path_ + ".state.q_WB");
-  q_ = Columns(names, path_ + ".state.q");
-  qd_ = Columns(names, path_ + ".state.qd");
-  torque_ = Columns(names, path_ + ".joint_torque");
-  depth_ = Columns(names, path_ + ".foot_depths");
+  position_ = Columns(names, plant_.state, &LeggedState::p_WB);
+  attitude_ = Columns(names, plant_.state, &LeggedState::q_WB);
+  q_ = Columns(names, plant_.state, &LeggedState::q);
+  qd_ = Columns(names, plant_.state, &LeggedState::qd);
+  torque_ = Columns(names, plant_.joint_torque);
+  depth_ = Columns(names, FindCurrent(plant_.foot_depths));
 }
 
 void LimitFigures::Row(std::span<const double> row) {
   DriveRow(row);
-  FootRow(row);
+  if (!depth_.empty()) FootRow(row);
   ClearanceRow(row);
 }
 

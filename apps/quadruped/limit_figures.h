@@ -8,7 +8,6 @@
 #include <tenon/systems/simulation/signal_log.h>
 
 #include <array>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -40,7 +39,7 @@ class LimitFigures final : public LogSink {
   void FootRow(std::span<const double> row);
   void ClearanceRow(std::span<const double> row);
 
-  std::string path_;  // path of the plant
+  const QuadrupedPlant& plant_;
   QuadrupedDescription robot_;
   QuadrupedClearance clearance_;
   double foot_limit_;  // [m]

@@ -19,11 +19,12 @@ namespace tenon::apps {
 
 namespace {
 
-/// Runs a scenario by a diagram of class Loop; `observer` is given for a walk.
+/// Runs a scenario by a diagram of class Loop; `observer` is given for a walk. Figures are made of the diagram
+/// and `judging`.
 template <class Loop, class Figures>
 RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, const auto& params,
                   std::optional<ObserverKind> observer, const Customisation<Loop>& customisation,
-                  const std::shared_ptr<Figures>& figures) {
+                  const auto&... judging) {
   const double duration = Duration(scenario);
   DiagramBuilder builder;
   auto& loop = BlameBlocks(kKeysOfLegged, [&]() -> Loop& { return builder.Add<Loop>("loop", params); });
@@ -38,7 +39,8 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
     Blame("forces", [&] { live.emplace(builder, loop.world, walk, scenario.live); });
   }
   const auto diagram = builder.Build();
-  Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
+  Simulator simulator(*diagram, MakeSimulatorOptions(scenario, loop.world.plant));
+  const auto figures = std::make_shared<Figures>(loop, judging...);
   simulator.AddLog(Hz(1000), Figures::Judged(loop), {figures});
   const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
   simulator.AddLog(Hz(1000), LimitFigures::Signals(loop.world.plant), {InBackground(limits)});
@@ -69,13 +71,13 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
 RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options,
                        const Customisation<QuadrupedWalk>& customisation) {
   if (!scenario.walk)
-    return RunLoop<QuadrupedStand>(options, scenario, Blame("", [&] { return MakeStandParams(scenario); }),
-                                   std::nullopt, {}, std::make_shared<StandFigures>());
+    return RunLoop<QuadrupedStand, StandFigures>(
+        options, scenario, Blame("", [&] { return MakeStandParams(scenario); }), std::nullopt, {});
   const QuadrupedWalkParams params = Blame("", [&] { return MakeWalkParams(scenario); });
-  return RunLoop<QuadrupedWalk>(
-      options, scenario, params, params.observer.kind, customisation,
-      std::make_shared<WalkFigures>(scenario.walk->judged_from_s, params.observer.kind != ObserverKind::kNone,
-                                    MakePathVerdict(*scenario.walk, options.live != nullptr)));
+  return RunLoop<QuadrupedWalk, WalkFigures>(options, scenario, params, params.observer.kind, customisation,
+                                             scenario.walk->judged_from_s,
+                                             params.observer.kind != ObserverKind::kNone,
+                                             MakePathVerdict(*scenario.walk, options.live != nullptr));
 }
 
 std::vector<std::pair<std::string, std::string>> LeggedFiles() {

@@ -1,4 +1,3 @@
-#include <tenon/apps/common/columns.h>
 #include <tenon/apps/quadruped/stand_figures.h>
 
 #include <algorithm>
@@ -8,15 +7,15 @@ namespace tenon::apps {
 
 std::vector<const Source*> StandFigures::Signals(const QuadrupedStand& loop) {
   const QuadrupedWorld& world = loop.world;
-  return {&world.plant.state,          &world.plant.joint_torque, &world.plant.foot_forces,
-          &world.plant.energy,         &world.encoders.joints,    &world.torque_sensor.measured,
-          &world.foot_sensor.measured, &world.imu.measurement};
+  return Present<Source>({&world.plant.state, &world.plant.joint_torque, &world.plant.foot_forces,
+                          &world.plant.energy, &world.encoders.joints, &world.torque_sensor.measured,
+                          &world.foot_sensor.measured, &world.imu.measurement});
 }
 
 void StandFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  position_ = Columns(names, "loop.world.plant.state.p_WB");
-  attitude_ = Columns(names, "loop.world.plant.state.q_WB");
-  force_ = Columns(names, "loop.world.plant.foot_forces");
+  position_ = Columns(names, world_.plant.state, &LeggedState::p_WB);
+  attitude_ = Columns(names, world_.plant.state, &LeggedState::q_WB);
+  force_ = Columns(names, world_.plant.foot_forces);
 }
 
 void StandFigures::Row(std::span<const double> row) {
@@ -38,6 +37,7 @@ void StandFigures::AddTo(Summary& summary) const {
   summary.Set("drift_m", drift_);
   summary.Set("tilt_max_rad", tilt_.max());
   summary.Set("foot_force_max_N", load_.max());
+  summary.SetFell(world_.monitor.fall);
   summary.SetFollowed(std::nullopt);
 }
 

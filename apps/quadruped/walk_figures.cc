@@ -1,5 +1,4 @@
 #include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
@@ -8,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 namespace tenon::apps {
 
@@ -46,41 +44,44 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
     signals.push_back(&loop.estimator->estimate);
     signals.push_back(&loop.errors.path);
   }
-  for (const Source*& signal : signals) signal = &signal->Current();
-  return signals;
+  return Present(signals);
 }
 
 std::vector<const Source*> WalkFigures::Judged(const QuadrupedWalk& loop) {
   std::vector<const Source*> judged = Signals(loop);
-  judged.push_back(&Solves(loop.locomotion)->Current());
+  if (const Source* solves = Solves(loop)) judged.push_back(solves);
   return judged;
 }
 
 void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  com_ = Columns(names, "loop.errors.errors.com");
-  foot_ = Columns(names, "loop.errors.errors.foot");
-  ground_force_ = Columns(names, "loop.errors.errors.ground_force");
-  external_force_ = Columns(names, "loop.world.plant.external_wrench.force_W");
-  estimated_force_ = Columns(names, "loop.observer.wrench.force_W");
-  slip_ = Columns(names, "loop.world.plant.foot_slips");
-  position_ = Columns(names, "loop.world.plant.state.p_WB");
-  attitude_ = Columns(names, "loop.world.plant.state.q_WB");
-  told_attitude_ = Columns(names, "loop.locomotion.body.q_WB");
+  const auto* errors = FindCurrent(loop_.errors.errors);
+  com_ = Columns(names, errors, &WalkingErrors::com);
+  foot_ = Columns(names, errors, &WalkingErrors::foot);
+  ground_force_ = Columns(names, errors, &WalkingErrors::ground_force);
+  const QuadrupedPlant& plant = loop_.world.plant;
+  external_force_ = Columns(names, FindCurrent(plant.external_wrench), &WrenchEstimate::force_W);
+  estimated_force_ = Columns(names, loop_.observer.wrench, &WrenchEstimate::force_W);
+  slip_ = Columns(names, FindCurrent(plant.foot_slips));
+  position_ = Columns(names, plant.state, &LeggedState::p_WB);
+  attitude_ = Columns(names, plant.state, &LeggedState::q_WB);
+  told_attitude_ = Columns(names, loop_.locomotion.body, &BodyReference::q_WB);
   for (std::size_t leg = 0; leg < kNumLegs; ++leg)
-    contact_[leg] = Column(names, std::string("loop.locomotion.schedule.legs.") + kLegNames[leg] + ".state");
-  solve_time_ = Column(names, "loop.locomotion.whole_body.diagnostics.solve_time");
-  failures_ = Column(names, "loop.locomotion.whole_body.diagnostics.failures");
+    contact_[leg] =
+        Column(names, loop_.locomotion.schedule, &ContactSchedule::legs, leg, &LegContact::state);
+  solve_time_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::solve_time);
+  failures_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::failures);
   estimate_.Begin(names);
 }
 
 void WalkFigures::Row(std::span<const double> row) {
-  path_.Add(row[0], std::hypot(row[com_[0]], row[com_[1]]), Yaw(row, attitude_) - Yaw(row, told_attitude_));
+  if (!com_.empty())
+    path_.Add(row[0], std::hypot(row[com_[0]], row[com_[1]]), Yaw(row, attitude_) - Yaw(row, told_attitude_));
   if (row[0] < from_) return;
   const auto norm = [&](const std::vector<std::size_t>& columns) {
     return std::hypot(row[columns[0]], row[columns[1]], row[columns[2]]);
   };
-  com_errors_.Add(norm(com_));
-  if (observes_) {
+  if (!com_.empty()) com_errors_.Add(norm(com_));
+  if (observes_ && !external_force_.empty()) {
     std::array<double, 3> error{};
     for (std::size_t i = 0; i < 3; ++i) {
       estimates_[i].Add(row[estimated_force_[i]]);
@@ -88,8 +89,10 @@ void WalkFigures::Row(std::span<const double> row) {
     }
     estimate_errors_.Add(std::hypot(error[0], error[1], error[2]));
   }
-  solve_times_.Add(row[solve_time_]);
-  failure_count_ = row[failures_];
+  if (solve_time_) {
+    solve_times_.Add(row[*solve_time_]);
+    failure_count_ = row[*failures_];
+  }
   end_ = {row[position_[0]], row[position_[1]]};
   if (!begin_) begin_ = end_;
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) LegRow(row, leg);
@@ -106,13 +109,17 @@ void WalkFigures::LegRow(std::span<const double> row, std::size_t leg) {
   }
   if (!stance) {
     figures.waiting.clear();
-    if (row[contact_[leg]] == static_cast<double>(ContactState::kSwing)) figures.errors.Add(row[foot_[leg]]);
+    if (!foot_.empty() && row[contact_[leg]] == static_cast<double>(ContactState::kSwing))
+      figures.errors.Add(row[foot_[leg]]);
   }
   figures.stance = stance;
   if (!stance || row[0] < figures.touchdown + kEdge) return;
 
-  for (std::size_t i = 0; i < 3; ++i) figures.slip[i] += (row[0] - time_) * row[slip_[3 * leg + i]];
-  figures.slips.Add(std::hypot(figures.slip[0], figures.slip[1], figures.slip[2]));
+  if (!slip_.empty()) {
+    for (std::size_t i = 0; i < 3; ++i) figures.slip[i] += (row[0] - time_) * row[slip_[3 * leg + i]];
+    figures.slips.Add(std::hypot(figures.slip[0], figures.slip[1], figures.slip[2]));
+  }
+  if (ground_force_.empty()) return;
   figures.waiting.push_back({row[0], row[ground_force_[leg]]});
   while (figures.waiting.front().time < row[0] - kEdge) {
     force_errors_.Add(figures.waiting.front().error);
@@ -127,6 +134,7 @@ void WalkFigures::AddTo(Summary& summary) const {
       values.emplace_back(kLegNames[leg], (legs_[leg].*figure).max());
     return values;
   };
+  summary.SetFell(loop_.world.monitor.fall);
   std::optional<double> distance;
   if (begin_) distance = std::hypot(end_[0] - (*begin_)[0], end_[1] - (*begin_)[1]);
   summary.Set("judged_from_s", from_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
@@ -11,6 +12,7 @@
 
 #include <array>
 #include <deque>
+#include <optional>
 #include <vector>
 
 namespace tenon::apps {
@@ -30,25 +32,24 @@ class WalkFigures final : public LogSink {
 
   /// The shapes of a replay.
   static std::vector<const OutputPort<Geometry>*> Shapes(const QuadrupedWalk& loop) {
-    std::vector<const OutputPort<Geometry>*> shapes{&Current(loop.world.plant.geometry),
-                                                    &Current(loop.view.geometry)};
-    if (const SlidingLoad* load = loop.world.sliding_load) shapes.push_back(&Current(load->geometry));
-    return shapes;
+    std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry, &loop.view.geometry};
+    if (const SlidingLoad* load = loop.world.sliding_load) shapes.push_back(&load->geometry);
+    return Present(shapes);
   }
-  /// The signals to log, in a diagram with a QuadrupedWalk named "loop".
+  /// The signals to log.
   static std::vector<const Source*> Signals(const QuadrupedWalk& loop);
-  /// Diagnostics of the optimization. They hold wall-clock times, so they are not in Signals, whose log must
-  /// be the same in each run.
-  static const Source* Solves(const LeggedLocomotion& locomotion) {
-    return &locomotion.whole_body.diagnostics;
+  /// The diagnostics of the whole-body controller; null if a controller without them replaced it. They hold
+  /// wall-clock times, so they are not in Signals, whose log must be the same in each run.
+  static const OutputPort<WholeBodyDiagnostics>* Solves(const QuadrupedWalk& loop) {
+    return FindCurrent(loop.locomotion.whole_body.diagnostics);
   }
   /// The signals that must be logged for the figures: Signals and Solves.
   static std::vector<const Source*> Judged(const QuadrupedWalk& loop);
 
   /// Figures are computed from `from` [s] on; `path` is judged from the start. Without an observer
   /// (`observes` is false) there are no figures of its estimate.
-  WalkFigures(double from, bool observes, const PathVerdict& path)
-      : from_(from), observes_(observes), path_(path) {}
+  WalkFigures(const QuadrupedWalk& loop, double from, bool observes, const PathVerdict& path)
+      : loop_(loop), from_(from), observes_(observes), path_(path), estimate_(loop) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
   void AddTo(Summary& summary) const;
@@ -67,13 +68,14 @@ class WalkFigures final : public LogSink {
 
   void LegRow(std::span<const double> row, std::size_t leg);
 
+  const QuadrupedWalk& loop_;
   double from_;
   bool observes_;
   PathVerdict path_;
   std::vector<std::size_t> external_force_, estimated_force_;
   std::vector<std::size_t> com_, foot_, ground_force_, slip_, position_, attitude_, told_attitude_;
   std::array<std::size_t, kNumLegs> contact_{};
-  std::size_t solve_time_ = 0, failures_ = 0;
+  std::optional<std::size_t> solve_time_, failures_;
 
   std::array<LegFigures, kNumLegs> legs_;
   double time_ = 0;                               // [s]

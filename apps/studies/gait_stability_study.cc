@@ -116,12 +116,12 @@ void ComparePush(const DiscreteLinearModel& map, const Context& at_begin, const 
 
 int Analyse(const QuadrupedScenario& scenario, const std::string& name, const GaitStabilityOptions& options) {
   const QuadrupedWalkParams params = Blame("", [&] { return EndlessWalk(scenario); });
-  const SimulatorOptions simulation = MakeSimulatorOptions(scenario);
   const WalkSegment& last = params.walk.segments.back();
   const double period = params.locomotion.scheduler.gaits[last.gait].Timing().cycle();
 
   DiagramBuilder builder;
   const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
+  const SimulatorOptions simulation = MakeSimulatorOptions(scenario, loop.world.plant);
   Simulator simulator(builder.Build(), simulation);
   const double begin = period * (std::ceil((loop.walk.last_ramp_end() + kMargin) / period) + options.settle);
   if (const RunStatus status = simulator.AdvanceToBefore(begin); status.ended) throw RunError(status.reason);

@@ -25,9 +25,11 @@ constexpr double kSettled = 0.02;  // band of the settling time, relative to the
 /// Computes overshoot and settling time of an estimate of a constant force from its log.
 class StepFigures final : public LogSink {
  public:
-  StepFigures(const Eigen::Vector3d& force, double start) : force_(force), start_(start) {}
+  StepFigures(const LegMomentumObserver& observer, const Eigen::Vector3d& force, double start)
+      : observer_(observer), force_(force), start_(start) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override {
-    estimate_ = Columns(names, "observer.estimate.foot_force.front_left");
+    estimate_ =
+        Columns(names, observer_.estimate, &LegForceEstimate::foot_force, &FootForces::front_left);
   }
   void Row(std::span<const double> row) override {
     if (row[0] < start_) return;
@@ -45,6 +47,7 @@ class StepFigures final : public LogSink {
   }
 
  private:
+  const LegMomentumObserver& observer_;
   Eigen::Vector3d force_;
   double start_, inside_since_ = 0, peak_ = 0;
   bool inside_ = false;
@@ -160,7 +163,7 @@ Result RunVariant(const RunOptions& options, ObserverOrderScenario scenario, con
   const OutputDirectory out(options.out);
   files.Write(out.path());
   WriteGraph(*diagram, options.graph);
-  const auto figures = std::make_shared<StepFigures>(scenario.force_N, scenario.start_s);
+  const auto figures = std::make_shared<StepFigures>(observer, scenario.force_N, scenario.start_s);
   simulator.AddLog(Hz(1000), signals, {figures, std::make_shared<ProgressSink>(scenario.duration_s)});
   simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<CsvLog>(out.path() / "signals.csv")});
   const RunOutcome outcome = Advance(simulator, scenario.duration_s);
@@ -171,6 +174,7 @@ Result RunVariant(const RunOptions& options, ObserverOrderScenario scenario, con
   result.overshoot = figures->overshoot();
   result.lag = 1 / variant.gains_per_s.front();
   Summary& summary = result.summary;
+  summary.SetFell(world.monitor.fall);
   summary.Set("gains_per_s", fmt::format("{:.4g}", fmt::join(variant.gains_per_s, ", ")));
   summary.Set("order", static_cast<double>(variant.gains_per_s.size()));
   summary.Set("stable", std::string("yes"));

@@ -34,11 +34,10 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
       imu(Add<TrunkImu>("imu", OnRobot(params.imu, params.plant.robot))),
       disturbances(Add<ForceBundle>(
           "disturbances", ForceBundleParams{1 + (params.sliding_load ? 1 : 0) + params.pulses.size() +
-                                            params.sines.size() + params.random.size()})) {
-  auto& monitor =
-      Add<FallMonitor>("monitor", FallMonitorParams{params.plant.terrain, params.min_height, params.max_tilt,
-                                                    params.max_height, Hz(1000)});
-
+                                            params.sines.size() + params.random.size()})),
+      monitor(Add<FallMonitor>("monitor",
+                               FallMonitorParams{params.plant.terrain, params.min_height, params.max_tilt,
+                                                 params.max_height, Hz(1000)})) {
   std::size_t next = 0;
   Connect(pull, disturbances.force[next++]);
   if (params.sliding_load) {

@@ -103,6 +103,7 @@ class QuadrupedWorld final : public Subdiagram {
   FootForceSensor& foot_sensor;
   TrunkImu& imu;
   ForceBundle& disturbances;
+  FallMonitor& monitor;
   SlidingLoad* sliding_load = nullptr;  ///< null without a sliding load
 
   OutputPort<LeggedState> state{this, {"state"}};

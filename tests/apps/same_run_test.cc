@@ -48,11 +48,18 @@ Scenario Read(const std::string& name, const std::string& app) {
   return LoadScenario(name, {}, app).template Read<Scenario>();
 }
 
+SimulatorOptions OptionsOf(const CdprScenario& scenario, const CdprLoop&) {
+  return MakeSimulatorOptions(scenario);
+}
+SimulatorOptions OptionsOf(const LeggedScenario& scenario, const auto& loop) {
+  return MakeSimulatorOptions(scenario, loop.world.plant);
+}
+
 /// Compares the parameters that `by_app` makes of a scenario with those of `by_hand`.
 template <class Loop, class Figures>
 void ExpectSameRun(const auto& scenario, const auto& by_app, const auto& by_hand) {
   const Bits app =
-      Log<Loop, Figures>(by_app(scenario), [&](const Loop&) { return MakeSimulatorOptions(scenario); });
+      Log<Loop, Figures>(by_app(scenario), [&](const Loop& loop) { return OptionsOf(scenario, loop); });
   const Bits program = Log<Loop, Figures>(by_hand, [](const Loop& loop) { return RecommendedOptions(loop); });
   EXPECT_GT(app.size(), 1000u);
   EXPECT_TRUE(app == program) << scenario.case_name;

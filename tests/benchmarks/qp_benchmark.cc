@@ -77,13 +77,13 @@ Sequence Trot() {
   return made;
 }
 
-// The inputs of the controller from tick `first` to `last` of a loop.
+// The inputs of the controller from tick `first` to `last` of a loop with the options of a scenario.
 template <class Loop>
-Sequence Record(const auto& params, const SimulatorOptions& options, int first, int last) {
+Sequence Record(const auto& params, const auto& scenario, int first, int last) {
   DiagramBuilder builder;
   const Loop& loop = builder.Add<Loop>("loop", params);
   const auto diagram = builder.Build();
-  Simulator simulator(*diagram, options);
+  Simulator simulator(*diagram, apps::MakeSimulatorOptions(scenario, loop.world.plant));
   Context& context = simulator.context();
   const LeggedLocomotion& locomotion = loop.locomotion;
   const WholeBodyController& controller = locomotion.whole_body;
@@ -108,12 +108,12 @@ Sequence Record(const auto& params, const SimulatorOptions& options, int first, 
 Sequence Quadruped(const std::string& scenario, const std::vector<std::string>& settings, int first,
                    int last) {
   const auto read = apps::LoadScenario(scenario, settings, "tenon-quadruped").Read<apps::QuadrupedScenario>();
-  return Record<QuadrupedWalk>(apps::MakeWalkParams(read), apps::MakeSimulatorOptions(read), first, last);
+  return Record<QuadrupedWalk>(apps::MakeWalkParams(read), read, first, last);
 }
 
 Sequence Dog(const std::string& scenario, int first, int last) {
   const auto read = apps::LoadScenario(scenario, {}, "tenon-guide-dog").Read<apps::GuideDogScenario>();
-  return Record<GuideDog>(apps::MakeGuideDogParams(read), apps::MakeSimulatorOptions(read), first, last);
+  return Record<GuideDog>(apps::MakeGuideDogParams(read), read, first, last);
 }
 
 const Sequence& Walk(const std::string& name) {
