@@ -2,6 +2,7 @@
 
 #include <tenon/apps/cdpr/cdpr_hardware.h>
 #include <tenon/apps/common/path_verdict.h>
+#include <tenon/apps/common/log_scenario.h>
 #include <tenon/apps/common/ranges.h>
 #include <tenon/apps/common/report_scenario.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
@@ -269,6 +270,7 @@ struct CdprScenario {
   /// circle), deviations in heading this part of half a turn. A run that exceeds it counts as not finished.
   double path_tolerance = 0.1;
   ReportScenario report;                                  ///< contents of the report
+  LogScenario log;                                        ///< signals to log in addition to those of the app
   std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
   std::optional<YamlText> custom;                         ///< keys of a customised program, see Customisable
 
@@ -300,6 +302,7 @@ struct CdprScenario {
             Field("cable_diameter_m", &CdprScenario::cable_diameter_m).AtLeast(0),
             Field("path_tolerance", &CdprScenario::path_tolerance).Positive(),
             {"report", &CdprScenario::report},
+            {"log", &CdprScenario::log},
             {"parameters", &CdprScenario::parameters},
             {"custom", &CdprScenario::custom}};
   }

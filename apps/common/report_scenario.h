@@ -10,7 +10,7 @@ namespace tenon::apps {
 
 /// The key `report` of a scenario: the contents of its report.
 struct ReportScenario {
-  std::vector<Plot> plots;          ///< signals are named as in signals.csv
+  std::vector<Plot> plots;          ///< signals are named as in signals.csv, or by the paths of other ports
   std::vector<std::string> events;  ///< signals whose changes are marked
   std::vector<Band> bands;          ///< signals whose values are shown as coloured bands, such as modes
 

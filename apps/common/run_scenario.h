@@ -3,6 +3,7 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/graph_file.h>
 #include <tenon/apps/common/live_session.h>
+#include <tenon/apps/common/log_scenario.h>
 #include <tenon/apps/common/output_directory.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/report_scenario.h>
@@ -54,16 +55,18 @@ void PrintNotes(const RunOptions& options, const std::vector<std::string>& notes
 
 /// Runs a scenario for `duration` [s]; `judge` sets the figures of the summary. Writes all files into the
 /// output directory of the options, if there is one; it writes scenario.yaml first, so that even a killed run
-/// can be identified. `signals` are written to signals.csv and, with `shapes` and `limits`, to the report. A
+/// can be identified. `signals`, and those that the scenario names (see AddRequested), are written to
+/// signals.csv and, with `shapes` and `limits`, to the report. A
 /// live session keeps the run in real time, and browsers can use `controls`. Sets `parameters` of the
 /// scenario before the run, if it has that key. If a function `Notes(scenario, duration)` exists, its remarks
 /// are printed before the run and added to the results. `plots` follow those of the scenario.
 RunResult RunScenario(const RunOptions& options, const auto& scenario, const std::string& description,
-                      double duration, Simulator& simulator, const std::vector<const Source*>& signals,
+                      double duration, Simulator& simulator, std::vector<const Source*> signals,
                       const std::vector<const OutputPort<Geometry>*>& shapes,
                       const std::vector<SignalLimits>& limits, const auto& judge,
                       const LiveControls& controls = {}, const std::vector<Plot>& plots = {}) {
   if constexpr (requires { scenario.parameters; }) SetParameters(simulator.context(), scenario.parameters);
+  if (options.live || !options.out.empty()) AddRequested(simulator.context().diagram(), scenario, signals);
   const auto run = [&] {
     if (!options.live) return Advance(simulator, duration, options.wall_limit);
     LiveView view{.signals = signals,

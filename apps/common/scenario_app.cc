@@ -14,6 +14,7 @@ FieldList AppScenario::With(FieldList own) {
                    {"seed", &AppScenario::seed},
                    {"log_rate_hz", &AppScenario::log_rate_hz},
                    {"report", &AppScenario::report},
+                   {"log", &AppScenario::log},
                    {"parameters", &AppScenario::parameters}};
   fields.insert(fields.end(), own.begin(), own.end());
   return fields;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/report_scenario.h>
+#include <tenon/apps/common/log_scenario.h>
 #include <tenon/apps/common/run_options.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_keys.h>
@@ -33,6 +33,7 @@ struct AppScenario {
   std::uint64_t seed = 1;                                 ///< seed of all random streams
   double log_rate_hz = 100;                               ///< sample rate of signals.csv
   ReportScenario report;                                  ///< contents of the report; default: all signals
+  LogScenario log;                                        ///< signals to log in addition to those of the app
   std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
 
   /// Returns the keys of AppScenario followed by `own`.

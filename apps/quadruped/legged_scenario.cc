@@ -38,6 +38,7 @@ FieldList LeggedScenario::Fields() {
           {"integrator", &S::integrator},
           {"scale_forces", &S::scale_forces},
           {"report", &S::report},
+          {"log", &S::log},
           {"parameters", &S::parameters},
           {"custom", &S::custom}};
 }

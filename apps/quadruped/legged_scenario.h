@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/apps/common/path_verdict.h>
-#include <tenon/apps/common/report_scenario.h>
+#include <tenon/apps/common/log_scenario.h>
 #include <tenon/apps/quadruped/quadruped_hardware.h>
 #include <tenon/controllers/legged/planning/com_planner.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
@@ -163,6 +163,7 @@ struct LeggedScenario {
   /// Whether forces, loads, steps and blocks are given for DogBot and scaled to the robot, see ScaledToRobot.
   bool scale_forces = false;
   ReportScenario report;                                  ///< contents of the report
+  LogScenario log;                                        ///< signals to log in addition to those of the app
   std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
   std::optional<YamlText> custom;                         ///< keys of a customised program, see Customisable
 

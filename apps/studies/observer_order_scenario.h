@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/report_scenario.h>
+#include <tenon/apps/common/log_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
 #include <tenon/systems/framework/types/fields.h>
@@ -44,6 +44,7 @@ struct ObserverOrderScenario {
   std::vector<VariantScenario> variants;                 ///< variants of the observer to compare
   double log_rate_hz = 1000;                             ///< sample rate of signals.csv
   ReportScenario report;                                 ///< contents of the report
+  LogScenario log;  ///< signals to log in addition to those of the app
 
   static FieldList Fields() {
     return {Required("app", &ObserverOrderScenario::app),
@@ -57,7 +58,8 @@ struct ObserverOrderScenario {
             {"start_s", &ObserverOrderScenario::start_s},
             Required("variants", &ObserverOrderScenario::variants),
             {"log_rate_hz", &ObserverOrderScenario::log_rate_hz},
-            {"report", &ObserverOrderScenario::report}};
+            {"report", &ObserverOrderScenario::report},
+            {"log", &ObserverOrderScenario::log}};
   }
   void Validate() const;  ///< throws ParameterError
 };

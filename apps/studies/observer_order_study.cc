@@ -154,8 +154,8 @@ Result RunVariant(const RunOptions& options, ObserverOrderScenario scenario, con
 
   Simulator simulator(
       *diagram, {.method = Method::kErkOpen, .order = 3, .rtol = 1e-4, .atol = 1e-6, .seed = scenario.seed});
-  const std::vector<const Source*> signals{&observer.estimate, &world.plant.joint_torque,
-                                           &world.ground_forces};
+  std::vector<const Source*> signals{&observer.estimate, &world.plant.joint_torque, &world.ground_forces};
+  AddRequested(*diagram, scenario, signals);
   Report report = MakeReport(scenario);
   report.Log(simulator, signals, {&world.plant.geometry});
   scenario.variants = {variant};
