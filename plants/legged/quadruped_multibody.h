@@ -49,7 +49,9 @@ namespace tenon {
 /// called once when the plant is made and once for each context and each clone of one, in one thread at a
 /// time. It must add the same each time.
 ///
-/// **Cost.** An evaluation of the derivatives takes about three times as long as without additions.
+/// **Cost.** An evaluation of the derivatives takes about seven times as long as without additions: 60
+/// instead of 8.5 microseconds for DogBot where its trot under joint PD ran at 2.6 instead of 18 times real
+/// time.
 class QuadrupedMultibody {
  public:
   /// The robot under gravity [m/s^2].
