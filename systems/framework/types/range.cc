@@ -139,7 +139,8 @@ class RangeVisitor : public ValueVisitor {
     for (std::size_t i = 0; i < path_.size(); ++i) {
       const bool is_item = path_[i].is_item;
       if (is_item && path_[i - 1].member.type->kind == TypeInfo::Kind::kOptional) continue;
-      path += (path.empty() ? "" : ".") + (is_item ? std::to_string(path_[i].index) : path_[i].member.name);
+      if (!path.empty()) path += '.';
+      path += is_item ? std::to_string(path_[i].index) : path_[i].member.name;
     }
     return path;
   }
