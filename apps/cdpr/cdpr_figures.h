@@ -58,7 +58,9 @@ class CdprFigures final : public LogSink {
 /// `diagnostics` replaced the MPC.
 class MpcFigures final : public LogSink {
  public:
-  static std::vector<const Source*> Signals(const CdprMpc& mpc) { return Present<Source>({&mpc.diagnostics}); }
+  static std::vector<const Source*> Signals(const CdprMpc& mpc) {
+    return Present<Source>({&mpc.diagnostics});
+  }
 
   explicit MpcFigures(const CdprMpc& mpc) : mpc_(mpc) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;

@@ -53,8 +53,8 @@ void CdprLimits::Begin(const std::vector<std::string>& names, const std::vector<
   const Geometry shapes = MakeCdprGeometry(robot_);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     if (shapes[i].role != ShapeRole::kLine) continue;
-    pieces_.push_back({Columns(names, plant.geometry, i, &Shape::p_W)[2],
-                       Column(names, plant.geometry, i, &Shape::value)});
+    pieces_.push_back(
+        {Columns(names, plant.geometry, i, &Shape::p_W)[2], Column(names, plant.geometry, i, &Shape::value)});
   }
 }
 

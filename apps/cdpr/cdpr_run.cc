@@ -56,8 +56,9 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
   std::vector<const Source*> signals = CdprFigures::Signals(loop);
-  const auto figures = std::make_shared<CdprFigures>(loop, scenario.payload.attach_s, scenario.payload.release_s,
-                                                     MakePathVerdict(scenario, options.live != nullptr));
+  const auto figures =
+      std::make_shared<CdprFigures>(loop, scenario.payload.attach_s, scenario.payload.release_s,
+                                    MakePathVerdict(scenario, options.live != nullptr));
   simulator.AddLog(Hz(scenario.pd.rate_hz), signals, {figures});
   const auto limits = std::make_shared<CdprLimits>(loop, scenario.cable_diameter_m);
   simulator.AddLog(Hz(scenario.pd.rate_hz), CdprLimits::Signals(loop), {limits});

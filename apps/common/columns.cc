@@ -23,21 +23,21 @@ LoggedPart PartOf(const Source& port) {
 
 LoggedPart MemberOf(const LoggedPart& part, const internal::TypeInfo& type, std::size_t offset,
                     const internal::TypeInfo& member) {
-  const auto field = std::ranges::find_if(type.fields, [&](const Field& each) {
-    return each.offset == offset && &each.type() == &member;
-  });
+  const auto field = std::ranges::find_if(
+      type.fields, [&](const Field& each) { return each.offset == offset && &each.type() == &member; });
   if (field == type.fields.end())
-    throw BuildError(fmt::format("'{}' has no column for a member of {} that its Fields() lacks: describe the "
-                                 "member, or read another one",
-                                 part.name, TypeName(type)));
+    throw BuildError(
+        fmt::format("'{}' has no column for a member of {} that its Fields() lacks: describe the "
+                    "member, or read another one",
+                    part.name, TypeName(type)));
   return {part.name + "." + field->name, field->elements};
 }
 
 LoggedPart ItemOf(const LoggedPart& part, std::size_t item) {
   // The items of a list have the names that a log gives them.
   const std::vector<double> list(item + 1);
-  const std::vector<Element> items = internal::ListElements(
-      internal::TypeInfoOf<std::vector<double>>(), &list, Spec("", "", part.items));
+  const std::vector<Element> items =
+      internal::ListElements(internal::TypeInfoOf<std::vector<double>>(), &list, Spec("", "", part.items));
   return {part.name + "." + items.back().name, ""};
 }
 

@@ -28,7 +28,8 @@ struct Request {
 std::vector<Request> RequestsOf(const ReportScenario& report, const LogScenario& log) {
   std::vector<Request> requests;
   const auto add = [&](const std::string& key, const std::vector<std::string>& names) {
-    for (std::size_t i = 0; i < names.size(); ++i) requests.push_back({fmt::format("{}.{}", key, i), names[i]});
+    for (std::size_t i = 0; i < names.size(); ++i)
+      requests.push_back({fmt::format("{}.{}", key, i), names[i]});
   };
   add("log.signals", log.signals);
   for (std::size_t i = 0; i < report.plots.size(); ++i) {
@@ -74,8 +75,8 @@ void AddPorts(const std::vector<std::unique_ptr<System>>& blocks, std::vector<co
   }
 }
 
-/// Finds the port whose value, or a part of it, has this name; null if there is none. The longest path counts.
-/// A state and the output that shows it may have the same path: the output is preferred.
+/// Finds the port whose value, or a part of it, has this name; null if there is none. The longest path
+/// counts. A state and the output that shows it may have the same path: the output is preferred.
 const Source* PortOf(std::string_view name, const std::vector<const Source*>& ports) {
   const Source* found = nullptr;
   std::size_t longest = 0;
@@ -97,7 +98,8 @@ std::vector<std::string> NamesOf(const std::vector<const Source*>& ports) {
     const std::size_t length = port->path().size();
     names.insert(port->path());
     for (const std::string& column : ColumnsOf(*port))
-      for (std::size_t end = column.size(); end != column.npos && end > length; end = column.rfind('.', end - 1))
+      for (std::size_t end = column.size(); end != column.npos && end > length;
+           end = column.rfind('.', end - 1))
         names.insert(column.substr(0, end));
   }
   return {names.begin(), names.end()};

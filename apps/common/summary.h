@@ -32,8 +32,8 @@ class Summary {
   /// Sets a figure with several named values, for example one for each leg.
   void Set(const std::string& key, const std::vector<std::pair<std::string, std::optional<double>>>& values);
 
-  /// Sets `fell`: whether `fall`, or the Monitor that replaced it, ended the run. Without this call, `fell` is
-  /// false.
+  /// Sets `fell`: whether `fall`, or the Monitor that replaced it, ended the run. Without this call, `fell`
+  /// is false.
   void SetFell(const Monitor& fall);
   /// Sets `followed`: whether the robot followed its path, null without a path.
   void SetFollowed(std::optional<bool> followed);

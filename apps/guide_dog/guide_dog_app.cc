@@ -52,9 +52,9 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario, loop.world.plant));
   std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
   const auto leash = std::make_shared<GuideDogFigures>(loop);
-  const auto walk =
-      std::make_shared<WalkFigures>(loop, scenario.walk.judged_from_s, scenario.observer != ObserverKind::kNone,
-                                    MakePathVerdict(scenario.walk, options.live != nullptr));
+  const auto walk = std::make_shared<WalkFigures>(loop, scenario.walk.judged_from_s,
+                                                  scenario.observer != ObserverKind::kNone,
+                                                  MakePathVerdict(scenario.walk, options.live != nullptr));
   simulator.AddLog(Hz(1000), GuideDogFigures::Judged(loop), {leash, walk});
   const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
   simulator.AddLog(Hz(1000), LimitFigures::Signals(loop.world.plant), {InBackground(limits)});

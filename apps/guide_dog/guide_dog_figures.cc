@@ -49,8 +49,9 @@ std::vector<const Source*> GuideDogFigures::Judged(const GuideDog& loop) {
 }
 
 std::vector<const OutputPort<Geometry>*> GuideDogFigures::Shapes(const GuideDog& loop) {
-  return Present<OutputPort<Geometry>>({&loop.world.plant.geometry, &loop.view.geometry, &loop.person.geometry,
-                                        &loop.leash.geometry, &loop.obstacles.geometry});
+  return Present<OutputPort<Geometry>>({&loop.world.plant.geometry, &loop.view.geometry,
+                                        &loop.person.geometry, &loop.leash.geometry,
+                                        &loop.obstacles.geometry});
 }
 
 void GuideDogFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {

@@ -14,8 +14,9 @@
 namespace tenon::apps {
 
 /// Figures of the state estimate and of the walk relative to it (PathErrors), from a log of the true state,
-/// the estimate and TrackingError::path. Without an estimator there are no figures. The tilt error is the angle between the true and the estimated vertical. Position and yaw
-/// drift, because no sensor measures them.
+/// the estimate and TrackingError::path. Without an estimator there are no figures. The tilt error is the
+/// angle between the true and the estimated vertical. Position and yaw drift, because no sensor measures
+/// them.
 class EstimateFigures {
  public:
   explicit EstimateFigures(const QuadrupedWalk& loop) : loop_(loop) {}

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/common/log_scenario.h>
+#include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/quadruped/quadruped_hardware.h>
 #include <tenon/controllers/legged/planning/com_planner.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>

@@ -19,8 +19,8 @@ namespace tenon::apps {
 
 namespace {
 
-/// Runs a scenario by a diagram of class Loop; `observer` is given for a walk. Figures are made of the diagram
-/// and `judging`.
+/// Runs a scenario by a diagram of class Loop; `observer` is given for a walk. Figures are made of the
+/// diagram and `judging`.
 template <class Loop, class Figures>
 RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, const auto& params,
                   std::optional<ObserverKind> observer, const Customisation<Loop>& customisation,
@@ -74,10 +74,9 @@ RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& opti
     return RunLoop<QuadrupedStand, StandFigures>(
         options, scenario, Blame("", [&] { return MakeStandParams(scenario); }), std::nullopt, {});
   const QuadrupedWalkParams params = Blame("", [&] { return MakeWalkParams(scenario); });
-  return RunLoop<QuadrupedWalk, WalkFigures>(options, scenario, params, params.observer.kind, customisation,
-                                             scenario.walk->judged_from_s,
-                                             params.observer.kind != ObserverKind::kNone,
-                                             MakePathVerdict(*scenario.walk, options.live != nullptr));
+  return RunLoop<QuadrupedWalk, WalkFigures>(
+      options, scenario, params, params.observer.kind, customisation, scenario.walk->judged_from_s,
+      params.observer.kind != ObserverKind::kNone, MakePathVerdict(*scenario.walk, options.live != nullptr));
 }
 
 std::vector<std::pair<std::string, std::string>> LeggedFiles() {

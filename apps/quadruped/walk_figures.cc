@@ -66,8 +66,7 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   attitude_ = Columns(names, plant.state, &LeggedState::q_WB);
   told_attitude_ = Columns(names, loop_.locomotion.body, &BodyReference::q_WB);
   for (std::size_t leg = 0; leg < kNumLegs; ++leg)
-    contact_[leg] =
-        Column(names, loop_.locomotion.schedule, &ContactSchedule::legs, leg, &LegContact::state);
+    contact_[leg] = Column(names, loop_.locomotion.schedule, &ContactSchedule::legs, leg, &LegContact::state);
   solve_time_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::solve_time);
   failures_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::failures);
   estimate_.Begin(names);

@@ -44,7 +44,7 @@ struct ObserverOrderScenario {
   std::vector<VariantScenario> variants;                 ///< variants of the observer to compare
   double log_rate_hz = 1000;                             ///< sample rate of signals.csv
   ReportScenario report;                                 ///< contents of the report
-  LogScenario log;  ///< signals to log in addition to those of the app
+  LogScenario log;                                       ///< signals to log in addition to those of the app
 
   static FieldList Fields() {
     return {Required("app", &ObserverOrderScenario::app),

@@ -28,8 +28,7 @@ class StepFigures final : public LogSink {
   StepFigures(const LegMomentumObserver& observer, const Eigen::Vector3d& force, double start)
       : observer_(observer), force_(force), start_(start) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override {
-    estimate_ =
-        Columns(names, observer_.estimate, &LegForceEstimate::foot_force, &FootForces::front_left);
+    estimate_ = Columns(names, observer_.estimate, &LegForceEstimate::foot_force, &FootForces::front_left);
   }
   void Row(std::span<const double> row) override {
     if (row[0] < start_) return;

@@ -35,9 +35,8 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
       disturbances(Add<ForceBundle>(
           "disturbances", ForceBundleParams{1 + (params.sliding_load ? 1 : 0) + params.pulses.size() +
                                             params.sines.size() + params.random.size()})),
-      monitor(Add<FallMonitor>("monitor",
-                               FallMonitorParams{params.plant.terrain, params.min_height, params.max_tilt,
-                                                 params.max_height, Hz(1000)})) {
+      monitor(Add<FallMonitor>("monitor", FallMonitorParams{params.plant.terrain, params.min_height,
+                                                            params.max_tilt, params.max_height, Hz(1000)})) {
   std::size_t next = 0;
   Connect(pull, disturbances.force[next++]);
   if (params.sliding_load) {

@@ -46,8 +46,8 @@ namespace tenon {
 /// integrator, whose error control finds them.
 ///
 /// **Calls.** Each context has a System of its own, so that contexts can run in threads: the function is
-/// called once when the plant is made and once for each context and each clone of one, in one thread at a
-/// time. It must add the same each time.
+/// called when the plant is made, and again for each context and each clone of one, in one thread at a time.
+/// It must add the same each time.
 ///
 /// **Cost.** An evaluation of the derivatives takes about seven times as long as without additions: 60
 /// instead of 8.5 microseconds for DogBot where its trot under joint PD ran at 2.6 instead of 18 times real

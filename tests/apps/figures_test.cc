@@ -1,5 +1,5 @@
-// The figures of the apps follow blocks that replaced the shipped ones. Figures of ports that only the shipped
-// block has are null.
+// The figures of the apps follow blocks that replaced the shipped ones. Figures of ports that only the
+// shipped block has are null.
 
 #include <tenon/apps/cdpr/cdpr_figures.h>
 #include <tenon/apps/cdpr/cdpr_limits.h>
@@ -40,8 +40,8 @@ class OwnWholeBody final : public LeafSystem<Vec<12>> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<LeggedState> state{this, {"state"}};
-  OutputPort<Vec<12>> torque{this, {"torque", "N m", kJointElements}, Sampled{Hz(1000)}, Uses(state),
-                             &OwnWholeBody::CalcTorque};
+  OutputPort<Vec<12>> torque{
+      this, {"torque", "N m", kJointElements}, Sampled{Hz(1000)}, Uses(state), &OwnWholeBody::CalcTorque};
   OutputPort<WholeBodyPlan> plan{this, {"plan"}, Uses(), [] { return WholeBodyPlan(); }};
 
  private:
@@ -85,10 +85,12 @@ class OwnMpc final : public LeafSystem<CableVector> {
 class OwnPd final : public LeafSystem<> {
  public:
   InputPort<CdprReference> reference{this, {"reference"}};
-  OutputPort<CableVector> command{this, {"command", "N"}, CableVector(CableVector::Zero(4)), Uses(reference),
-                                  [](const CdprReference& reference, CableVector* command) {
-                                    *command = reference.tension;
-                                  }};
+  OutputPort<CableVector> command{
+      this,
+      {"command", "N"},
+      CableVector(CableVector::Zero(4)),
+      Uses(reference),
+      [](const CdprReference& reference, CableVector* command) { *command = reference.tension; }};
 };
 
 template <class Scenario>
@@ -133,7 +135,8 @@ class WalkTest : public ::testing::Test {
     const auto limits = std::make_shared<LimitFigures>(loop_.world.plant);
     simulator.AddLog(Hz(1000), WalkFigures::Judged(loop_), {walk});
     simulator.AddLog(Hz(1000), LimitFigures::Signals(loop_.world.plant), {limits});
-    return figures_test::Run(simulator, WalkFigures::Signals(loop_), WalkFigures::Shapes(loop_), walk, limits);
+    return figures_test::Run(simulator, WalkFigures::Signals(loop_), WalkFigures::Shapes(loop_), walk,
+                             limits);
   }
 
   QuadrupedScenario scenario_;

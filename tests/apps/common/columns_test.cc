@@ -81,7 +81,8 @@ TEST_F(ColumnsTest, FollowMembersAndItems) {
   EXPECT_THAT(found(block_.robot, &Robot::first, &Leg::p),
               ElementsAre("block.robot.first.p.0", "block.robot.first.p.1"));
   EXPECT_THAT(found(block_.robot, &Robot::legs, 1, &Leg::force), ElementsAre("block.robot.legs.right.force"));
-  EXPECT_THAT(found(block_.robot, &Robot::cables), ElementsAre("block.robot.cables.0", "block.robot.cables.1"));
+  EXPECT_THAT(found(block_.robot, &Robot::cables),
+              ElementsAre("block.robot.cables.0", "block.robot.cables.1"));
   EXPECT_THAT(found(block_.pair, 0, &Leg::force), ElementsAre("block.pair.a.force"));
   EXPECT_THAT(found(block_.list, 2, &Leg::force), ElementsAre("block.list.2.force"));
   EXPECT_EQ(names[Column(names, block_.force)], "block.force");
@@ -91,7 +92,8 @@ TEST_F(ColumnsTest, FollowMembersAndItems) {
 TEST_F(ColumnsTest, RefuseWhatIsNotLogged) {
   const auto names = Log({&block_.force});
   EXPECT_TRUE(Throws<Error>([&] { Columns(names, block_.robot, &Robot::legs); }, "'block.robot.legs'"));
-  EXPECT_TRUE(Throws<BuildError>([&] { SignalName(block_.robot, &Robot::hidden); }, "'block.robot'", "Robot"));
+  EXPECT_TRUE(
+      Throws<BuildError>([&] { SignalName(block_.robot, &Robot::hidden); }, "'block.robot'", "Robot"));
 }
 
 TEST_F(ColumnsTest, FollowTheBlockThatReplacedAnother) {

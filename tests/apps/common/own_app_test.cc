@@ -40,18 +40,21 @@ TEST_F(OwnAppTest, ListsItsKeys) {
 }
 
 TEST_F(OwnAppTest, LogsThePortsThatAScenarioNames) {
-  const std::string file = Write("log.yaml", "extends: " + kExample +
-                                                 "/step.yaml\ncase: log\nlog: {signals: [cart.force]}\n"
-                                                 "report:\n  plots:\n    - {title: reference, signals: [pd.ref]}\n");
+  const std::string file =
+      Write("log.yaml", "extends: " + kExample +
+                            "/step.yaml\ncase: log\nlog: {signals: [cart.force]}\n"
+                            "report:\n  plots:\n    - {title: reference, signals: [pd.ref]}\n");
   Run(file);
   EXPECT_EQ(test::Column(out, "cart.force [N]"), test::Column(out, "pd.u [N]"));
   EXPECT_EQ(test::Column(out, "pd.ref [m]"), test::Column(out, "ref.output [m]"));
   EXPECT_THAT(Read(out / "report.html"), HasSubstr("\"pd.ref\""));
   const std::string wrong =
       Write("wrong.yaml", "extends: log.yaml\nreport:\n  plots:\n    - title: a\n      signals: [pd.reff]\n");
-  EXPECT_THAT(Run(wrong, 2), AllOf(HasSubstr("wrong.yaml:5:17: report.plots.0.signals.0: "), HasSubstr("'pd.ref'")));
-  ExpectRefused({{file + " --set log.signals=[cart.x.velocty]",
-                  "--set log.signals=[cart.x.velocty]: log.signals.0: the diagram has no port 'cart.x.velocty'"}});
+  EXPECT_THAT(Run(wrong, 2),
+              AllOf(HasSubstr("wrong.yaml:5:17: report.plots.0.signals.0: "), HasSubstr("'pd.ref'")));
+  ExpectRefused(
+      {{file + " --set log.signals=[cart.x.velocty]",
+        "--set log.signals=[cart.x.velocty]: log.signals.0: the diagram has no port 'cart.x.velocty'"}});
 }
 
 // A campaign runs the program in one process per run and reads its figures.
