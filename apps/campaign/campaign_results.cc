@@ -116,6 +116,7 @@ CampaignReport MakeReport(const CampaignPlan& plan, const fs::path& table) {
   for (const CampaignPlan::Axis& axis : plan.axes()) report.axes.push_back({axis.name, axis.labels});
   CampaignTable::Read(table, plan, [&](std::size_t run, const CampaignRow& row) {
     CampaignReport::Run item{.index = run,
+                             .seed = internal::NumberIn<std::uint64_t>(Cell(row, "seed")).value_or(0),
                              .at = plan.LabelsAt(plan.PointOf(run)),
                              .survived = Cell(row, "finished") == "true",
                              .reason = std::string(Cell(row, "end_reason"))};
@@ -200,6 +201,7 @@ void WriteResults(const CampaignPlan& plan, const CampaignSchedule& schedule, co
                   const fs::path& directory) {
   const CampaignFile& file = plan.file();
   CampaignReport report = MakeReport(plan, directory / "runs.csv");
+  report.command = command;
   AddPicks(report, WorstBy(plan, report.figures), command, directory);
 
   Tally all;

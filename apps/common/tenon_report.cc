@@ -1,7 +1,8 @@
-// tenon-report: writes one report of several existing runs.
+// tenon-report: writes one report of several existing runs, or pictures of one report.
 
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/comparison.h>
+#include <tenon/apps/common/report_pictures.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/report.h>
 
@@ -69,16 +70,43 @@ int Run(const std::vector<std::string>& directories, const fs::path& out) {
 }  // namespace tenon::apps
 
 int main(int argc, char** argv) {
-  CLI::App app("Compares runs of any app in one report.", "tenon-report");
+  CLI::App app("Compares runs of any app in one report, or draws pictures of one report.", "tenon-report");
   std::vector<std::string> directories;
   std::string out = "out/report";
-  app.add_option("DIR", directories, "output directories of runs")->required();
-  app.add_option("--out", out, "directory for report.html (default: out/report)");
+  tenon::apps::ReportPictures pictures;
+  app.add_option("DIR", directories, "output directories of runs; for pictures one report.html or its directory")
+      ->required();
+  CLI::Option* const out_option =
+      app.add_option("--out", out, "directory for report.html (default: out/report)");
+  app.add_option("--svg", pictures.svg, "write all plots, or the drawings of a campaign, to this directory");
+  app.add_option("--frame", pictures.frame, "write the replay at this time [s] to this file, .svg or .png")
+      ->type_name("TIME FILE");
+  app.add_option("--video", pictures.video, "write the replay to this .webm file");
+  app.add_option("--frames", pictures.frames, "write the replay as PNG files to this directory");
+  app.add_option("--size", pictures.size, "WIDTHxHEIGHT of a picture [px] (default: 1280x720, of plots 600x300)");
+  app.add_option("--from", pictures.from, "time at which the video begins [s]");
+  app.add_option("--to", pictures.to, "time at which the video ends [s]");
+  app.add_option("--fps", pictures.fps, "frames per second of the video (default: 30)")
+      ->check(tenon::apps::Positive());
+  app.add_option("--speed", pictures.speed, "seconds of the run per second of the video (default: 1)")
+      ->check(tenon::apps::Positive());
   app.footer(
       "Reads report.html and signals.csv of each run.\n"
       "    tenon-cdpr D2 --out out/soft --set pd.stiffness_N_per_m=3000 --controller pd\n"
       "    tenon-cdpr D2 --out out/stiff --set pd.stiffness_N_per_m=9000 --controller pd\n"
       "    tenon-report out/soft out/stiff\n"
-      "Exit codes: 0 written; 2 invalid usage, or a directory without a run; 5 a file could not be written.");
-  return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(directories, out); });
+      "Pictures are drawn by Chromium, which must be installed:\n"
+      "    tenon-report out/D1 --svg figures\n"
+      "    tenon-report out/D1 --video D1.webm --from 2 --to 6 --speed 0.5\n"
+      "Exit codes: 0 written; 2 invalid usage, a directory without a run, or no Chromium; 5 a file could not be "
+      "written; 130, 143 stopped by Ctrl-C, SIGTERM.");
+  return tenon::apps::RunMain(app, argc, argv, [&] {
+    using namespace tenon;
+    const bool draw = pictures.any();
+    if (draw && (directories.size() > 1 || out_option->count() > 0))
+      throw ParameterError("pictures are drawn of one report: give one DIR, without --out");
+    if (!draw && (pictures.from || pictures.to || pictures.fps || pictures.speed || !pictures.size.empty()))
+      throw ParameterError("--size, --from, --to, --fps and --speed need --video, --frames, --frame or --svg");
+    return draw ? apps::DrawPictures(directories.front(), pictures) : apps::Run(directories, out);
+  });
 }

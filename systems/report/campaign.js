@@ -1,23 +1,13 @@
 // The page of a campaign: survival, map, distributions, influence of the varied keys, causes of failure, notable runs.
 //
-// A program can inspect the page through window.tenonCampaign: ready (everything is drawn), data.
+// A program can inspect the page through window.tenonCampaign: ready (everything is drawn), data, pictures() (a [title, text of
+// an SVG file] for each drawing).
 
 (() => {
   const data = JSON.parse(document.getElementById('data').textContent);
   const find = (selector) => document.querySelector(selector);
   const percent = (share) => `${Number((100 * share).toPrecision(4))} %`;
 
-  function svg(parent, width, height) {
-    const node = shape(parent, 'svg', { viewBox: `0 0 ${width} ${height}`, width, height });
-    return node;
-  }
-  function shape(parent, tag, attributes, text) {
-    const node = document.createElementNS('http://www.w3.org/2000/svg', tag);
-    for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
-    if (text !== undefined) node.textContent = text;
-    parent.append(node);
-    return node;
-  }
   function hint(node, text) {
     shape(node, 'title', {}, text);
     return node;
@@ -201,6 +191,78 @@
     });
   }
 
+  // The text of a run for a tooltip, and a click that shows the command that repeats it below the drawing.
+  function repeats(node, line, text = '') {
+    hint(node, `run ${line.run}, seed ${line.seed}${text}`);
+    node.onclick = () => {
+      const card = node.closest('.card'), note = card.querySelector('.repeat') || card.appendChild(element('p', 'note repeat'));
+      note.replaceChildren(`run ${line.run}, seed ${line.seed}${text}: `, element('code', '', `${data.command} --replay ${line.run}`));
+    };
+    return node;
+  }
+
+  // Runs as points over any two columns: varied keys and figures, coloured by a third.
+  function showScatter() {
+    const numeric = (labels) => labels.every((text) => text.trim() && Number.isFinite(Number(text)));
+    const columns = [
+      ...data.axes.map((axis, a) => numeric(axis.labels) ? { name: label(axis.name), of: (line) => Number(axis.labels[line.at[a]]) } :
+        { name: axis.name, labels: axis.labels, of: (line) => line.at[a] }).filter((_, a) => data.axes[a].labels.length > 1),
+      ...data.drawn.map((name, d) => ({ name: label(name), of: (line) => line.drawn[d] })),
+      ...telling.map((f) => ({ name: label(data.figures[f]), of: (line) => line.figures[f] })),
+    ];
+    if (columns.length < 2 || data.lines.length < 2) return;
+    const parent = find('#scatter'), choices = element('p', 'choosers'), place = element('div'), names = columns.map((column) => column.name);
+    let x = 0, y = Math.max(1, names.findIndex((name) => /error max/.test(name))), color = 0;
+    chooser(choices, 'across', names, x, (i) => { x = i; draw(); });
+    chooser(choices, 'up', names, y, (i) => { y = i; draw(); });
+    chooser(choices, 'colour', ['survival', ...names], color, (i) => { color = i; draw(); });
+    parent.append(choices, place);
+    parent.hidden = false;
+    if (data.lines.length < data.survival.count) parent.append(element('p', 'note', `${data.lines.length} of ${data.survival.count} runs are drawn.`));
+
+    const rangeOf = ({ of }) => {
+      const values = data.lines.map(of).filter((value) => value !== null);
+      return values.length ? [Math.min(...values), Math.max(...values)] : [0, 1];
+    };
+    const widened = ({ labels }, [low, high]) => {
+      const margin = labels ? 0.5 : 0.04 * (high - low) || Math.abs(high) || 1;
+      return [low - margin, high + margin];
+    };
+    const axisOf = (column) => ({ range: widened(column, rangeOf(column)), label: column.name, ticks: column.labels && column.labels.map((text, at) => ({ at, text })) });
+    function draw() {
+      const drawing = svg(null, 820, 420);
+      const shade = color > 0 && columns[color - 1], bound = shade && rangeOf(shade);
+      const mark = (parent, x, y, survived, paint) => shape(parent, 'path', {
+        d: survived ? `M${px(x - 3)},${px(y)}a3,3 0 1 0 6,0a3,3 0 1 0 -6,0` : `M${px(x - 3)},${px(y - 3)}l6,6m0,-6l-6,6`,
+        ...(paint ? { stroke: paint, fill: paint } : { class: survived ? 'dot' : 'dot bad' }), 'stroke-width': survived ? 0.5 : 1.6, opacity: 0.8 });
+      const { toX, toY, area } = drawAxes(drawing, 820, 420, axisOf(columns[x]), axisOf(columns[y]), { top: 26, right: 14 });
+      const paintOf = (value) => shade.labels ? Theme.series(value) : `rgb(${scaleColor((value - bound[0]) / (bound[1] - bound[0] || 1)).join(',')})`;
+      for (const line of [...data.lines].sort((a, b) => b.survived - a.survived)) {
+        const [u, v] = [columns[x].of(line), columns[y].of(line)], value = shade && shade.of(line);
+        if (u === null || v === null || value === null) continue;
+        repeats(mark(drawing, toX(u), toY(v), line.survived, shade && paintOf(value)), line, line.survived ? '' : ', failed');
+      }
+      let left = area.x;
+      const key = (text, draw) => {
+        draw(left + 5);
+        shape(drawing, 'text', { x: left + 14, y: 15, class: 'soft' }, text);
+        left += 34 + 6.2 * text.length;
+      };
+      key('survived', (at) => mark(drawing, at, 11, true, shade && '#888'));
+      key('failed', (at) => mark(drawing, at, 11, false, shade && '#888'));
+      if (shade && shade.labels) shade.labels.forEach((text, i) => key(text, (at) => mark(drawing, at, 11, true, Theme.series(i))));
+      if (shade && !shade.labels) {
+        const from = area.x + area.w - 150;
+        for (let i = 0; i < 50; ++i) shape(drawing, 'rect', { x: from + 2 * i, y: 5, width: 2.3, height: 10, fill: `rgb(${scaleColor(i / 49).join(',')})` });
+        shape(drawing, 'text', { x: from - 6, y: 14, 'text-anchor': 'end', class: 'soft' }, `${shade.name}: ${formatNumber(bound[0])}`);
+        shape(drawing, 'text', { x: from + 106, y: 14, class: 'soft' }, formatNumber(bound[1]));
+      }
+      place.replaceChildren(drawing);
+    }
+    draw();
+    Theme.onChange(draw);
+  }
+
   // Parallel coordinates of the varied keys and the figures, with a line for each run.
   function showLines() {
     const keys = [
@@ -227,7 +289,7 @@
         const value = key.of(line);
         if (value !== null) path += `${path && keys[i - 1].of(line) !== null ? 'L' : 'M'}${(60 + step * i).toFixed(1)},${y(key, value).toFixed(1)}`;
       });
-      hint(shape(drawing, 'path', { d: path, class: line.survived ? 'run' : 'run bad', opacity: line.survived ? opacity : Math.min(1, 4 * opacity) }), `run ${line.run}`);
+      repeats(shape(drawing, 'path', { d: path, class: line.survived ? 'run' : 'run bad', opacity: line.survived ? opacity : Math.min(1, 4 * opacity) }), line);
     }
     keys.forEach((key, i) => {
       const x = 60 + step * i;
@@ -276,7 +338,13 @@
   showCauses();
   showPicks();
   showLines();
+  showScatter();
   showDistributions();
   find('#theme').onclick = Theme.toggle;
-  window.tenonCampaign = { ready: true, data };
+  // The cards with one drawing, which can be saved: [title, card].
+  const drawn = [...document.querySelectorAll('.card')].filter((card) => card.querySelectorAll('svg').length === 1)
+    .map((card) => [card.querySelector('h2').firstChild.textContent.trim(), card]);
+  for (const [title, card] of drawn) card.querySelector('h2').append(button('SVG', 'save as a vector picture', () => saveSvg(card.querySelector('svg'), title)));
+  const pictures = () => drawn.map(([title, card]) => [title, svgText(card.querySelector('svg'))]);
+  window.tenonCampaign = { ready: true, data, pictures };
 })();

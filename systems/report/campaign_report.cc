@@ -142,7 +142,7 @@ Json LinesJson(const CampaignReport& report) {
   std::vector<CampaignReport::Run> shown;
   std::ranges::sample(report.runs, std::back_inserter(shown), kLines, std::mt19937(1));
   for (const CampaignReport::Run& run : shown) {
-    Json line{{"run", run.index}, {"survived", run.survived}, {"at", run.at}};
+    Json line{{"run", run.index}, {"seed", run.seed}, {"survived", run.survived}, {"at", run.at}};
     line["drawn"] = run.drawn;  // numbers that are not finite become null in the text
     line["figures"] = run.figures;
     lines.push_back(std::move(line));
@@ -191,6 +191,7 @@ void CampaignReport::Write(const std::filesystem::path& file) const {
   const auto survived = static_cast<std::size_t>(std::ranges::count_if(runs, &Run::survived));
   Json data{{"title", title},
             {"description", description},
+            {"command", command},
             {"confidence", confidence},
             {"survival", SurvivalJson(survived, runs.size(), confidence)},
             {"drawn", drawn},

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -9,8 +10,8 @@
 namespace tenon {
 
 /// A page with the results of many runs: survival at each point with Wilson's interval, a heat map over two
-/// keys, the distribution of each figure, rank correlations of keys and figures, parallel coordinates,
-/// failures by cause, and the worst runs. The page is one file that needs no network.
+/// keys, the distribution of each figure, rank correlations of keys and figures, parallel coordinates, a
+/// scatter plot of any two columns, failures by cause, and the worst runs. The page is one file that needs no network.
 struct CampaignReport {
   /// A key with a few values, one factor of the product of points.
   struct Axis {
@@ -19,6 +20,7 @@ struct CampaignReport {
   };
   struct Run {
     std::size_t index = 0;
+    std::uint64_t seed = 0;
     std::vector<std::size_t> at = {};  ///< index of the label of each axis
     std::vector<double> drawn = {};    ///< value of each drawn key
     std::vector<double> figures = {};  ///< value of each figure; NaN without value
@@ -38,6 +40,7 @@ struct CampaignReport {
   };
 
   std::string title = {}, description = {};
+  std::string command = {};               ///< repeats a run if "--replay INDEX" is added
   std::vector<Axis> axes = {};
   std::vector<std::string> drawn = {};    ///< keys with a different value for each seed
   std::vector<std::string> figures = {};  ///< names with units

@@ -1,4 +1,4 @@
-// Draws bands of modes, events and limits behind the curves of a plot, and exports a plot as a picture.
+// Draws bands of modes, events and limits behind the curves of a plot.
 
 'use strict';
 
@@ -71,49 +71,4 @@ function drawLimits(plot, context, area, graph) {
       context.fillText(label, x, y < area.y ? area.y + 22 : area.y + area.h - 4);
     }
   }
-}
-
-// Returns a canvas with title, legend, curves and axes of a plot.
-function pictureOf(plot) {
-  const scale = 2, margin = 8, head = 20, foot = 18;
-  const width = plot.chart.clientWidth, height = plot.chart.clientHeight;
-  const canvas = element('canvas');
-  canvas.width = scale * (width + 2 * margin);
-  canvas.height = scale * (height + head + foot + 2 * margin);
-  const context = canvas.getContext('2d');
-  context.scale(scale, scale);
-  context.fillStyle = Theme.color('--panel');
-  context.fillRect(0, 0, canvas.width, canvas.height);
-  context.translate(margin, margin);
-  context.fillStyle = Theme.color('--ink');
-  context.font = '600 13px sans-serif';
-  context.fillText(`${plot.spec.title} ${plot.unit.textContent}`, 0, 13);
-  context.font = '11px sans-serif';
-  const place = plot.chart.getBoundingClientRect();
-  const from = (node) => {
-    const box = node.getBoundingClientRect();
-    return [box.left - place.left, box.top - place.top + head, box.width, box.height];
-  };
-  for (const layer of plot.chart.querySelectorAll('canvas')) context.drawImage(layer, ...from(layer));
-  context.fillStyle = Theme.color('--soft');
-  context.textBaseline = 'middle';
-  for (const label of plot.chart.querySelectorAll('.dygraph-axis-label')) {
-    const [x, y, w, h] = from(label);
-    const right = label.classList.contains('dygraph-axis-label-y');
-    context.textAlign = right ? 'right' : 'center';
-    context.fillText(label.textContent, right ? x + w : x + w / 2, y + h / 2);
-  }
-  context.textAlign = 'left';
-  let x = 0;
-  const shown = plot.shown();
-  const legend = plot.envelope ? [] : plot.series.filter((s) => shown.includes(s));
-  for (const s of legend) {
-    const text = (plot.section.runs.length > 1 ? `${plot.section.runs[s.run].name}: ` : '') + s.label;
-    context.fillStyle = plot.colorOf(s);
-    context.fillText(s.reference ? '╌' : '━', x, head + height + 10);
-    context.fillStyle = Theme.color('--ink');
-    context.fillText(text, x + 14, head + height + 10);
-    x += context.measureText(text).width + 26;
-  }
-  return canvas;
 }

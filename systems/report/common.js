@@ -8,6 +8,15 @@ function formatNumber(value) {
   return String(Number(value.toPrecision(4)));
 }
 
+// Colour map from low to high values: viridis, which is also readable in grey and with colour blindness.
+const SCALE = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 200, 37]];
+
+function scaleColor(fraction) {
+  const at = Math.min(Math.max(fraction, 0), 1) * (SCALE.length - 1);
+  const i = Math.min(Math.floor(at), SCALE.length - 2);
+  return SCALE[i].map((low, k) => Math.round(low + (at - i) * (SCALE[i + 1][k] - low)));
+}
+
 function element(tag, className, text) {
   const node = document.createElement(tag);
   if (className) node.className = className;
@@ -84,4 +93,13 @@ function chooser(parent, caption, names, chosen, change) {
   select.addEventListener('change', () => change(Number(select.value)));
   box.append(select);
   parent.append(box);
+}
+
+// Saves a file as if it were downloaded; a name of several words gets underscores.
+function saveFile(blob, name, ending) {
+  const link = element('a');
+  link.href = URL.createObjectURL(blob);
+  link.download = `${name.replace(/[^\w-]+/g, '_')}.${ending}`;
+  link.click();
+  URL.revokeObjectURL(link.href);
 }

@@ -116,8 +116,9 @@ class Plot {
     });
     actions.append(this.differenceButton, this.envelopeButton,
                    button('+', 'add signals to this plot', () => this.section.edit(this)),
-                   button('PNG', 'save as a picture', () => pictureOf(this).toBlob((blob) => this.save(blob, 'png'))),
-                   button('CSV', 'save the visible curves as numbers', () => this.save(new Blob([this.csv()], {type: 'text/csv'}), 'csv')),
+                   button('SVG', 'save as a vector picture', () => saveSvg(pictureOf(this), this.name)),
+                   button('PNG', 'save as a picture', () => savePng(pictureOf(this), this.name)),
+                   button('CSV', 'save the visible curves as numbers', () => saveFile(new Blob([this.csv()], {type: 'text/csv'}), this.name, 'csv')),
                    button('✕', 'remove this plot', () => this.section.remove(this)));
     head.append(title, actions);
     this.body = element('div');
@@ -211,6 +212,16 @@ class Plot {
   colorOf(s) {
     if (this.section.runs.length === 1) return Theme.series(s.pair);
     return s.count > 1 ? fade(Theme.series(s.run), 0.6 * s.pair / (s.count - 1)) : Theme.series(s.run);
+  }
+
+  // The title, with the name of the group if another plot has the same title.
+  get name() {
+    const {title, group} = this.spec, same = (plot) => plot !== this && plot.spec.title === title;
+    return group && this.section.plots.some(same) ? `${group}: ${title}` : title;
+  }
+
+  strokeOf(s) {
+    return {strokePattern: s.reference ? [5, 4] : null, strokeWidth: s.noise > 0.15 ? 0.8 : s.reference ? 1.3 : 1.6};
   }
 
   makeReadout() {
@@ -337,7 +348,7 @@ class Plot {
       labels = shown.map((s, i) => `${i}: ${s.label}`);
       colors = shown.map((s) => this.colorOf(s));
       shown.forEach((s, i) => {
-        series[labels[i]] = {strokePattern: s.reference ? [5, 4] : null, strokeWidth: s.noise > 0.15 ? 0.8 : s.reference ? 1.3 : 1.6};
+        series[labels[i]] = this.strokeOf(s);
       });
     }
     this.graph = new Dygraph(this.chart, rows, {
@@ -425,13 +436,5 @@ class Plot {
         name + (unit ? ` [${unit}]` : ''));
     const lines = [...rows.values()].sort((a, b) => a[0] - b[0]);
     return [['time [s]', ...names], ...lines].map((line) => line.join(',')).join('\n') + '\n';
-  }
-
-  save(blob, ending) {
-    const link = element('a');
-    link.href = URL.createObjectURL(blob);
-    link.download = `${this.spec.title.replace(/[^\w-]+/g, '_')}.${ending}`;
-    link.click();
-    URL.revokeObjectURL(link.href);
   }
 }

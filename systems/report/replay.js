@@ -13,7 +13,6 @@ class Replay {
     this.stage = stage;
     this.live = live;
     this.renderer = new THREE.WebGLRenderer({canvas, context, antialias: true});
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
     canvas.setAttribute('aria-label', '3-D replay: drag to orbit, wheel to zoom');
@@ -39,11 +38,17 @@ class Replay {
     this.controls.addEventListener('change', () => this.requestRender());
     this.resetView();
     new ResizeObserver(() => this.resize()).observe(stage);
-    this.resize();
+    this.setSize(null);
   }
 
   get roles() {
     return [...new Set(this.runs.flatMap((run) => run.actors.filter((a) => this.live || a.everSeen()).map((a) => a.shape.role)))];
+  }
+
+  // The colour of a role, or null if the values of its shapes colour them.
+  colorOf(role) {
+    const colored = this.runs.some((run) => run.actors.some((a) => a.shape.role === role && a.range));
+    return colored ? null : '#' + new THREE.Color(ROLE_COLORS[role] || 0x888888).getHexString();
   }
 
   // Extends the range of the values of each unit over all runs, which share one colour bar.
@@ -219,10 +224,17 @@ class Replay {
     return [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
   }
 
+  // Draws pictures of `size`, {width, height} in pixels, instead of filling the stage; null returns to the stage.
+  setSize(size) {
+    this.fixed = size;
+    this.renderer.setPixelRatio(size ? 1 : Math.min(window.devicePixelRatio || 1, 2));
+    this.resize();
+  }
+
   resize() {
-    const width = this.stage.clientWidth, height = this.stage.clientHeight;
+    const {width, height} = this.size = this.fixed || {width: this.stage.clientWidth, height: this.stage.clientHeight};
     if (width === 0 || height === 0) return;
-    this.renderer.setSize(width, height);
+    this.renderer.setSize(width, height, !this.fixed);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     if (!this.viewChosen) this.resetView();
@@ -313,18 +325,23 @@ class Replay {
     this.pending = false;
     const {renderer, scene, inset} = this;
     renderer.setScissorTest(false);
-    renderer.setViewport(0, 0, this.stage.clientWidth, this.stage.clientHeight);
+    renderer.setViewport(0, 0, this.size.width, this.size.height);
     renderer.render(scene, this.camera);
     for (const listener of this.afterRender) listener();
-    const place = inset.size > 0 && this.bodyPlace();
-    if (!place) return;
-    // Draw a close-up of bodies that are small compared to the scene.
+    if (!this.placeInset()) return;
     renderer.setScissorTest(true);
     renderer.setScissor(10, 10, inset.size, inset.size);
     renderer.setViewport(10, 10, inset.size, inset.size);
-    inset.camera.up.set(0, 0, 1);
-    inset.camera.position.copy(place).addScaledVector(Replay.direction(), 7.5 * this.bodyRadius);
-    inset.camera.lookAt(place);
     renderer.render(scene, inset.camera);
+  }
+
+  // Points the camera of the close-up at bodies that are small compared to the scene. Returns whether there is a close-up.
+  placeInset() {
+    const {camera, size} = this.inset, place = size > 0 && this.bodyPlace();
+    if (!place) return false;
+    camera.up.set(0, 0, 1);
+    camera.position.copy(place).addScaledVector(Replay.direction(), 7.5 * this.bodyRadius);
+    camera.lookAt(place);
+    return true;
   }
 }

@@ -2,7 +2,8 @@
 //
 // A program can control the page through window.tenonReport: ready (everything is drawn), duration(), time(), seek(t) [s],
 // play(), pause(), playing(), show(index of a drawn run), `webgl` (whether there is a replay), replay (a Replay, or null),
-// plots (the Plots), runs (the Recordings), append(run, samples) (see Recording.append; also draws the samples), live (a
+// plots (the Plots), pictures(width, height) (a [name, text of an SVG file] for each plot), picture(t) (that of the replay),
+// movie(options) (a Movie), runs (the Recordings), append(run, samples) (see Recording.append; also draws the samples), live (a
 // Live, or null), follower (the Follower of a live run).
 
 'use strict';
@@ -58,6 +59,12 @@ function showReport(report, runs, live, bar) {
     ready: false, webgl: !!replay, replay, plots, runs, duration: () => plots.duration,
     time: () => time, playing: () => playing, seek, play: () => setPlaying(true), pause: () => setPlaying(false),
     show, append, live, follower: null,
+    pictures: (width, height) => plots.plots.filter((plot) => plot.graph).map((plot) => [plot.name, svgText(pictureOf(plot, width, height))]),
+    movie: (options) => new Movie(replay, {from: 0, to: plots.duration, ...options}),
+    picture(t) {
+      seek(t);
+      return svgText(pictureOfReplay(replay, report.title, time));
+    },
   };
 
   // Without a replay the plots get the full width.
@@ -135,9 +142,7 @@ function showReport(report, runs, live, bar) {
         place(time);
       });
       const swatch = element('span', 'swatch');
-      const colored = replay.runs.some((run) => run.actors.some((a) => a.shape.role === role && a.range));
-      swatch.style.background = colored ? 'linear-gradient(90deg, #3b528b, #21918c, #fdc825)' :
-          '#' + new THREE.Color(ROLE_COLORS[role] || 0x888888).getHexString();
+      swatch.style.background = replay.colorOf(role) || 'linear-gradient(90deg, #3b528b, #21918c, #fdc825)';
       entry.append(swatch, document.createTextNode(role));
       entry.setAttribute('aria-label', `show ${role}`);
       entry.setAttribute('aria-pressed', 'true');
@@ -151,6 +156,51 @@ function showReport(report, runs, live, bar) {
     bar.lastElementChild.textContent = `${formatNumber(range[1])} ${unit}`;
     bar.querySelector('i').style.background =
         `linear-gradient(90deg, ${SCALE.map((c) => `rgb(${c.join(',')})`).join(', ')})`;
+  }
+
+  // The menu that saves the replay: the frame that is shown, or a video of the time window of the plots at the selected speed.
+  function addSaving() {
+    const menu = find('#save'), stop = find('#stop'), {title} = report;
+    if (!replay) return;
+    async function film(scale, options, work) {
+      const {width, height} = replay.size, movie = api.movie({width: scale * width, height: scale * height, ...options});
+      try {
+        return await work(movie);
+      } finally {
+        movie.end();
+        place(time);
+      }
+    }
+    async function video(movie) {
+      let on = true;
+      setPlaying(false);
+      menu.hidden = !(stop.hidden = false);
+      stop.onclick = () => on = false;
+      try {
+        for (let i = 0; i < movie.count && on; ++i) {
+          stop.textContent = `stop at ${Math.round(100 * i / movie.count)} %`;
+          await movie.add(i);
+        }
+        if (on) saveFile(await movie.file(), title, 'webm');
+      } finally {
+        menu.hidden = !(stop.hidden = true);
+      }
+    }
+    const savings = [
+      ['save …'],
+      ['picture (SVG)', () => saveSvg(pictureOfReplay(replay, title, time), title)],
+      ['picture (PNG)', () => film(2, {}, async (movie) => saveFile(await movie.png(time), title, 'png'))],
+    ];
+    if (window.VideoEncoder && !live) {
+      const span = () => ({from: Math.max(plots.window[0], 0), to: Math.min(plots.window[1], plots.duration), speed: Number(find('#speed').value)});
+      savings.push(['video (WebM)', () => film(1, span(), video)]);
+    }
+    for (const [name] of savings) menu.append(element('option', '', name));
+    menu.onchange = () => {
+      const [, save] = savings[menu.selectedIndex];
+      menu.selectedIndex = 0;
+      save();
+    };
   }
 
   function addTransport() {
@@ -280,6 +330,7 @@ function showReport(report, runs, live, bar) {
   layOut();
   addLegend();
   addTransport();
+  addSaving();
   addTools();
   place(live ? plots.duration : 0);
   const liveKeys = live ? goLive() : [];

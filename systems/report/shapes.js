@@ -4,17 +4,8 @@ const ROLE_COLORS = {
   bodies: 0x3d5a80, lines: 0x777777, loads: 0xb5651d, others: 0x7a6c5d, ground: 0xc9c2b4, fixtures: 0x9aa3af,
   forces: 0x2a9d5c, disturbances: 0xd62828, estimates: 0xf08c00, reference: 0x1aa6a6,
 };
-// Colour map from low to high values: viridis, which is also readable in grey and with colour blindness.
-const SCALE = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 200, 37]];
-
 // Columns of a shape in a frame, in the order of Shape::Fields().
 const WIDTH = 12, P = 0, Q = 3, VECTOR = 7, VALUE = 10, VISIBLE = 11;
-
-function scaleColor(fraction) {
-  const at = Math.min(Math.max(fraction, 0), 1) * (SCALE.length - 1);
-  const i = Math.min(Math.floor(at), SCALE.length - 2);
-  return SCALE[i].map((low, k) => Math.round(low + (at - i) * (SCALE[i + 1][k] - low)));
-}
 
 // Interpolates the frames of a run at a given time.
 class FrameCursor {

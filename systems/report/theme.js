@@ -43,5 +43,17 @@ const Theme = (() => {
       apply();
     },
     onChange: (listener) => listeners.push(listener),
+    // Calls `draw` with the colours of the light theme and returns its result. The page itself stays as it is.
+    onPaper(draw) {
+      const theme = root.dataset.theme;
+      root.dataset.theme = 'light';
+      known.clear();
+      try {
+        return draw();
+      } finally {
+        root.dataset.theme = theme;
+        known.clear();
+      }
+    },
   };
 })();

@@ -14,7 +14,9 @@
 
 namespace tenon::campaign_report_test {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Json = nlohmann::json;
 
@@ -31,12 +33,14 @@ CampaignReport Example() {
     const bool survived = force < 2 || friction == 1;
     const double mass = static_cast<double>(run * 7 % 10);
     report.runs.push_back({.index = run,
+                           .seed = 100 + run,
                            .at = {force, friction},
                            .drawn = {mass},
                            .figures = {static_cast<double>(force) + 0.01 * mass, 1, NAN},
                            .survived = survived,
                            .reason = survived ? "end" : "fell at " + std::to_string(run) + ".5 s, body 2"});
   }
+  report.command = "again";
   report.picks = {{.index = 45, .why = "fell", .command = "again 45", .link = "run_45/report.html"}};
   return report;
 }
@@ -148,6 +152,39 @@ TEST_F(CampaignPageTest, ShowsItAll) {
   EXPECT_EQ(browser.Evaluate("document.querySelector('#map rect title').textContent"),
             "friction = 0.3, force_N = 1: 0.045");
   EXPECT_THAT(testing::LayoutFaults(browser), IsEmpty());
+  std::filesystem::remove(file);
+}
+
+TEST_F(CampaignPageTest, DrawsAnyTwoColumns) {
+  const std::filesystem::path file = test::TemporaryPath("tenon_campaign_scatter.html");
+  testing::Browser browser;
+  Example().Write(file);
+  browser.Open(file);
+  browser.Evaluate(R"(window.choose = (select, text) => {
+    const list = document.querySelectorAll('#scatter select')[select];
+    list.value = [...list.options].findIndex((option) => option.textContent === text);
+    list.dispatchEvent(new Event('change'));
+  })");
+  browser.Evaluate("window.points = () => [...document.querySelectorAll('#scatter path')].filter((p) => p.onclick)");
+  EXPECT_EQ(browser.Evaluate("[points().length, points().filter((p) => p.classList.contains('bad')).length]"), Json({60, 10}));
+  EXPECT_EQ(browser.Evaluate("[...document.querySelectorAll('#scatter select')[0].options].map((o) => o.textContent)"), Json({"force [N]", "friction", "mass [kg]", "error max [m]"}));
+  EXPECT_EQ(browser.Evaluate("points().at(-1).querySelector('title').textContent"), "run 49, seed 149, failed");
+  browser.Evaluate("points().at(-1).onclick()");
+  EXPECT_EQ(browser.Evaluate("document.querySelector('#scatter .repeat code').textContent"), "again --replay 49");
+  browser.Evaluate("(choose(0, 'friction'), choose(1, 'mass [kg]'), choose(2, 'force [N]'))");
+  EXPECT_EQ(browser.Evaluate("new Set(points().map((p) => p.getAttribute('d').split(/[M,]/)[1])).size"), 2) << "two places";
+  EXPECT_EQ(browser.Evaluate("new Set(points().map((p) => p.getAttribute('stroke'))).size"), 3) << "a colour for each force";
+  const Json pictures = browser.Evaluate(R"(Object.fromEntries(tenonCampaign.pictures().map(([title, text]) => {
+    const page = new DOMParser().parseFromString(text, 'application/xml');
+    return [title, [page.documentElement.tagName, page.querySelectorAll('[class]').length, [...page.querySelectorAll('text')].map((t) => t.textContent).join('|')]];
+  })))");
+  for (const auto& [title, picture] : pictures.items()) {
+    EXPECT_EQ(picture[0], "svg") << title;
+    EXPECT_EQ(picture[1], 0) << title << " does not need the style sheet";
+  }
+  EXPECT_THAT(pictures["Any two columns"][2].get<std::string>(), AllOf(HasSubstr("|friction|"), HasSubstr("mass [kg]"), HasSubstr("force [N]: 1")));
+  EXPECT_TRUE(pictures.contains("Map") && pictures.contains("Survival")) << pictures;
+  EXPECT_THAT(browser.complaints(), IsEmpty());
   std::filesystem::remove(file);
 }
 

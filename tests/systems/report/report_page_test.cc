@@ -15,6 +15,7 @@ namespace tenon::report_page_test {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using testing::Browser;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
@@ -285,19 +286,110 @@ TEST_F(RunPageTest, LightDarkPaperAndFiles) {
       "window.saved = []; HTMLAnchorElement.prototype.click = function() { saved.push(this.download); }");
   EXPECT_EQ(browser.Evaluate(R"((async () => {
               press(plot('force').box, 'CSV');
+              press(plot('force').box, 'SVG');
               press(plot('force').box, 'PNG');
-              while (saved.length < 2) await new Promise((done) => setTimeout(done, 5));
+              while (saved.length < 3) await new Promise((done) => setTimeout(done, 5));
+              document.querySelector('#speed').value = 10;
+              for (const choice of [1, 2, 3]) {
+                const menu = document.querySelector('#save');
+                menu.selectedIndex = choice;
+                menu.onchange();
+                while (saved.length < 3 + choice) await new Promise((done) => setTimeout(done, 5));
+              }
               return saved;
             })())"),
-            Json({"force.csv", "force.png"}));
-  const Json picture = browser.Evaluate(R"((() => {
-    const canvas = pictureOf(plot('force'));
-    const pixels = new Uint32Array(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer);
-    return {start: canvas.toDataURL().slice(0, 22), colors: new Set(pixels).size, share: canvas.width / plot('force').chart.clientWidth};
+            Json({"force.csv", "force.svg", "force.png", "workshop.svg", "workshop.png", "workshop.webm"}));
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
+TEST_F(RunPageTest, PlotsAsVectorPictures) {
+  browser.Prefer("dark");
+  Open(Run(false, 0));
+  // The parts of a picture, read by the browser's parser of XML.
+  browser.Evaluate(R"(window.partsOf = (text) => {
+    const page = new DOMParser().parseFromString(text, 'application/xml'), all = (selector) => [...page.querySelectorAll(selector)];
+    return {root: page.documentElement.tagName, texts: all('text').map((t) => t.textContent), classes: all('[class]').length,
+            curves: all('g > path').map((p) => [p.getAttribute('stroke'), p.getAttribute('stroke-dasharray'), p.getAttribute('d').length]),
+            ground: all('rect')[0].getAttribute('fill'), text: all('text').at(-1).getAttribute('fill')};
+  })");
+  const auto parts = [&](const std::string& title) {
+    return browser.Evaluate("partsOf(svgText(pictureOf(plot('" + title + "'), 600, 300)))");
+  };
+  Json force = parts("force");
+  EXPECT_EQ(force["root"], "svg");
+  EXPECT_THAT(force["texts"].dump(), AllOf(HasSubstr("\"time [s]\""), HasSubstr("\"force [N]\""), HasSubstr("\"output\""), HasSubstr("\"output ref\""), HasSubstr("\"push\""), HasSubstr("\"-0.5\"")));
+  EXPECT_EQ(force["ground"], "#fff");
+  EXPECT_EQ(force["classes"], 0) << "the file does not need the style sheet";
+  ASSERT_EQ(force["curves"].size(), 2U);
+  EXPECT_EQ(force["curves"][0][0], "#1f77b4") << "the colours are those of the light theme";
+  EXPECT_EQ(force["curves"][0][1], "5 4") << "a reference is dashed";
+  EXPECT_EQ(force["curves"][1][1], "none");
+  EXPECT_EQ(browser.Evaluate("document.documentElement.dataset.theme"), "dark") << "the page stays as it is";
+  EXPECT_THAT(parts("angle")["texts"].dump(), AllOf(HasSubstr("limit 28.65 °"), HasSubstr("angle [°]")));
+  EXPECT_THAT(parts("cables")["texts"].dump(), HasSubstr("lowest, mean and highest"));
+  EXPECT_EQ(parts("cables")["curves"].size(), 2U) << "the band and the mean";
+
+  browser.Evaluate("plot('force').graph.updateOptions({dateWindow: [0.2, 0.41]})");
+  const Json zoomed = parts("force");
+  EXPECT_THAT(zoomed["texts"].dump(), HasSubstr("\"0.22\""));
+  EXPECT_LT(zoomed["curves"][1][2].get<int>(), force["curves"][1][2].get<int>() / 2);
+  EXPECT_EQ(browser.Evaluate("tenonReport.pictures(600, 300).map((p) => p[0])"), Json({"cables", "force", "angle", "error"}));
+
+  EXPECT_EQ(browser.Evaluate("[[0, 1, 5], [-0.3, 0.31, 3], [2e6, 4e6, 2], [1, 1.0000001, 1]].map(([low, high, n]) => ticksOf([low, high], n).map((t) => t.text).join())"),
+            Json({"0,0.2,0.4,0.6,0.8,1", "-0.2,0,0.2", "2e+6,3e+6,4e+6", "1e+0,1.0000001e+0"}));
+  EXPECT_EQ(browser.Evaluate("pathOf([[0, 1], [1, 2], [2, NaN], [3, 1 / 3]])"), "M0,1L1,2M3,0.33");
+  EXPECT_EQ(browser.Evaluate("outlineOf([[0, 0], [2, 0], [1, 1], [2, 2], [0, 2], [1, 0]].map(([x, y]) => ({x, y}))).map(({x, y}) => [x, y])"),
+            Json::parse("[[0, 0], [2, 0], [2, 2], [0, 2]]"));
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
+TEST_F(RunPageTest, ReplayAsPictureAndVideo) {
+  Open(Run(true, 0));
+  const Json drawn = browser.Evaluate(R"((() => {
+    const text = tenonReport.picture(0.5), page = new DOMParser().parseFromString(text, 'application/xml');
+    const {replay} = tenonReport, fill = (p) => p.getAttribute('fill');
+    const faces = [...page.querySelectorAll('polygon[stroke-width="0.7"]')].map((p) => p.getAttribute('points').split(' ').map((c) => c.split(',').map(Number)));
+    const at = new THREE.Vector3(0.5, 0, 0.1).project(replay.camera), corners = faces.flat(), middle = (k) => (Math.min(...corners.map((c) => c[k])) + Math.max(...corners.map((c) => c[k]))) / 2;
+    return {title: page.querySelector('title').textContent, faces: faces.length, triangles: page.querySelectorAll('polygon[stroke-width="0.4"]').length,
+            off: [(at.x + 1) / 2 * replay.size.width - middle(0), (1 - at.y) / 2 * replay.size.height - middle(1)].map((d) => Math.abs(d) / replay.size.width),
+            notes: [...page.querySelectorAll('text')].map((t) => t.textContent), dashed: page.querySelectorAll('polyline[stroke-dasharray="5 4"]').length,
+            shadows: page.querySelectorAll('g[opacity="0.14"] polygon').length};
   })())");
-  EXPECT_EQ(picture["start"], "data:image/png;base64,");
-  EXPECT_GT(picture["colors"].get<int>(), 20) << "text and curves";
-  EXPECT_GT(picture["share"].get<double>(), 2) << "sharp";
+  EXPECT_EQ(drawn["title"], "workshop, 0.500 s");
+  EXPECT_EQ(drawn["faces"], 3) << "a box shows three faces";
+  EXPECT_EQ(drawn["triangles"], 3) << "the mesh";
+  EXPECT_LT(drawn["off"][0].get<double>(), 0.02) << "the box is where the camera sees it";
+  EXPECT_LT(drawn["off"][1].get<double>(), 0.02);
+  EXPECT_EQ(drawn["dashed"], 1) << "the path";
+  EXPECT_EQ(drawn["shadows"], 2);
+  EXPECT_THAT(drawn["notes"].dump(), AllOf(HasSubstr("bodies"), HasSubstr("0.50 s"), HasSubstr("grid ")));
+
+  const std::string size = "[tenonReport.replay.renderer.domElement.width, tenonReport.replay.camera.aspect.toFixed(3)]";
+  const Json before = browser.Evaluate(size);
+  const Json film = browser.Evaluate(R"((async () => {
+    const movie = tenonReport.movie({width: 161, height: 120, from: 0.2, to: 0.8, speed: 0.5, fps: 5});
+    for (let i = 0; i < movie.count; ++i) await movie.add(i);
+    const video = document.createElement('video');
+    video.src = URL.createObjectURL(await movie.file());
+    await new Promise((done, fail) => { video.oncanplaythrough = done; video.onerror = () => fail(new Error(video.error.message)); });
+    video.currentTime = 1.1;
+    await new Promise((done) => video.onseeked = done);
+    const canvas = Object.assign(document.createElement('canvas'), {width: 160, height: 120}), context = canvas.getContext('2d');
+    context.drawImage(video, 0, 0);
+    const shown = context.getImageData(0, 0, 160, 120).data;
+    movie.draw(movie.timeOf(5));
+    const own = movie.context.getImageData(0, 0, 160, 120).data;
+    let off = 0;
+    for (let i = 0; i < own.length; ++i) off += Math.abs(own[i] - shown[i]) / own.length;
+    movie.end();
+    return {times: Array.from({length: movie.count}, (_, i) => Number(movie.timeOf(i).toFixed(6))), size: [video.videoWidth, video.videoHeight], duration: video.duration, off, keys: movie.frames.map((f) => f.key)};
+  })())");
+  EXPECT_EQ(film["times"], Json({0.2, 0.3, 0.4, 0.5, 0.6, 0.7}));
+  EXPECT_EQ(film["size"], Json({160, 120})) << "even";
+  EXPECT_NEAR(film["duration"].get<double>(), 1.2, 1e-3);
+  EXPECT_EQ(film["keys"], Json({true, false, false, false, false, false}));
+  EXPECT_LT(film["off"].get<double>(), 8) << "the last frame, among 256 levels";
+  EXPECT_EQ(browser.Evaluate(size), before) << "the replay fills its stage again";
   EXPECT_THAT(browser.complaints(), IsEmpty());
 }
 
@@ -329,7 +421,7 @@ TEST_F(RunPageTest, KeysAndWhoCannotSeeThePage) {
   browser.Press("?");
   EXPECT_EQ(browser.Evaluate("document.querySelector('#help').open"), true);
   EXPECT_THAT(browser.Evaluate("document.querySelector('#help').textContent").get<std::string>(),
-              ::testing::AllOf(HasSubstr("space"), HasSubstr("play or pause"), HasSubstr("light or dark")));
+              AllOf(HasSubstr("space"), HasSubstr("play or pause"), HasSubstr("light or dark")));
   const double before = time();
   browser.Press("End");
   EXPECT_EQ(time(), before) << "under the help, keys do nothing";

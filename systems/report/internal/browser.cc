@@ -1,4 +1,5 @@
-#include <tenon/tests/systems/report/browser.h>
+#include <tenon/systems/files/output_file.h>
+#include <tenon/systems/report/internal/browser.h>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -9,34 +10,37 @@
 #include <array>
 #include <cerrno>
 #include <cstdlib>
-#include <stdexcept>
+#include <sstream>
 
-namespace tenon::testing {
+namespace tenon::internal {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 namespace {
 
-constexpr const char* kChromium = "/usr/bin/chromium";
-constexpr int kPatience = 120;  // seconds for one answer: only a browser that hangs takes longer
+constexpr const char* kChromium = "chromium";
+constexpr int kPatience = 600;  // seconds for one answer: only a browser that hangs takes longer
 
 }  // namespace
 
 bool Browser::IsInstalled() {
-  return fs::exists(kChromium);
+  const char* path = std::getenv("PATH");
+  std::istringstream directories(path == nullptr ? "" : path);
+  for (std::string directory; std::getline(directories, directory, ':');)
+    if (access((fs::path(directory) / kChromium).c_str(), X_OK) == 0) return true;
+  return false;
 }
 
 Browser::Browser(const std::vector<std::string>& more_arguments) {
   std::string profile = (fs::temp_directory_path() / "tenon_browser_XXXXXX").string();
-  if (mkdtemp(profile.data()) == nullptr) throw std::runtime_error("no directory for the browser's profile");
+  if (mkdtemp(profile.data()) == nullptr) throw OutputError("cannot create a directory for the profile of chromium: is the disk full?");
   profile_ = profile;
 
   std::vector<std::string> arguments{kChromium,
                                      "--headless=new",
                                      "--remote-debugging-pipe",
                                      "--user-data-dir=" + profile,
-                                     "--no-sandbox",
                                      "--disable-quic",
                                      "--no-first-run",
                                      "--disable-background-networking",
@@ -44,11 +48,11 @@ Browser::Browser(const std::vector<std::string>& more_arguments) {
                                      "--disable-sync",
                                      "--disable-breakpad",
                                      "--disable-dev-shm-usage",
-                                     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"};
-  if (more_arguments.empty()) {
-    arguments.insert(arguments.end(),
-                     {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"});
-  }
+                                     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+                                     "--use-gl=angle",
+                                     "--use-angle=swiftshader",
+                                     "--enable-unsafe-swiftshader"};
+  if (geteuid() == 0) arguments.emplace_back("--no-sandbox");  // root has no sandbox
   arguments.insert(arguments.end(), more_arguments.begin(), more_arguments.end());
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
@@ -56,7 +60,7 @@ Browser::Browser(const std::vector<std::string>& more_arguments) {
 
   int to[2], from[2];
   if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0)
-    throw std::runtime_error("no pipe to the browser");
+    throw OutputError("cannot create a pipe to chromium");
   process_ = fork();
   if (process_ == 0) {
     setpgid(0, 0);
@@ -67,7 +71,7 @@ Browser::Browser(const std::vector<std::string>& more_arguments) {
     dup2(null, STDERR_FILENO);
     dup2(commands, 3);
     dup2(answers, 4);
-    execv(argv[0], argv.data());
+    execvp(argv[0], argv.data());
     _exit(127);
   }
   close(to[0]);
@@ -113,10 +117,10 @@ Json Browser::Receive() {
     pollfd waiting{from_, POLLIN, 0};
     const int ready = poll(&waiting, 1, kPatience * 1000);
     if (ready < 0 && errno == EINTR) continue;
-    if (ready == 0) throw std::runtime_error("the browser does not answer");
+    if (ready == 0) throw OutputError("chromium does not answer");
     std::array<char, 65536> buffer;
     const ssize_t size = read(from_, buffer.data(), buffer.size());
-    if (size <= 0) throw std::runtime_error("the browser ended");
+    if (size <= 0) throw OutputError("chromium ended; check whether it starts: chromium --headless about:blank");
     received_.append(buffer.data(), static_cast<std::size_t>(size));
   }
 }
@@ -149,13 +153,13 @@ Json Browser::Call(const std::string& method, Json params) {
   const std::string text = message.dump() + '\0';
   for (std::size_t sent = 0; sent < text.size();) {
     const ssize_t size = write(to_, text.data() + sent, text.size() - sent);
-    if (size <= 0) throw std::runtime_error("the browser ended");
+    if (size <= 0) throw OutputError("chromium ended; check whether it starts: chromium --headless about:blank");
     sent += static_cast<std::size_t>(size);
   }
   for (;;) {
     const Json answer = Receive();
     if (answer.value("id", 0) == last_id_) {
-      if (answer.contains("error")) throw std::runtime_error(method + ": " + answer["error"].dump());
+      if (answer.contains("error")) throw OutputError(method + ": " + answer["error"].dump());
       return answer.at("result");
     }
     Note(answer);
@@ -185,7 +189,7 @@ void Browser::Navigate(const std::string& url) {
 Json Browser::Evaluate(const std::string& expression) {
   const Json answer =
       Call("Runtime.evaluate", {{"expression", expression}, {"returnByValue", true}, {"awaitPromise", true}});
-  if (answer.contains("exceptionDetails")) throw std::runtime_error(answer["exceptionDetails"].dump());
+  if (answer.contains("exceptionDetails")) throw OutputError(answer["exceptionDetails"].dump());
   return answer.at("result").value("value", Json());
 }
 
@@ -210,4 +214,4 @@ std::string Browser::Screenshot() {
   return Call("Page.captureScreenshot", {{"format", "png"}}).at("data");
 }
 
-}  // namespace tenon::testing
+}  // namespace tenon::internal
