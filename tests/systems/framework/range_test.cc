@@ -150,7 +150,7 @@ TEST(RangeTest, ParametersAreRefused) {
 }
 
 TEST(RangeTest, ParametersTellTheirRanges) {
-  const TestRig<Vehicle> rig;
+  TestRig<Vehicle> rig;
   const std::vector<Range> spring = rig->spring.ranges();
   ASSERT_EQ(spring.size(), 5U) << "stiffness, two of anchor, turns, preload";
   EXPECT_EQ(spring[0].low(), 0);
