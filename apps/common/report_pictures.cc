@@ -35,8 +35,8 @@ Size SizeOf(const std::string& text, Size standard) {
   const auto height = internal::NumberIn<int>(x == text.npos ? "" : text.substr(x + 1));
   const auto fits = [](std::optional<int> length) { return length && *length >= 100 && *length <= 8000; };
   if (!fits(width) || !fits(height))
-    throw ParameterError(fmt::format(
-        "--size {}: write WIDTHxHEIGHT in pixels from 100 to 8000, such as 1280x720", text));
+    throw ParameterError(
+        fmt::format("--size {}: write WIDTHxHEIGHT in pixels from 100 to 8000, such as 1280x720", text));
   return {*width, *height};
 }
 
@@ -94,8 +94,9 @@ class Film {
     const Size size = SizeOf(pictures.size, {1280, 720});
     const double from = pictures.from.value_or(0), to = pictures.to.value_or(duration);
     if (!(from >= 0 && from < to && to <= duration))
-      throw ParameterError(fmt::format(
-          "--from {} --to {}: the times must increase and lie in the run, from 0 to {} s", from, to, duration));
+      throw ParameterError(
+          fmt::format("--from {} --to {}: the times must increase and lie in the run, from 0 to {} s", from,
+                      to, duration));
     const double fps = pictures.fps.value_or(30), speed = pictures.speed.value_or(1);
     if ((to - from) / speed * fps > kMostFrames)
       throw ParameterError(fmt::format("--fps {} --speed {}: more than {} pictures; film a shorter time", fps,
@@ -132,8 +133,8 @@ int DrawPictures(const fs::path& report, const ReportPictures& pictures) {
   CheckOptions(pictures);
   const fs::path page = fs::is_directory(report) ? report / "report.html" : report;
   if (!fs::is_regular_file(page))
-    throw ParameterError(fmt::format("there is no report '{}': name a report.html, or the directory of a run",
-                                     page.string()));
+    throw ParameterError(
+        fmt::format("there is no report '{}': name a report.html, or the directory of a run", page.string()));
   const Size plots = SizeOf(pictures.size, {600, 300});
   if (!Browser::IsInstalled())
     throw ParameterError("pictures are drawn by Chromium, which is not installed: apt-get install chromium");
@@ -142,15 +143,16 @@ int DrawPictures(const fs::path& report, const ReportPictures& pictures) {
   browser.Prefer("light");
   browser.Open(page);
   if (browser.Evaluate("!!(window.tenonReport || window.tenonCampaign || {}).pictures") != true)
-    throw ParameterError(fmt::format(
-        "'{}' cannot draw pictures: it is no page of a run or a campaign, or an earlier version of Tenon wrote "
-        "it; write it again, for example with tenon-report DIR",
-        page.string()));
+    throw ParameterError(
+        fmt::format("'{}' cannot draw pictures: it is no page of a run or a campaign, or an earlier version "
+                    "of Tenon wrote "
+                    "it; write it again, for example with tenon-report DIR",
+                    page.string()));
 
   if (!pictures.svg.empty()) {
     const OutputLock directory(pictures.svg);
-    const Json drawn = browser.Evaluate(fmt::format(
-        "(window.tenonReport || tenonCampaign).pictures({}, {})", plots.width, plots.height));
+    const Json drawn = browser.Evaluate(
+        fmt::format("(window.tenonReport || tenonCampaign).pictures({}, {})", plots.width, plots.height));
     for (std::size_t i = 0; i < drawn.size(); ++i) {
       const fs::path file = directory.path() / FileName(i + 1, drawn[i][0]);
       WriteFile(file, drawn[i][1].get<std::string>());
@@ -180,9 +182,8 @@ int DrawPictures(const fs::path& report, const ReportPictures& pictures) {
     const auto name = [](int i) { return fmt::format("frame_{:05}.png", i); };
     // Remove the pictures of an earlier sequence, which may be longer.
     for (int i = 0; fs::remove(directory.path() / name(i)); ++i) continue;
-    const int signal = film.ForEach([&](int i) {
-      WriteFile(directory.path() / name(i), film.Png(fmt::format("movie.timeOf({})", i)));
-    });
+    const int signal = film.ForEach(
+        [&](int i) { WriteFile(directory.path() / name(i), film.Png(fmt::format("movie.timeOf({})", i))); });
     if (signal != 0) return 128 + signal;
     fmt::print("{}\n", (directory.path() / name(0)).string());
     return kRan;

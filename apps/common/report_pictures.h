@@ -9,9 +9,9 @@ namespace tenon::apps {
 
 /// The pictures that a command line requests from a report. Exactly one of the first four is given.
 struct ReportPictures {
-  std::string video{};                                   ///< .webm file
-  std::string frames{};                                  ///< directory of a PNG sequence
-  std::string svg{};                                     ///< directory of all plots or drawings
+  std::string video{};                                    ///< .webm file
+  std::string frames{};                                   ///< directory of a PNG sequence
+  std::string svg{};                                      ///< directory of all plots or drawings
   std::optional<std::pair<double, std::string>> frame{};  ///< time [s], and an .svg or .png file
   std::string size{};                  ///< "WIDTHxHEIGHT" in pixels; empty: 1280x720, of plots 600x300
   std::optional<double> from{}, to{};  ///< of the run [s]; default: the whole run

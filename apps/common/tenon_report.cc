@@ -74,7 +74,8 @@ int main(int argc, char** argv) {
   std::vector<std::string> directories;
   std::string out = "out/report";
   tenon::apps::ReportPictures pictures;
-  app.add_option("DIR", directories, "output directories of runs; for pictures one report.html or its directory")
+  app.add_option("DIR", directories,
+                 "output directories of runs; for pictures one report.html or its directory")
       ->required();
   CLI::Option* const out_option =
       app.add_option("--out", out, "directory for report.html (default: out/report)");
@@ -83,7 +84,8 @@ int main(int argc, char** argv) {
       ->type_name("TIME FILE");
   app.add_option("--video", pictures.video, "write the replay to this .webm file");
   app.add_option("--frames", pictures.frames, "write the replay as PNG files to this directory");
-  app.add_option("--size", pictures.size, "WIDTHxHEIGHT of a picture [px] (default: 1280x720, of plots 600x300)");
+  app.add_option("--size", pictures.size,
+                 "WIDTHxHEIGHT of a picture [px] (default: 1280x720, of plots 600x300)");
   app.add_option("--from", pictures.from, "time at which the video begins [s]");
   app.add_option("--to", pictures.to, "time at which the video ends [s]");
   app.add_option("--fps", pictures.fps, "frames per second of the video (default: 30)")
@@ -98,7 +100,8 @@ int main(int argc, char** argv) {
       "Pictures are drawn by Chromium, which must be installed:\n"
       "    tenon-report out/D1 --svg figures\n"
       "    tenon-report out/D1 --video D1.webm --from 2 --to 6 --speed 0.5\n"
-      "Exit codes: 0 written; 2 invalid usage, a directory without a run, or no Chromium; 5 a file could not be "
+      "Exit codes: 0 written; 2 invalid usage, a directory without a run, or no Chromium; 5 a file could not "
+      "be "
       "written; 130, 143 stopped by Ctrl-C, SIGTERM.");
   return tenon::apps::RunMain(app, argc, argv, [&] {
     using namespace tenon;
@@ -106,7 +109,8 @@ int main(int argc, char** argv) {
     if (draw && (directories.size() > 1 || out_option->count() > 0))
       throw ParameterError("pictures are drawn of one report: give one DIR, without --out");
     if (!draw && (pictures.from || pictures.to || pictures.fps || pictures.speed || !pictures.size.empty()))
-      throw ParameterError("--size, --from, --to, --fps and --speed need --video, --frames, --frame or --svg");
+      throw ParameterError(
+          "--size, --from, --to, --fps and --speed need --video, --frames, --frame or --svg");
     return draw ? apps::DrawPictures(directories.front(), pictures) : apps::Run(directories, out);
   });
 }

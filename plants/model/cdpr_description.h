@@ -72,10 +72,10 @@ struct DrumProperties {
   static FieldList Fields() {
     return {Required("radius_m", &DrumProperties::radius)
                 .Positive()
-                .Because("that of the first layer, to the middle of the cable"),
+                .Because("it is the radius of the first layer, to the middle of the cable"),
             Required("cable_diameter_m", &DrumProperties::cable_diameter)
                 .Positive()
-                .Because("that by which layers grow"),
+                .Because("each layer adds it to the radius"),
             Required("turns_per_layer", &DrumProperties::turns_per_layer)
                 .Positive()
                 .Because("its width over the cable's diameter"),

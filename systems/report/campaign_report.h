@@ -11,7 +11,8 @@ namespace tenon {
 
 /// A page with the results of many runs: survival at each point with Wilson's interval, a heat map over two
 /// keys, the distribution of each figure, rank correlations of keys and figures, parallel coordinates, a
-/// scatter plot of any two columns, failures by cause, and the worst runs. The page is one file that needs no network.
+/// scatter plot of any two columns, failures by cause, and the worst runs. The page is one file that needs no
+/// network.
 struct CampaignReport {
   /// A key with a few values, one factor of the product of points.
   struct Axis {
@@ -40,7 +41,7 @@ struct CampaignReport {
   };
 
   std::string title = {}, description = {};
-  std::string command = {};               ///< repeats a run if "--replay INDEX" is added
+  std::string command = {};  ///< repeats a run if "--replay INDEX" is added
   std::vector<Axis> axes = {};
   std::vector<std::string> drawn = {};    ///< keys with a different value for each seed
   std::vector<std::string> figures = {};  ///< names with units

@@ -55,7 +55,7 @@ class OwnObserver final : public LeafSystem<> {
   OutputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}, Uses(), [] { return LegForceEstimate(); }};
 };
 
-/// An estimator that is told the true state.
+/// An estimator whose input is the true state.
 class OwnEstimator final : public LeafSystem<> {
  public:
   InputPort<LeggedState> truth{this, {"truth"}};

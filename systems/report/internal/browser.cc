@@ -34,7 +34,8 @@ bool Browser::IsInstalled() {
 
 Browser::Browser(const std::vector<std::string>& more_arguments) {
   std::string profile = (fs::temp_directory_path() / "tenon_browser_XXXXXX").string();
-  if (mkdtemp(profile.data()) == nullptr) throw OutputError("cannot create a directory for the profile of chromium: is the disk full?");
+  if (mkdtemp(profile.data()) == nullptr)
+    throw OutputError("cannot create a directory for the profile of chromium: is the disk full?");
   profile_ = profile;
 
   std::vector<std::string> arguments{kChromium,
@@ -120,7 +121,8 @@ Json Browser::Receive() {
     if (ready == 0) throw OutputError("chromium does not answer");
     std::array<char, 65536> buffer;
     const ssize_t size = read(from_, buffer.data(), buffer.size());
-    if (size <= 0) throw OutputError("chromium ended; check whether it starts: chromium --headless about:blank");
+    if (size <= 0)
+      throw OutputError("chromium ended; check whether it starts: chromium --headless about:blank");
     received_.append(buffer.data(), static_cast<std::size_t>(size));
   }
 }
@@ -153,7 +155,8 @@ Json Browser::Call(const std::string& method, Json params) {
   const std::string text = message.dump() + '\0';
   for (std::size_t sent = 0; sent < text.size();) {
     const ssize_t size = write(to_, text.data() + sent, text.size() - sent);
-    if (size <= 0) throw OutputError("chromium ended; check whether it starts: chromium --headless about:blank");
+    if (size <= 0)
+      throw OutputError("chromium ended; check whether it starts: chromium --headless about:blank");
     sent += static_cast<std::size_t>(size);
   }
   for (;;) {

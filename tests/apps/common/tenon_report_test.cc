@@ -64,7 +64,8 @@ TEST_F(TenonReportTest, DrawsPicturesOfTwoSeconds) {
   test::RequireBrowser();
   if (IsSkipped() || HasFatalFailure()) return;
   const std::string run = Directory("run");
-  ASSERT_EQ(RunCommand(std::string(TENON_CDPR) + " D1 --controller pd --duration 2 --out " + run).exit_code, 0);
+  ASSERT_EQ(RunCommand(std::string(TENON_CDPR) + " D1 --controller pd --duration 2 --out " + run).exit_code,
+            0);
   const std::string small = run + " --size 320x240 ";
 
   const fs::path video = out / "run.webm";
@@ -96,7 +97,8 @@ TEST_F(TenonReportTest, DrawsPicturesOfTwoSeconds) {
   const Result drawn = RunApp(run + " --svg " + plots.string());
   ASSERT_EQ(drawn.exit_code, 0) << drawn.text;
   const std::string plot = test::Read(plots / "01_position_of_the_platform.svg");
-  EXPECT_THAT(plot, AllOf(HasSubstr("position of the platform [m]"), HasSubstr("time [s]"), HasSubstr("width=\"600\"")));
+  EXPECT_THAT(plot, AllOf(HasSubstr("position of the platform [m]"), HasSubstr("time [s]"),
+                          HasSubstr("width=\"600\"")));
   EXPECT_EQ(std::distance(fs::directory_iterator(plots), {}), 5) << "D1 has five plots";
   browser.Open(plots / "01_position_of_the_platform.svg");
   EXPECT_EQ(browser.Evaluate("document.documentElement.tagName"), "svg");
@@ -109,9 +111,13 @@ TEST_F(TenonReportTest, DrawsPicturesOfTwoSeconds) {
 
   const fs::path stopped = out / "stopped" / "run.webm";
   fs::create_directories(stopped.parent_path());
-  EXPECT_EQ(RunCommand("timeout --preserve-status -s INT 2 " TENON_REPORT " " + small + "--fps 500 --video " + stopped.string()).exit_code, 130);
+  EXPECT_EQ(RunCommand("timeout --preserve-status -s INT 2 " TENON_REPORT " " + small + "--fps 500 --video " +
+                       stopped.string())
+                .exit_code,
+            130);
   EXPECT_TRUE(fs::is_empty(stopped.parent_path()));
-  for (const std::string& beyond : {"--frame 2.5 x.svg", "--video x.webm --from 1 --to 3", "--video x.webm --from 1 --to 0.5"})
+  for (const std::string& beyond :
+       {"--frame 2.5 x.svg", "--video x.webm --from 1 --to 3", "--video x.webm --from 1 --to 0.5"})
     EXPECT_EQ(RunApp(run + " " + beyond).exit_code, 2) << beyond;
 }
 

@@ -165,16 +165,25 @@ TEST_F(CampaignPageTest, DrawsAnyTwoColumns) {
     list.value = [...list.options].findIndex((option) => option.textContent === text);
     list.dispatchEvent(new Event('change'));
   })");
-  browser.Evaluate("window.points = () => [...document.querySelectorAll('#scatter path')].filter((p) => p.onclick)");
-  EXPECT_EQ(browser.Evaluate("[points().length, points().filter((p) => p.classList.contains('bad')).length]"), Json({60, 10}));
-  EXPECT_EQ(browser.Evaluate("[...document.querySelectorAll('#scatter select')[0].options].map((o) => o.textContent)"), Json({"force [N]", "friction", "mass [kg]", "error max [m]"}));
-  EXPECT_EQ(browser.Evaluate("points().at(-1).querySelector('title').textContent"), "run 49, seed 149, failed");
+  browser.Evaluate(
+      "window.points = () => [...document.querySelectorAll('#scatter path')].filter((p) => p.onclick)");
+  EXPECT_EQ(browser.Evaluate("[points().length, points().filter((p) => p.classList.contains('bad')).length]"),
+            Json({60, 10}));
+  EXPECT_EQ(browser.Evaluate(
+                "[...document.querySelectorAll('#scatter select')[0].options].map((o) => o.textContent)"),
+            Json({"force [N]", "friction", "mass [kg]", "error max [m]"}));
+  EXPECT_EQ(browser.Evaluate("points().at(-1).querySelector('title').textContent"),
+            "run 49, seed 149, failed");
   browser.Evaluate("points().at(-1).onclick()");
-  EXPECT_EQ(browser.Evaluate("document.querySelector('#scatter .repeat code').textContent"), "again --replay 49");
+  EXPECT_EQ(browser.Evaluate("document.querySelector('#scatter .repeat code').textContent"),
+            "again --replay 49");
   browser.Evaluate("(choose(0, 'friction'), choose(1, 'mass [kg]'), choose(2, 'force [N]'))");
-  EXPECT_EQ(browser.Evaluate("new Set(points().map((p) => p.getAttribute('d').split(/[M,]/)[1])).size"), 2) << "two places";
-  EXPECT_EQ(browser.Evaluate("new Set(points().map((p) => p.getAttribute('stroke'))).size"), 3) << "a colour for each force";
-  const Json pictures = browser.Evaluate(R"(Object.fromEntries(tenonCampaign.pictures().map(([title, text]) => {
+  EXPECT_EQ(browser.Evaluate("new Set(points().map((p) => p.getAttribute('d').split(/[M,]/)[1])).size"), 2)
+      << "two places";
+  EXPECT_EQ(browser.Evaluate("new Set(points().map((p) => p.getAttribute('stroke'))).size"), 3)
+      << "a colour for each force";
+  const Json pictures =
+      browser.Evaluate(R"(Object.fromEntries(tenonCampaign.pictures().map(([title, text]) => {
     const page = new DOMParser().parseFromString(text, 'application/xml');
     return [title, [page.documentElement.tagName, page.querySelectorAll('[class]').length, [...page.querySelectorAll('text')].map((t) => t.textContent).join('|')]];
   })))");
@@ -182,7 +191,8 @@ TEST_F(CampaignPageTest, DrawsAnyTwoColumns) {
     EXPECT_EQ(picture[0], "svg") << title;
     EXPECT_EQ(picture[1], 0) << title << " does not need the style sheet";
   }
-  EXPECT_THAT(pictures["Any two columns"][2].get<std::string>(), AllOf(HasSubstr("|friction|"), HasSubstr("mass [kg]"), HasSubstr("force [N]: 1")));
+  EXPECT_THAT(pictures["Any two columns"][2].get<std::string>(),
+              AllOf(HasSubstr("|friction|"), HasSubstr("mass [kg]"), HasSubstr("force [N]: 1")));
   EXPECT_TRUE(pictures.contains("Map") && pictures.contains("Survival")) << pictures;
   EXPECT_THAT(browser.complaints(), IsEmpty());
   std::filesystem::remove(file);

@@ -14,8 +14,8 @@ namespace tenon::report_page_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using testing::Browser;
 using ::testing::AllOf;
+using testing::Browser;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
@@ -317,7 +317,9 @@ TEST_F(RunPageTest, PlotsAsVectorPictures) {
   };
   Json force = parts("force");
   EXPECT_EQ(force["root"], "svg");
-  EXPECT_THAT(force["texts"].dump(), AllOf(HasSubstr("\"time [s]\""), HasSubstr("\"force [N]\""), HasSubstr("\"output\""), HasSubstr("\"output ref\""), HasSubstr("\"push\""), HasSubstr("\"-0.5\"")));
+  EXPECT_THAT(force["texts"].dump(),
+              AllOf(HasSubstr("\"time [s]\""), HasSubstr("\"force [N]\""), HasSubstr("\"output\""),
+                    HasSubstr("\"output ref\""), HasSubstr("\"push\""), HasSubstr("\"-0.5\"")));
   EXPECT_EQ(force["ground"], "#fff");
   EXPECT_EQ(force["classes"], 0) << "the file does not need the style sheet";
   ASSERT_EQ(force["curves"].size(), 2U);
@@ -333,12 +335,15 @@ TEST_F(RunPageTest, PlotsAsVectorPictures) {
   const Json zoomed = parts("force");
   EXPECT_THAT(zoomed["texts"].dump(), HasSubstr("\"0.22\""));
   EXPECT_LT(zoomed["curves"][1][2].get<int>(), force["curves"][1][2].get<int>() / 2);
-  EXPECT_EQ(browser.Evaluate("tenonReport.pictures(600, 300).map((p) => p[0])"), Json({"cables", "force", "angle", "error"}));
+  EXPECT_EQ(browser.Evaluate("tenonReport.pictures(600, 300).map((p) => p[0])"),
+            Json({"cables", "force", "angle", "error"}));
 
-  EXPECT_EQ(browser.Evaluate("[[0, 1, 5], [-0.3, 0.31, 3], [2e6, 4e6, 2], [1, 1.0000001, 1]].map(([low, high, n]) => ticksOf([low, high], n).map((t) => t.text).join())"),
+  EXPECT_EQ(browser.Evaluate("[[0, 1, 5], [-0.3, 0.31, 3], [2e6, 4e6, 2], [1, 1.0000001, 1]].map(([low, "
+                             "high, n]) => ticksOf([low, high], n).map((t) => t.text).join())"),
             Json({"0,0.2,0.4,0.6,0.8,1", "-0.2,0,0.2", "2e+6,3e+6,4e+6", "1e+0,1.0000001e+0"}));
   EXPECT_EQ(browser.Evaluate("pathOf([[0, 1], [1, 2], [2, NaN], [3, 1 / 3]])"), "M0,1L1,2M3,0.33");
-  EXPECT_EQ(browser.Evaluate("outlineOf([[0, 0], [2, 0], [1, 1], [2, 2], [0, 2], [1, 0]].map(([x, y]) => ({x, y}))).map(({x, y}) => [x, y])"),
+  EXPECT_EQ(browser.Evaluate("outlineOf([[0, 0], [2, 0], [1, 1], [2, 2], [0, 2], [1, 0]].map(([x, y]) => "
+                             "({x, y}))).map(({x, y}) => [x, y])"),
             Json::parse("[[0, 0], [2, 0], [2, 2], [0, 2]]"));
   EXPECT_THAT(browser.complaints(), IsEmpty());
 }
@@ -364,7 +369,8 @@ TEST_F(RunPageTest, ReplayAsPictureAndVideo) {
   EXPECT_EQ(drawn["shadows"], 2);
   EXPECT_THAT(drawn["notes"].dump(), AllOf(HasSubstr("bodies"), HasSubstr("0.50 s"), HasSubstr("grid ")));
 
-  const std::string size = "[tenonReport.replay.renderer.domElement.width, tenonReport.replay.camera.aspect.toFixed(3)]";
+  const std::string size =
+      "[tenonReport.replay.renderer.domElement.width, tenonReport.replay.camera.aspect.toFixed(3)]";
   const Json before = browser.Evaluate(size);
   const Json film = browser.Evaluate(R"((async () => {
     const movie = tenonReport.movie({width: 161, height: 120, from: 0.2, to: 0.8, speed: 0.5, fps: 5});
