@@ -29,7 +29,7 @@ namespace {
 constexpr double kDuration = 0.05;  // [s]
 
 /// A supervisor that passes the command on.
-class OwnSupervisor final : public LeafSystem<> {
+class OwnSupervisor final : public LeafSystem<void> {
  public:
   InputPort<WalkCommand> command{this, {"command"}};
   OutputPort<WalkCommand> walk{this, {"walk"}, Uses(command), [](const WalkCommand& walk) { return walk; }};
@@ -49,21 +49,22 @@ class OwnWholeBody final : public LeafSystem<Vec<12>> {
 };
 
 /// An observer that estimates no disturbance.
-class OwnObserver final : public LeafSystem<> {
+class OwnObserver final : public LeafSystem<void> {
  public:
   OutputPort<WrenchEstimate> wrench{this, {"wrench"}, Uses(), [] { return WrenchEstimate(); }};
   OutputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}, Uses(), [] { return LegForceEstimate(); }};
 };
 
 /// An estimator whose input is the true state.
-class OwnEstimator final : public LeafSystem<> {
+class OwnEstimator final : public LeafSystem<void> {
  public:
   InputPort<LeggedState> truth{this, {"truth"}};
   OutputPort<LeggedState> state{this, {"state"}, Uses(truth), [](const LeggedState& x) { return x; }};
+  OutputPort<ImuMeasurement> inertial{this, {"inertial"}, Uses(), [] { return ImuMeasurement(); }};
 };
 
 /// A block without the ports of the one that it replaces.
-class Nothing final : public LeafSystem<> {};
+class Nothing final : public LeafSystem<void> {};
 
 /// A monitor that sees a fall at 20 ms, or another fault.
 class OwnMonitor final : public LeafSystem<std::string> {
@@ -82,7 +83,7 @@ class OwnMpc final : public LeafSystem<CableVector> {
 };
 
 /// A PD controller without gains.
-class OwnPd final : public LeafSystem<> {
+class OwnPd final : public LeafSystem<void> {
  public:
   InputPort<CdprReference> reference{this, {"reference"}};
   OutputPort<CableVector> command{
@@ -115,8 +116,8 @@ void ExpectNumbers(const Summary& summary, const std::vector<std::string>& keys)
 }
 
 /// Runs a diagram as an app does, with its figures and its report.
-Summary Run(Simulator& simulator, const std::vector<const Source*>& signals,
-            const std::vector<const OutputPort<Geometry>*>& shapes, const auto&... figures) {
+Summary RunWith(Simulator& simulator, const std::vector<const Source*>& signals,
+                const std::vector<const OutputPort<Geometry>*>& shapes, const auto&... figures) {
   Report report({.title = "replaced blocks", .signal_rate = Hz(100)});
   report.Log(simulator, signals, shapes);
   Summary summary("case", 1, Advance(simulator, kDuration));
@@ -129,14 +130,13 @@ class WalkTest : public ::testing::Test {
   explicit WalkTest(const std::string& scenario = "A1")
       : scenario_(Read<QuadrupedScenario>(scenario, "tenon-quadruped")),
         loop_(builder_.Add<QuadrupedWalk>("loop", MakeWalkParams(scenario_))) {}
-  Summary Run() {
+  Summary Walk() {
     Simulator simulator(builder_.Build(), MakeSimulatorOptions(scenario_, loop_.world.plant));
     const auto walk = std::make_shared<WalkFigures>(loop_, 0, true, PathVerdict(0.1, 1));
     const auto limits = std::make_shared<LimitFigures>(loop_.world.plant);
     simulator.AddLog(Hz(1000), WalkFigures::Judged(loop_), {walk});
     simulator.AddLog(Hz(1000), LimitFigures::Signals(loop_.world.plant), {limits});
-    return figures_test::Run(simulator, WalkFigures::Signals(loop_), WalkFigures::Shapes(loop_), walk,
-                             limits);
+    return RunWith(simulator, WalkFigures::Signals(loop_), WalkFigures::Shapes(loop_), walk, limits);
   }
 
   QuadrupedScenario scenario_;
@@ -151,7 +151,7 @@ class EstimatedWalkTest : public WalkTest {
 TEST_F(WalkTest, WithAnotherWholeBodyControllerAndObserver) {
   builder_.Replace<OwnWholeBody>(loop_.locomotion.whole_body, loop_.world.plant.params.robot.stance);
   builder_.Replace<OwnObserver>(loop_.observer);
-  const Summary summary = Run();
+  const Summary summary = Walk();
   ExpectNull(summary, {"qp_time_median_us", "qp_time_p99_us", "qp_failures"});
   ExpectNumbers(summary, {"com_error_max_m", "force_estimate_error_rms_N", "distance_m",
                           "path_deviation_max_m", "torque_max_N_m", "foot_depth_max_m"});
@@ -162,7 +162,7 @@ TEST_F(WalkTest, WithAnotherWholeBodyControllerAndObserver) {
 TEST_F(WalkTest, WithoutItsEvaluation) {
   builder_.Replace<Nothing>(loop_.errors);
   builder_.Replace<Nothing>(loop_.view);
-  const Summary summary = Run();
+  const Summary summary = Walk();
   ExpectNull(summary, {"com_error_max_m", "foot_error_max_m.front_left", "grf_error_mean_N",
                        "path_deviation_max_m", "followed"});
   ExpectNumbers(summary, {"distance_m", "qp_time_median_us", "force_estimate_error_rms_N"});
@@ -170,14 +170,14 @@ TEST_F(WalkTest, WithoutItsEvaluation) {
 
 TEST_F(WalkTest, AFallIsWhatTheMonitorOfFallsSees) {
   builder_.Replace<OwnMonitor>(loop_.world.monitor, "fall");
-  const Summary fallen = Run();
+  const Summary fallen = Walk();
   EXPECT_FALSE(fallen.finished());
   EXPECT_EQ(Figure(fallen, "fell"), "true");
 }
 
 TEST_F(WalkTest, AnotherFaultIsNoFall) {
   builder_.Add<OwnMonitor>("mine", "fall");
-  const Summary ended = Run();
+  const Summary ended = Walk();
   EXPECT_FALSE(ended.finished());
   EXPECT_EQ(Figure(ended, "fell"), "false");
 }
@@ -185,13 +185,13 @@ TEST_F(WalkTest, AnotherFaultIsNoFall) {
 TEST_F(EstimatedWalkTest, WithAnotherEstimator) {
   auto& own = builder_.Replace<OwnEstimator>(*loop_.estimator);
   builder_.Connect(loop_.world.state, own.truth);
-  const Summary summary = Run();
+  const Summary summary = Walk();
   EXPECT_EQ(Figure(summary, "tilt_estimate_error_max_rad"), "missing");
   EXPECT_EQ(Figure(summary, "path_error_max_m"), Figure(summary, "com_error_max_m"));
 }
 
 TEST_F(EstimatedWalkTest, HasFiguresOfItsEstimate) {
-  ExpectNumbers(Run(), {"tilt_estimate_error_max_rad", "path_error_max_m", "drift_m"});
+  ExpectNumbers(Walk(), {"tilt_estimate_error_max_rad", "path_error_max_m", "drift_m"});
 }
 
 TEST(GuideDogTest, WithAnotherSupervisor) {
@@ -204,7 +204,7 @@ TEST(GuideDogTest, WithAnotherSupervisor) {
   const auto walk = std::make_shared<WalkFigures>(loop, 0, true, PathVerdict());
   simulator.AddLog(Hz(1000), GuideDogFigures::Judged(loop), {leash, walk});
   const Summary summary =
-      Run(simulator, GuideDogFigures::Signals(loop), GuideDogFigures::Shapes(loop), leash, walk);
+      RunWith(simulator, GuideDogFigures::Signals(loop), GuideDogFigures::Shapes(loop), leash, walk);
   ExpectNull(summary, {"tension_mean_N", "stop_delay_s", "heading_error_deg"});
   ExpectNumbers(summary, {"tension_max_N", "com_error_max_m", "qp_time_median_us"});
 }
@@ -226,7 +226,7 @@ Summary FlyD1(CdprController controller, const auto& replace) {
     solves = std::make_shared<MpcFigures>(*mpc);
     simulator.AddLog(Hz(100), MpcFigures::Signals(*mpc), {solves});
   }
-  Summary summary = Run(simulator, CdprFigures::Signals(loop), {&loop.world.plant.geometry}, limits);
+  Summary summary = RunWith(simulator, CdprFigures::Signals(loop), {&loop.world.plant.geometry}, limits);
   EXPECT_TRUE(summary.finished());
   summary.Set("tension_max_N", figures->tension().max());
   summary.Set("command_max_N", figures->command().max());

@@ -181,7 +181,7 @@ TEST_F(TenonCdprTest, RefusesSettingsThatDoNotFitTogether) {
        {"waypoints --set path.waypoints.1.position_m=[0,0,1.6]", "waypoints.yaml:13:7: path.waypoints.1: "},
        {"waypoints --set path.waypoints.0.attitude_rad=null", "waypoints.yaml:13:7: path.waypoints.1: "},
        {"D1 --set 'report.plots=[{title: speed, signals: [loop.plant.platform.v_B]}]'",
-        "D1.yaml:38:3: report: plot 'speed'"},
+        ": report.plots.0.signals.0: the diagram has no port 'loop.plant.platform.v_B'"},
        {"D1 --set 'report.plots=[{title: speed}]'", ": report.plots.0: "},
        {"D1 --set \"report.events=[$(seq -s, 1001)]\"", ": report.events: "},
        {"D1 --set robot.cables=[1,2,3]", ": robot.cables.0: "}});

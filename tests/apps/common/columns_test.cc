@@ -33,18 +33,19 @@ struct Robot {
   }
 };
 
-class Legs final : public LeafSystem<> {
+class Legs final : public LeafSystem<void> {
  public:
   OutputPort<double> forces{this, {"forces"}, Uses(), [] { return 0.0; }};
   OutputPort<double> force{this, {"force"}, Uses(), [] { return 0.0; }};
   OutputPort<Robot> robot{this, {"robot"}, Uses(), [] { return Robot(); }};
-  OutputPort<std::array<Leg, 2>> pair{
-      this, {"pair", "", "a, b"}, Uses(), [] { return std::array<Leg, 2>(); }};
+  OutputPort<std::array<Vec<2>, 2>> pair{this, {"pair", "m", "a, b"}, Uses(), [] {
+                                           return std::array{Vec<2>(1, 2), Vec<2>(3, 4)};
+                                         }};
   OutputPort<std::vector<Leg>> list{this, {"list"}, Uses(), [] { return std::vector<Leg>(3); }};
 };
 
 /// Lacks all ports but one.
-class Other final : public LeafSystem<> {
+class Other final : public LeafSystem<void> {
  public:
   OutputPort<double> force{this, {"force"}, Uses(), [] { return 0.0; }};
 };
@@ -60,13 +61,15 @@ class ColumnsTest : public ::testing::Test {
  protected:
   /// The names in a log of the signals of the built diagram.
   std::vector<std::string> Log(const std::vector<const Source*>& signals) {
-    Simulator simulator(builder_.Build());
+    diagram_ = builder_.Build();
+    Simulator simulator(diagram_);
     const auto sink = std::make_shared<Names>();
     simulator.AddLog(Hz(10), signals, {sink});
     simulator.RunTo(0.1);
     return sink->names;
   }
   DiagramBuilder builder_;
+  std::shared_ptr<const Diagram> diagram_;  // owns the blocks
   Legs& block_ = builder_.Add<Legs>("block");
 };
 
@@ -83,7 +86,7 @@ TEST_F(ColumnsTest, FollowMembersAndItems) {
   EXPECT_THAT(found(block_.robot, &Robot::legs, 1, &Leg::force), ElementsAre("block.robot.legs.right.force"));
   EXPECT_THAT(found(block_.robot, &Robot::cables),
               ElementsAre("block.robot.cables.0", "block.robot.cables.1"));
-  EXPECT_THAT(found(block_.pair, 0, &Leg::force), ElementsAre("block.pair.a.force"));
+  EXPECT_THAT(found(block_.pair, 1), ElementsAre("block.pair.b.0", "block.pair.b.1"));
   EXPECT_THAT(found(block_.list, 2, &Leg::force), ElementsAre("block.list.2.force"));
   EXPECT_EQ(names[Column(names, block_.force)], "block.force");
   EXPECT_EQ(SignalName(block_.robot, &Robot::legs, 0), "block.robot.legs.left");

@@ -20,7 +20,7 @@ struct Opaque {
 };
 
 /// A cart at the end of a spring, x'' = -x.
-class Cart final : public LeafSystem<> {
+class Cart final : public LeafSystem<void> {
  public:
   ContinuousState<Vec<2>> x{this, {"x", "m, m/s", "position, velocity"}};
   OutputPort<Vec<2>> state{this, x};

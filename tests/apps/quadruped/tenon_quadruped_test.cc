@@ -276,9 +276,9 @@ TEST_F(TenonQuadrupedTest, RefusesSettingsThatDoNotFitTogether) {
         ": random_forces.0.period_s: "},
        {"stand --set 'terrain={friction: -1}'", ": terrain.friction: "},
        {"flat --set terrain.grade=[50,0]", ": terrain: "},
-       {"stand --set 'report.plots=[{title: a, signals: [b]}]'", "stand.yaml:13:3: report: plot 'a'"},
-       {"stand --set 'report.plots=[{title: \"\\e[31m\", signals: [b]}]'",
-        "stand.yaml:13:3: report: plot '\\x1b[31m'"},
+       {"stand --set 'report.plots=[{title: a, signals: [b]}]'",
+        ": report.plots.0.signals.0: the diagram has no port 'b'"},
+       {"stand --set 'log.signals=[\"\\e[31m\"]'", ": log.signals.0: the diagram has no port '\\x1b[31m'"},
        {"stand --set report.plots.1.signals=[]", "stand.yaml:13:3: report: the plot 'attitude"},
        {"flat --duration 1 --set walk.path.segments.1.length_m=1e-4",
         "flat.yaml:11:9: walk.path.segments.1: "}});
