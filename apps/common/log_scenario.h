@@ -10,7 +10,7 @@ namespace tenon::apps {
 
 /// The key `log` of a scenario: signals to log in addition to those of the app.
 struct LogScenario {
-  /// Ports of the diagram by path, "loop.locomotion.swing_planner.feet"; a part of a port selects the port
+  /// Ports of the diagram by path, such as "loop.locomotion.swing_planner.feet"; an element selects its port
   std::vector<std::string> signals;
 
   static FieldList Fields() { return {{"signals", &LogScenario::signals}}; }
