@@ -198,7 +198,7 @@ static void DemandOtherFiles(const CommonArguments& arguments) {
             fmt::format("--out {}: the run would overwrite its own scenario '{}': choose another --out",
                         out.string(), file));
     const YamlDocument document = YamlDocument::Load(file);
-    file = document.Text("extends").empty() ? "" : document.Path("extends");
+    file = IsResourcePath(document.Text("extends")) ? document.Path("extends") : "";
   }
 }
 

@@ -113,7 +113,13 @@ static Range RangeAt(const FieldList* fields, std::size_t offset, const TypeInfo
     if (field == fields->end()) break;
     if (*field->type().id == *type.id) return field->range;
     offset -= field->offset;
-    fields = field->type().kind == TypeInfo::Kind::kStruct ? &field->type().fields : nullptr;
+    const TypeInfo* inner = &field->type();
+    while (inner->kind == TypeInfo::Kind::kArray) {
+      inner = &inner->item();
+      offset %= inner->size;
+      if (*inner->id == *type.id) return field->range;
+    }
+    fields = inner->kind == TypeInfo::Kind::kStruct ? &inner->fields : nullptr;
   }
   return {};
 }

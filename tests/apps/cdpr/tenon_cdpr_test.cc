@@ -164,7 +164,7 @@ TEST_F(TenonCdprTest, RefusesSettingsThatDoNotFitTogether) {
       {{"D1 --controller pd --compare", "--controller excludes --compare"},
        {"D1 --set mpc=null", "D1.yaml:15:13: controller: "},
        {"D1 --set 'payload={attach_s: 2, release_s: 1}'", ": payload.release_s: "},
-       {"D1 --set 'payload={mass_kg: 1, position_m: [1e6, 0, 0]}'", ": payload.position_m: "},
+       {"D1 --set 'payload={mass_kg: 1, position_m: [1e6, 0, 0]}'", ": payload.position_m.0: "},
        {"D1 --set path.center_m=[0,0,5]", "D1.yaml:9:3: path: "},
        {"D1 --set path.kind=hold", "D1.yaml:9:3: path: "},
        {"D1 --set path.kind=line", "D1.yaml:9:3: path: "},

@@ -56,8 +56,8 @@ TEST_F(CablePdTest, StaysInsideTheBounds) {
 
 TEST(CablePdParamsTest, GainsThatMakeNoSenseAreRefused) {
   const CdprDescription robot = test::FourCableRobot();
-  EXPECT_TRUE(Refuses<CablePd>({robot, 0, 50}, "stiffness_N_per_m"));
-  EXPECT_TRUE(Refuses<CablePd>({robot, 100, -1}, "damping_N_s_per_m"));
+  EXPECT_TRUE(Refuses<CablePd>({robot, 0, 50}, "stiffness = 0"));
+  EXPECT_TRUE(Refuses<CablePd>({robot, 100, -1}, "damping = -1"));
 }
 
 TEST_F(CablePdTest, GainsAreSetInARun) {
@@ -68,8 +68,8 @@ TEST_F(CablePdTest, GainsAreSetInARun) {
   EXPECT_NE(Command(), built[built->command]);
   rig.Set(rig->stiffness, 700).Set(rig->damping, 90);
   EXPECT_EQ(Command(), built[built->command]);
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->stiffness, 0); }, "stiffness_N_per_m"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->damping, -1); }, "damping_N_s_per_m"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->stiffness, 0); }, "stiffness = 0"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->damping, -1); }, "damping = -1"));
 }
 
 }  // namespace

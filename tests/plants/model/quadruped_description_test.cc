@@ -213,10 +213,6 @@ TEST(QuadrupedDescriptionTest, RefusesBadBodiesAndJoints) {
        {"a1", "lower=\"-0.8029\"", "lower=\"0.9\"", "a1.urdf", "'FL_hip_joint'"},
        {"a1", "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"0 0 0\"/>", "a1.urdf", "'FL_hip_joint'"},
        {"a1", "<origin xyz=\"0.1805 0.047 0\"/>", "<origin xyz=\"0.1805 101 0\"/>", "a1.urdf:", "100"},
-       {"dogbot", "ixx=\"0.00509\" ixy=\"0\" ixz=\"0\" iyy=\"0.00527\" iyz=\"0\" izz=\"0.0008\"",
-        "ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"", "dogbot.urdf",
-        "link 'front_left_lower_leg'"},
-       {"dogbot", "ixx=\"0.091\"", "ixx=\"1.91\"", "dogbot.urdf", "link 'body'"},
        {"dogbot", "<mass value=\"0.836\"/>", "<mass value=\"0\"/>", "dogbot.urdf", "'front_left_hip'"},
        {"dogbot", "<mass value=\"9.3\"/>", "<mass value=\"9.3e9\"/>", "dogbot.urdf", "link 'body'"},
        // A foot above its knee cannot stand.
@@ -344,12 +340,26 @@ TEST(QuadrupedDescriptionTest, CorrectsTheInertiaOfFrames) {
       "izz=\"1\"/></inertial>");
   EXPECT_NEAR(massless.Load().trunk.inertia(0, 0), trunk, 1e-15);
   EXPECT_THAT(massless.Warnings()[0], HasSubstr("link 'imu'"));
-  // The nearest: 1, 2 and 4 kg m^2 have second moments of 2.5, 1.5 and -0.5, and without the last 1.5, 2.5
+  // The nearest: 1, 2 and 4e-6 kg m^2 have second moments of 2.5, 1.5 and -0.5, and without the last 1.5, 2.5
   // and 4.
   const RobotFiles flat = with_frame(
-      "<inertial><mass value=\"0.001\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"2\" iyz=\"0\" "
-      "izz=\"4\"/></inertial>");
-  EXPECT_THAT(flat.Warnings()[0], HasSubstr("1.5, 2.5, 4 kg m^2"));
+      "<inertial><mass value=\"0.001\"/><inertia ixx=\"1e-6\" ixy=\"0\" ixz=\"0\" iyy=\"2e-6\" iyz=\"0\" "
+      "izz=\"4e-6\"/></inertial>");
+  EXPECT_THAT(flat.Warnings()[0], HasSubstr("1.5e-06, 2.5e-06, 4e-06 kg m^2"));
+}
+
+// So has the main link of a body, with a warning.
+TEST(QuadrupedDescriptionTest, CorrectsTheInertiaOfBodies) {
+  RobotFiles zero("dogbot");
+  zero.Change(&RobotFiles::urdf,
+              "ixx=\"0.00509\" ixy=\"0\" ixz=\"0\" iyy=\"0.00527\" iyz=\"0\" izz=\"0.0008\"",
+              "ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"");
+  EXPECT_THAT(zero.Warnings()[0], HasSubstr("link 'front_left_lower_leg'"));
+  EXPECT_GT(zero.Load().legs[0].bodies[2].inertia(0, 0), 0);
+  RobotFiles wrong("dogbot");
+  wrong.Change(&RobotFiles::urdf, "ixx=\"0.091\"", "ixx=\"1.91\"");
+  EXPECT_THAT(wrong.Warnings()[0], AllOf(HasSubstr("dogbot.urdf:"), HasSubstr("link 'body'")));
+  CheckInertia(wrong.Load().trunk.inertia);
 }
 
 TEST(QuadrupedDescriptionTest, TheYamlGivesLimitsThatTheUrdfLacks) {

@@ -138,9 +138,9 @@ TEST(LeggedSensorsTest, DoNotAllocate) {
 }
 
 TEST(LeggedSensorsTest, RefuseErrorsThatMakeNoSense) {
-  EXPECT_TRUE(Refuses<JointEncoders>({.angle = {.absolute = -1}}, "joint angles"));
-  EXPECT_TRUE(Refuses<JointEncoders>({.speed = {.bias = INFINITY}}, "joint speeds"));
-  EXPECT_TRUE(Refuses<FootForceSensor>({.error = {.relative = NAN}}, "force sensor"));
+  EXPECT_TRUE(Refuses<JointEncoders>({.angle = {.absolute = -1}}, "angle."));
+  EXPECT_TRUE(Refuses<JointEncoders>({.speed = {.bias = INFINITY}}, "speed."));
+  EXPECT_TRUE(Refuses<FootForceSensor>({.error = {.relative = NAN}}, "error."));
 }
 
 // Both runs draw the same random numbers.
@@ -152,7 +152,7 @@ TEST(JointEncodersTest, ErrorsAreSetInARun) {
   EXPECT_EQ(rig[rig->joints].q, built[built->joints].q);
   EXPECT_EQ(rig[rig->joints].qd, built[built->joints].qd);
   EXPECT_NE(rig[rig->joints].q, Standing(DogBot()).q);
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->speed, {.absolute = -1}); }, "joint speeds"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->speed, {.absolute = -1}); }, "speed."));
 }
 
 TEST(ForceSensorsTest, ErrorsAreSetInARun) {
@@ -168,7 +168,7 @@ TEST(ForceSensorsTest, ErrorsAreSetInARun) {
   noisy_force.Fix(noisy_force->forces, FootForces()).Tick();
   EXPECT_EQ(force[force->measured][kRearLeft], noisy_force[noisy_force->measured][kRearLeft]);
   EXPECT_NE(force[force->measured][kRearLeft], Vec<3>(0, 0, 0));
-  EXPECT_TRUE(Throws<ParameterError>([&] { force.Set(force->error, {.bias = INFINITY}); }, "force sensor"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { force.Set(force->error, {.bias = INFINITY}); }, "error."));
 }
 
 }  // namespace

@@ -191,7 +191,7 @@ TEST(PersonTest, BodyAndIntentAreSetInARun) {
   std::vector<PersonPhase> wrong = changed.phases;
   wrong[0].speed = -1;
   EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->phases, wrong); }, "phases.0"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->mass, 0); }, "mass_kg"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->mass, 0); }, "mass = 0"));
 }
 
 }  // namespace

@@ -237,7 +237,7 @@ TEST_F(LiveServerTest, ACommandSetsAllOrNothing) {
   const auto act = [&](std::size_t step) {
     if (step == 0) return Take();
     EXPECT_THAT(Command({{"command", "gait"}, {"name", "hop"}}).value("error", ""),
-                HasSubstr("10 N at most"));
+                HasSubstr("from -10 to 10 N"));
     EXPECT_EQ(simulator_->context().Eval(cart_.engine->tilt), Vec<2>(0, 0));
   };
   Run({0, 0.1}, act, 0.2);
@@ -263,7 +263,7 @@ TEST_F(LiveServerTest, RefusesWhatCannotBeAndSaysWhy) {
         refused({{"command", "drive"}, {"velocity", {0, 0}}}, "three numbers");
         refused({{"command", "drive"}}, "'drive'");
         refused({{"command", "load"}, {"mass_kg", 3}}, "give 1 to 2");
-        refused({{"command", "parameter"}, {"path", "engine.force"}, {"value", 11}}, "10 N at most");
+        refused({{"command", "parameter"}, {"path", "engine.force"}, {"value", 11}}, "from -10 to 10 N");
         refused({{"command", "parameter"}, {"path", "engine.farce"}, {"value", 1}}, "'engine.force'");
         refused({{"command", "parameter"}, {"path", "engine.tilt"}, {"value", {1, 2, 3}}}, "has 2 elements");
         refused({{"command", "parameter"}, {"path", "engine.gear"}, {"value", 9}}, "'engine.gear'");

@@ -46,7 +46,7 @@ TEST(DiscreteLowPassTest, TheTimeConstantIsSetInARun) {
   rig.Set(rig->time_constant, 0.1).Fix(rig->u, 1).Tick().Tick();
   EXPECT_NEAR(rig[rig->y], 1 - std::exp(-1), 1e-15);
   EXPECT_TRUE(
-      Throws<ParameterError>([&] { rig.Set(rig->time_constant, 0); }, "'block.time_constant'", "positive"));
+      Throws<ParameterError>([&] { rig.Set(rig->time_constant, 0); }, "'block.time_constant'", "above 0"));
 }
 
 }  // namespace tenon::discrete_low_pass_test

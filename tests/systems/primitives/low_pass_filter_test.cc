@@ -35,7 +35,7 @@ TEST(LowPassFilterTest, TheTimeConstantIsSetInARun) {
   rig.Set(rig->time_constant, 0.25);
   EXPECT_THAT(rig.Fix(rig->u, {1, 2}).Derivative(rig->x), IsNear(Vec<2>(4, 8), 0));
   EXPECT_TRUE(
-      Throws<ParameterError>([&] { rig.Set(rig->time_constant, 0); }, "'block.time_constant'", "positive"));
+      Throws<ParameterError>([&] { rig.Set(rig->time_constant, 0); }, "'block.time_constant'", "above 0"));
   EXPECT_EQ(rig.diagram().ContinuousStateNames()[1], "block.y.z");
 }
 

@@ -71,7 +71,7 @@ TEST(PidTest, DoesNotAllocate) {
 }
 
 TEST(PidTest, RefusesBadParameters) {
-  EXPECT_TRUE(Refuses<Pid<>>({.ki = test::kNan}, "kp"));
+  EXPECT_TRUE(Refuses<Pid<>>({.ki = test::kNan}, "ki"));
   for (const double bad : {-1.0, test::kNan})
     EXPECT_TRUE(Refuses<Pid<>>({.filter_time = bad}, "filter_time"));
   for (const double bad : {-0.1, 1.1, test::kNan})

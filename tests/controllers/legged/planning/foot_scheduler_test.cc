@@ -324,10 +324,10 @@ TEST(FootSchedulerTest, RefusesNonsense) {
         p.gaits.trot.swing_groups = {{kFrontLeft, kFrontRight, kRearLeft, kRearRight}};
       },
       "gaits.trot"));
-  EXPECT_TRUE(refuses([](auto& p) { p.touchdown_force = 0; }, "touchdown_force_N"));
+  EXPECT_TRUE(refuses([](auto& p) { p.touchdown_force = 0; }, "touchdown_force"));
   EXPECT_TRUE(refuses([](auto& p) { p.early_touchdown_phase = 2; }, "early_touchdown_phase"));
-  EXPECT_TRUE(refuses([](auto& p) { p.late_wait = -1; }, "late_wait_s"));
-  EXPECT_TRUE(refuses([](auto& p) { p.search_after = 0; }, "search_after_s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.late_wait = -1; }, "late_wait"));
+  EXPECT_TRUE(refuses([](auto& p) { p.search_after = 0; }, "search_after"));
   EXPECT_TRUE(Throws<Error>([] { GaitTable()[Gait::kStand]; }, "stand"));
 }
 
@@ -367,7 +367,7 @@ TEST(FootSchedulerTest, LimitsAndGaitsAreSetInARun) {
   }
   EXPECT_TRUE(differs);
 
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(block.touchdown_force, 0); }, "touchdown_force_N"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(block.touchdown_force, 0); }, "touchdown_force"));
   GaitTable wrong = changed.gaits;
   wrong.pace.swing = 0;
   EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(block.gaits, wrong); }, "gaits.pace", "swing_s"));

@@ -410,7 +410,7 @@ TEST_P(WholeBodyQpTest, SwingFootAccelerationIsThatOfTheProjector) {
 
 TEST(WholeBodyQpParams, AreRefusedUnlessPositive) {
   EXPECT_TRUE(Throws<ParameterError>([] { CheckRanges(WholeBodyQpParams{.slack_weight = 0}); },
-                                     "slack_weight = 0", "positive"));
+                                     "slack_weight = 0", "above 0"));
   EXPECT_TRUE(
       Throws<ParameterError>([] { CheckRanges(WholeBodyQpParams{.friction = -1}); }, "friction = -1"));
   EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQp{Vec<12>::Zero()}; }, "torque limits"));
