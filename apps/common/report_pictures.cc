@@ -33,10 +33,10 @@ Size SizeOf(const std::string& text, Size standard) {
   const std::size_t x = text.find('x');
   const auto width = internal::NumberIn<int>(text.substr(0, x));
   const auto height = internal::NumberIn<int>(x == text.npos ? "" : text.substr(x + 1));
-  const auto fits = [](std::optional<int> length) { return length && *length >= 100 && *length <= 8000; };
+  const auto fits = [](std::optional<int> length) { return length && *length >= 100 && *length <= 4000; };
   if (!fits(width) || !fits(height))
     throw ParameterError(
-        fmt::format("--size {}: write WIDTHxHEIGHT in pixels from 100 to 8000, such as 1280x720", text));
+        fmt::format("--size {}: write WIDTHxHEIGHT in pixels from 100 to 4000, such as 1280x720", text));
   return {*width, *height};
 }
 

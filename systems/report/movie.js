@@ -60,7 +60,7 @@ class Movie {
     this.replay.pending = true;  // drawn here, not once more by the next animation frame
     this.replay.setTime(t);
     this.replay.render();
-    this.context.drawImage(this.replay.renderer.domElement, 0, 0);
+    this.context.drawImage(this.replay.renderer.domElement, 0, 0, this.canvas.width, this.canvas.height);
     drawNotes(this.context, this.replay, t, this.canvas.width, this.canvas.height);
   }
 

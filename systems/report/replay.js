@@ -224,10 +224,11 @@ class Replay {
     return [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
   }
 
-  // Draws pictures of `size`, {width, height} in pixels, instead of filling the stage; null returns to the stage.
+  // Draws pictures of `size`, {width, height} in pixels, at twice this resolution, so that a thin cable is a whole line. null fills
+  // the stage again.
   setSize(size) {
     this.fixed = size;
-    this.renderer.setPixelRatio(size ? 1 : Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.setPixelRatio(size ? 2 : Math.min(window.devicePixelRatio || 1, 2));
     this.resize();
   }
 
