@@ -7,7 +7,6 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/parse_number.h>
-#include <tenon/systems/yaml/resources.h>
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -185,29 +184,24 @@ std::string ProgramName(char** argv) {
   return std::filesystem::path(argv[0] == nullptr ? "" : argv[0]).filename().string();
 }
 
-/// Refuses an output directory whose files of a run are the scenario's own file or files that it extends.
-static void DemandOtherFiles(const CommonArguments& arguments) {
-  namespace fs = std::filesystem;
-  const fs::path out = OptionsOf(arguments).out;
-  std::string file = arguments.scenario;
-  for (int depth = 0; depth < 20 && IsResourcePath(file); ++depth) {  // LoadScenario refuses rings
-    std::error_code no_such_file;
+/// Refuses an output directory whose files of a run are those that the scenario was read from.
+static void DemandOtherFiles(const std::vector<std::string>& scenario, const std::filesystem::path& out) {
+  std::error_code no_such_file;
+  for (const std::string& file : scenario)
     for (const char* name : {"scenario.yaml", "signals.csv", "summary.json", "report.html"})
-      if (fs::equivalent(out / name, file, no_such_file))
+      if (std::filesystem::equivalent(out / name, file, no_such_file))
         throw ParameterError(
             fmt::format("--out {}: the run would overwrite its own scenario '{}': choose another --out",
                         out.string(), file));
-    const YamlDocument document = YamlDocument::Load(file);
-    file = IsResourcePath(document.Text("extends")) ? document.Path("extends") : "";
-  }
 }
 
 YamlDocument LoadScenario(const CommonArguments& arguments, const std::string& app) {
   if (arguments.scenario.empty()) {
     throw ParameterError("no scenario given: name one (see --list), or give a YAML file");
   }
-  DemandOtherFiles(arguments);
-  YamlDocument document = LoadScenario(arguments.scenario, arguments.settings, app);
+  std::vector<std::string> files;
+  YamlDocument document = LoadScenario(arguments.scenario, arguments.settings, app, &files);
+  DemandOtherFiles(files, OptionsOf(arguments).out);
   DrawScenario(document, arguments.seed);
   return document;
 }

@@ -122,10 +122,12 @@ void AddRequested(const Diagram& diagram, const ReportScenario& report, const Lo
                   std::vector<const Source*>& signals) {
   std::vector<const Source*> ports;
   for (const Request& request : RequestsOf(report, log)) {
-    if (ports.empty()) AddPorts(diagram.blocks(), ports);
     const Source* port = PortOf(request.name, signals);
     const bool logged = port != nullptr;
-    if (!logged) port = PortOf(request.name, ports);
+    if (!logged) {
+      if (ports.empty()) AddPorts(diagram.blocks(), ports);
+      port = PortOf(request.name, ports);
+    }
     if (port == nullptr) Refuse(request, NamesOf(ports));
     if (!HoldsNumbers(*port))
       throw KeyError(request.key,

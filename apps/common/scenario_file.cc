@@ -29,13 +29,17 @@ constexpr const char* kWritten = ".written";  // lists the copies, so that nothi
 
 fs::path FindScenario(const std::string& name, const std::string& app);
 
-/// Loads a scenario with the keys that it inherits by `extends`.
-YamlDocument LoadExtended(const std::string& file, const std::string& app) {
+/// Loads a scenario with the keys that it inherits by `extends`. Lists the files that it reads.
+YamlDocument LoadExtended(const std::string& file, const std::string& app,
+                          std::vector<std::string>* files = nullptr) {
   YamlDocument document = YamlDocument::Load(file);
   std::vector<std::string> chain{fs::absolute(file).lexically_normal().string()};
   while (true) {
     const std::string name = document.Text("extends");
-    if (name.empty()) return document;
+    if (name.empty()) {
+      if (files != nullptr) *files = std::move(chain);
+      return document;
+    }
     const std::string place = document.PlaceOf("extends");
     try {
       const std::string base =
@@ -93,8 +97,8 @@ void ApplySettings(const std::vector<std::string>& settings, YamlDocument* docum
 }
 
 YamlDocument LoadScenario(const std::string& name, const std::vector<std::string>& settings,
-                          const std::string& app) {
-  YamlDocument document = LoadExtended(FindScenario(name, app), app);
+                          const std::string& app, std::vector<std::string>* files) {
+  YamlDocument document = LoadExtended(FindScenario(name, app), app, files);
   ApplySettings(settings, &document);
   if (const std::string other = document.Text("app"); !app.empty() && !other.empty() && other != app) {
     throw ParameterError(fmt::format("{0}: '{1}' is not a scenario of {2}; run {3} {1}",

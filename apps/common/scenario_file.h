@@ -16,9 +16,10 @@ void ApplySettings(const std::vector<std::string>& settings, YamlDocument* docum
 
 /// Loads a shipped scenario or a file and applies the key=value texts of `settings`. A scenario with
 /// `extends: NAME` inherits all keys of another scenario that it does not set itself; lists are inherited as
-/// a whole. Throws ParameterError, also for a scenario of another app than `app`, if `app` is not empty.
+/// a whole. If `files` is given, it receives the paths of all files that were read. Throws ParameterError,
+/// also for a scenario of another app than `app`, if `app` is not empty.
 YamlDocument LoadScenario(const std::string& name, const std::vector<std::string>& settings,
-                          const std::string& app);
+                          const std::string& app, std::vector<std::string>* files = nullptr);
 
 /// Sets the seed of a scenario, if one is given, and draws its random values. Returns the drawn values by
 /// key.
