@@ -16,6 +16,15 @@ using internal::CalculationInfo;
 using internal::Finiteness;
 using internal::Op;
 
+namespace {
+
+/// memcpy requires valid pointers even for size 0, which an empty vector does not have.
+void CopyScalars(void* to, const void* from, std::size_t count) {
+  if (count > 0) std::memcpy(to, from, count * sizeof(double));
+}
+
+}  // namespace
+
 bool Context::IsFresh(const Op& op) const {
   return op.varies ? stamps_[op.calculation] == instant_ : stamps_[op.calculation] != 0;
 }
@@ -42,15 +51,15 @@ void Context::LoadStates(const double* x) {
 
 void Context::UnpackStates() {
   for (const internal::Unpacked& each : diagram_->program().unpacked_states) {
-    std::memcpy(each.source->type_->data(memory_.get() + each.source->offset_), memory_.get() + each.offset,
-                each.count * sizeof(double));
+    CopyScalars(each.source->type_->data(memory_.get() + each.source->offset_), memory_.get() + each.offset,
+                each.count);
   }
 }
 
 void Context::PackStates() {
   for (const internal::Unpacked& each : diagram_->program().unpacked_states) {
-    std::memcpy(memory_.get() + each.offset, each.source->type_->data(memory_.get() + each.source->offset_),
-                each.count * sizeof(double));
+    CopyScalars(memory_.get() + each.offset, each.source->type_->data(memory_.get() + each.source->offset_),
+                each.count);
   }
 }
 
@@ -61,7 +70,7 @@ void Context::PackDerivatives() {
       throw RunError(fmt::format("'{}' has {} elements, but its state has {}: make them equal",
                                  each.source->path(), size, each.count));
     }
-    std::memcpy(memory_.get() + each.offset, each.source->type_->data(value), each.count * sizeof(double));
+    CopyScalars(memory_.get() + each.offset, each.source->type_->data(value), each.count);
   }
 }
 
