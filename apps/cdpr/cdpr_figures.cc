@@ -57,6 +57,7 @@ void CdprFigures::Row(std::span<const double> row) {
   for (std::size_t i = 0; i < tensions_.size(); ++i) last_tension_[i] = row[tensions_[i]];
 
   if (row[0] < settle_from_) return;
+  if (settle_from_ > loaded_from_) release_error_.Add(error);
   const bool inside = std::abs(row[position_[0]] - row[ref_position_[0]]) <= kSettled &&
                       std::abs(row[position_[1]] - row[ref_position_[1]]) <= kSettled;
   if (inside && !settled_) settled_since_ = row[0];

@@ -38,6 +38,8 @@ class CdprFigures final : public LogSink {
   std::optional<double> loaded_swing() const;
   /// Time from `settle_from` until x and y stay within 0.02 m of the reference [s]; empty if they do not.
   std::optional<double> settling_time() const;
+  /// Tracking error from the release of a load on [m]; empty without a load.
+  const Tally& release_error() const { return release_error_; }
   const PathVerdict& path() const { return path_; }
 
  private:
@@ -48,7 +50,7 @@ class CdprFigures final : public LogSink {
 
   double last_time_ = 0;
   std::vector<double> last_tension_;
-  Tally tension_, tension_rate_, command_, oscillation_, acceleration_, error_, loaded_error_;
+  Tally tension_, tension_rate_, command_, oscillation_, acceleration_, error_, loaded_error_, release_error_;
   std::array<Tally, 3> loaded_euler_;
   double settled_since_ = 0;
   bool settled_ = false;

@@ -97,6 +97,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
     summary.Set("loaded_error_rms_m", figures->loaded_error().rms());
     summary.Set("loaded_swing_rms_rad", figures->loaded_swing());
     summary.Set("settling_time_s", figures->settling_time());
+    summary.Set("release_peak_m", figures->release_error().max());
     // Commands stay within the bounds; the plant's tensions are judged by CdprMonitor, which may end the run.
     summary.Limit("command_min_N", {.low = tension.low});
     summary.Limit("command_max_N", {.high = tension.high});

@@ -161,7 +161,7 @@ CdprMpcParams MakeMpcParams(const CdprScenario& scenario,
   const MpcScenario& mpc = *scenario.mpc;
   CdprMpcParams params;
   params.path = path;
-  params.equilibrium_input = scenario.controller == CdprController::kMpcEquilibrium;
+  params.equilibrium_input = scenario.controller != CdprController::kMpcZero;
   params.horizon = mpc.horizon_s;
   params.num_steps = mpc.num_steps;
   params.weights = mpc.weights;
@@ -172,6 +172,12 @@ CdprMpcParams MakeMpcParams(const CdprScenario& scenario,
   params.rate = Hz(mpc.rate_hz);
   params.command_rate = Hz(mpc.command_rate_hz);
   params.max_fallbacks_in_a_row = mpc.max_fallbacks_in_a_row;
+  if (scenario.controller == CdprController::kMpcThesis) {
+    params.num_steps = std::max(1, static_cast<int>(std::lround(mpc.horizon_s * mpc.rate_hz)));
+    params.terminal = TerminalCost::kGiven;
+    params.slq.bounds = SlqBounds::kRollOutProjection;
+    params.command_rate = params.rate;
+  }
   return params;
 }
 

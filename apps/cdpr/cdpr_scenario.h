@@ -221,18 +221,25 @@ struct LoadEstimateScenario {
 enum class CdprController {
   kMpcEquilibrium,  ///< MPC about the equilibrium tensions; offset-free unless mpc.offset_free is false
   kMpcZero,         ///< MPC of Morlando 2023, which minimises the tensions; not offset-free
-  kPd,              ///< PD on the cable lengths about the static equilibrium
-  kPdFeedforward,   ///< PD with a feedforward of the platform's acceleration
-  kPdOffsetFree,    ///< PD with a feedforward of the estimated load
+  /// MPC of Morlando 2023 about the equilibrium tensions: no load estimate, roll-outs projected on the
+  /// bounds, diagonal final weight, a step of the horizon and a command per solve, whatever `mpc` says about
+  /// these.
+  kMpcThesis,
+  kPd,             ///< PD on the cable lengths about the static equilibrium
+  kPdFeedforward,  ///< PD with a feedforward of the platform's acceleration
+  kPdOffsetFree,   ///< PD with a feedforward of the estimated load
 };
 constexpr auto EnumNames(CdprController) {
   return std::array{Named{CdprController::kMpcEquilibrium, "mpc_equilibrium"},
-                    Named{CdprController::kMpcZero, "mpc_zero"}, Named{CdprController::kPd, "pd"},
+                    Named{CdprController::kMpcZero, "mpc_zero"},
+                    Named{CdprController::kMpcThesis, "mpc_thesis"},
+                    Named{CdprController::kPd, "pd"},
                     Named{CdprController::kPdFeedforward, "pd_feedforward"},
                     Named{CdprController::kPdOffsetFree, "pd_offset_free"}};
 }
 constexpr bool IsMpc(CdprController controller) {
-  return controller == CdprController::kMpcEquilibrium || controller == CdprController::kMpcZero;
+  return controller == CdprController::kMpcEquilibrium || controller == CdprController::kMpcZero ||
+         controller == CdprController::kMpcThesis;
 }
 
 /// Scenario of tenon-cdpr, read from a YAML file.
