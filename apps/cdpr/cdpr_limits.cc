@@ -36,6 +36,7 @@ CdprLimits::CdprLimits(const CdprLoop& loop, double cable_diameter)
       cable_diameter_(cable_diameter),
       pull_(robot_.cables.size(), true),
       pulling_(robot_),
+      box_(PlatformBox(robot_)),
       interference_(robot_) {}
 
 void CdprLimits::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
@@ -128,19 +129,21 @@ void CdprLimits::PlatformRow(std::span<const double> row, const Eigen::Vector3d&
 
 void CdprLimits::FloorRow(std::span<const double> row, const Eigen::Vector3d& p_WB,
                           const Eigen::Matrix3d& R_WB) {
-  double lowest = p_WB[2];
-  const auto add = [&](const Eigen::Vector3d& p_B) {
-    lowest = std::min(lowest, p_WB[2] + R_WB.row(2).dot(p_B));
+  double lowest = LowestCorner(box_, p_WB, R_WB);
+  const char* name = "the platform";
+  const auto add = [&](double height, const char* of) {
+    if (height >= lowest) return;
+    lowest = height;
+    name = of;
   };
-  for (const CableDescription& cable : robot_.cables) add(cable.attachment_B);
-  if (row[payload_mass_] > 0) add(VectorIn<3>(row, payload_));
-  if (!load_.empty()) lowest = std::min(lowest, row[load_[2]]);
+  if (row[payload_mass_] > 0) add(p_WB[2] + R_WB.row(2).dot(VectorIn<3>(row, payload_)), "the payload");
+  if (!load_.empty()) add(row[load_[2]], "the hanging load");
   for (const auto& [height, tension] : pieces_)
-    if (row[tension] > 0) lowest = std::min(lowest, row[height]);
+    if (row[tension] > 0) add(row[height], "a cable");
   heights_.Add(lowest);
   if (lowest < 0)
     breaches_.Add(row[0], "platform, load or cables went through the floor",
-                  fmt::format("by {:.3g} mm", -1e3 * lowest));
+                  fmt::format("{} by {:.3g} mm", name, -1e3 * lowest));
 }
 
 void CdprLimits::AddTo(Summary& summary) const {

@@ -23,9 +23,9 @@ namespace tenon::apps {
 /// No cable runs through the platform, see CableInterference. If one does at the start, the platform is
 /// assumed to be an open frame and is not checked. Cables without tension are not checked.
 ///
-/// Platform, payload, hanging load and cables, with their sag, stay above the floor, z = 0. The heading
-/// differs from its reference by at most a quarter turn: the restoring moment of the cables is proportional
-/// to the sine of that angle.
+/// The platform's box, payload, hanging load and cables, with their sag, stay above the floor, z = 0. The
+/// heading differs from its reference by at most a quarter turn: the restoring moment of the cables is
+/// proportional to the sine of that angle.
 ///
 /// Slack cables and the largest tension are checked by CdprMonitor.
 class CdprLimits final : public LogSink {
@@ -51,6 +51,7 @@ class CdprLimits final : public LogSink {
   double cable_diameter_;
   std::vector<bool> pull_;   // whether each cable has tension
   CdprDescription pulling_;  // robot_ with only those cables that have tension
+  Eigen::Vector3d box_;      // half edges of the platform's box [m]
   CableInterference interference_;
   CableKinematics all_, cables_;  // kinematics of all cables and of those with tension, at the current row
   bool started_ = false;

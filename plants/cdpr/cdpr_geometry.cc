@@ -24,12 +24,15 @@ std::size_t PiecesPerCable(const CdprDescription& robot) {
 
 }  // namespace
 
-Geometry MakeCdprGeometry(const CdprDescription& robot) {
+Eigen::Vector3d PlatformBox(const CdprDescription& robot) {
   Vec<3> half = Vec<3>::Constant(kPlatformThickness / 2);
   for (const CableDescription& cable : robot.cables) half = half.cwiseMax(cable.attachment_B.cwiseAbs());
+  return half;
+}
 
+Geometry MakeCdprGeometry(const CdprDescription& robot) {
   Geometry shapes(kFirstCable);
-  shapes[kPlatform] = Shape::Box(ShapeRole::kBody, "platform", 2 * half);
+  shapes[kPlatform] = Shape::Box(ShapeRole::kBody, "platform", 2 * PlatformBox(robot));
   shapes[kPath] = Shape::Trace(ShapeRole::kBody, "path of the platform");
   shapes[kPayloadBall] = Shape::Sphere(ShapeRole::kLoad, "payload", kPayloadRadius);
   shapes[kForce] = Shape::Arrow(ShapeRole::kDisturbance, "external force", kForceScale);

@@ -8,10 +8,18 @@
 
 namespace tenon {
 
-/// The shapes of a cable robot: the platform as the bounding box of its attachments and its CoM, cables
-/// coloured by tension [N], anchors on posts, payload, external force, and the path of the CoM. Cables are
-/// drawn thicker than they are. Cables with mass are drawn in pieces with their sag, pulleys with their
-/// swivel.
+/// Half edges of the platform's box in B [m]: centred at the CoM, it contains all attachments.
+Eigen::Vector3d PlatformBox(const CdprDescription& robot);
+
+/// Height in W of the lowest corner of a box about the CoM with half edges `half` [m].
+inline double LowestCorner(const Eigen::Vector3d& half, const Eigen::Vector3d& p_WB,
+                           const Eigen::Matrix3d& R_WB) {
+  return p_WB[2] - R_WB.row(2).cwiseAbs().dot(half);
+}
+
+/// The shapes of a cable robot: the platform as its PlatformBox, cables coloured by tension [N], anchors on
+/// posts, payload, external force, and the path of the CoM. Cables are drawn thicker than they are. Cables
+/// with mass are drawn in pieces with their sag, pulleys with their swivel.
 Geometry MakeCdprGeometry(const CdprDescription& robot);
 
 /// Moves the shapes that MakeCdprGeometry() made for the same robot. Does not allocate.

@@ -21,11 +21,7 @@ Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,
 }
 
 Verdict CdprMonitor::CheckPlace(const PlatformState& platform, double floor) const {
-  const Eigen::RowVector3d up = platform.R_WB().row(2);
-  double lowest = 0;
-  for (const CableDescription& cable : params.robot.cables)
-    lowest = std::min(lowest, up.dot(cable.attachment_B));
-  lowest += platform.p_WB[2];
+  const double lowest = LowestCorner(half_, platform.p_WB, platform.R_WB());
   if (lowest < floor) return fmt::format("the platform reaches {:.3f} m below the floor", floor - lowest);
 
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();

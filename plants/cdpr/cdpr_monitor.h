@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/plants/cdpr/cdpr_geometry.h>
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/systems/framework/block/parameter.h>
@@ -13,14 +14,14 @@ struct CdprMonitorParams {
   CdprDescription robot;
   bool forbid_slack = true;        ///< a slack cable ends the run
   double max_tension_ratio = 1.1;  ///< largest tension over the winches' tension_max
-  double floor = 0;                ///< minimum height of attachments and CoM in W [m]
+  double floor = 0;                ///< minimum height of the platform's box in W [m]
   Rate rate = Hz(1000);
 };
 
 /// Ends the run of a cable robot if
 ///  - a cable is slack, unless `forbid_slack` is false;
 ///  - a tension exceeds max_tension_ratio tension_max;
-///  - the CoM or an attachment is below the floor;
+///  - the PlatformBox reaches below the floor;
 ///  - the distance of the CoM from the centre of the anchors exceeds twice that of the farthest anchor.
 ///
 /// The reason names the cable and the excess.
@@ -40,7 +41,7 @@ class CdprMonitor final : public LeafSystem<CdprMonitorParams> {
                                       "maximum tension over the winches' tension_max",
                                       Range().AtLeast(1).Because("commands go up to tension_max")};
   Parameter<double> floor{
-      this, {"floor", "m"}, params.floor, "minimum height of attachments and CoM", Range().Finite()};
+      this, {"floor", "m"}, params.floor, "minimum height of the platform's box", Range().Finite()};
   Monitor tension{this, "tension", Sampled{params.rate}, Uses(cables, forbid_slack, max_tension_ratio),
                   &CdprMonitor::CheckTension};
   Monitor place{this, "place", Sampled{params.rate}, Uses(platform, floor), &CdprMonitor::CheckPlace};
@@ -48,6 +49,8 @@ class CdprMonitor final : public LeafSystem<CdprMonitorParams> {
  private:
   Verdict CheckTension(const CableSignals& cables, bool forbid_slack, double max_tension_ratio) const;
   Verdict CheckPlace(const PlatformState& platform, double floor) const;
+
+  Eigen::Vector3d half_{PlatformBox(params.robot)};
 };
 
 }  // namespace tenon

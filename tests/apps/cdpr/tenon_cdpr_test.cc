@@ -190,7 +190,7 @@ TEST_F(TenonCdprTest, RefusesSettingsThatDoNotFitTogether) {
 TEST_F(TenonCdprTest, AMotionThatNoRobotPerformsEndsTheRun) {
   const std::string flight = "D1 --controller pd --duration 2 --set forbid_slack=false ";
   for (const auto& [settings, reason] :
-       {std::pair<std::string, std::string>{"--set start_offset_m=[0,0,-2.5]", "the platform reaches"},
+       {std::pair<std::string, std::string>{"--set start_offset_m=[0,0,-1.95]", "m below the floor"},
         {"--set start_offset_m=[0,0,90]", "m away from the middle of the anchors"},
         {"--set pd.stiffness_N_per_m=1e5 --set pd.damping_N_s_per_m=0 --set start_offset_m=[1,0,0]",
          "more than the 880 N that its winch holds"}}) {
@@ -208,7 +208,7 @@ TEST_F(TenonCdprTest, ARunThatNoRobotPerformsIsNotFinished) {
            {"D1 --controller pd --duration 1 --set forbid_slack=false --set start_turn_rad=[0,0,2.2]",
             "the platform turned beyond the reach of its cables: by 2.2 rad"},
            {"pendulum --duration 0.3 --set path.center_m=[0,0,0.9] --set 'path.points_m=[[0,0,0.9]]'",
-            "platform, load or cables went through the floor: by "},
+            "platform, load or cables went through the floor: the hanging load by "},
        }) {
     Run(flight, 3);
     EXPECT_THAT(Summary(), AllOf(HasSubstr("\"finished\": false"), HasSubstr(reason)));

@@ -68,18 +68,19 @@ TEST(CdprMonitorTest, EndsTheRunWhenAWinchIsOverpowered) {
   EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("cable 2"), HasSubstr("881 N")));
 }
 
-// The attachments are 0.093 m above the CoM: upside down, that is below.
-TEST(CdprMonitorTest, EndsTheRunBelowTheFloor) {
+// The platform's box is drawn with half edges of 0.075, 0.075 and 0.093 m.
+TEST(CdprMonitorTest, EndsTheRunWhenTheBoxReachesBelowTheFloor) {
   Rig rig;
-  rig.SetPlatform(0.01);
+  rig.SetPlatform(0.094);
   EXPECT_FALSE(rig.RunOn().ended);
-  rig.SetPlatform(-0.01);
+  rig.SetPlatform(0.083);
   EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("block.place"), HasSubstr("0.010 m")));
-  Rig turned;
-  turned.SetPlatform(0.094, M_PI);
-  EXPECT_FALSE(turned.RunOn().ended);
-  turned.SetPlatform(0.092, M_PI);
-  EXPECT_TRUE(turned.RunOn().ended);
+  const double on_edge = (0.075 + 0.093) / std::sqrt(2);
+  Rig tilted;
+  tilted.SetPlatform(on_edge + 0.001, M_PI / 4);
+  EXPECT_FALSE(tilted.RunOn().ended);
+  tilted.SetPlatform(on_edge - 0.001, M_PI / 4);
+  EXPECT_TRUE(tilted.RunOn().ended);
 }
 
 // The anchors are sqrt(3.5² + 4.5²) = 5.701 m from their middle, which is 4 m high.
