@@ -1,5 +1,6 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/faults.h>
+#include <tenon/apps/guide_dog/collision_figures.h>
 #include <tenon/apps/guide_dog/guide_dog_app.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
@@ -58,6 +59,8 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   simulator.AddLog(Hz(1000), GuideDogFigures::Judged(loop), {leash, walk});
   const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
   simulator.AddLog(Hz(1000), LimitFigures::Signals(loop.world.plant), {InBackground(limits)});
+  const auto collisions = std::make_shared<CollisionFigures>(loop);
+  simulator.AddLog(Hz(1000), CollisionFigures::Signals(loop), {InBackground(collisions)});
   outputs.AddTo(simulator);
   signals.insert(signals.end(), faults.begin(), faults.end());
 
@@ -67,6 +70,7 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
     leash->AddTo(summary);
     walk->AddTo(summary);
     limits->AddTo(summary);
+    collisions->AddTo(summary);
     outputs.AddTo(summary);
   };
   std::vector<const OutputPort<Geometry>*> shapes = GuideDogFigures::Shapes(loop);

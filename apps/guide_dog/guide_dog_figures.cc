@@ -80,6 +80,11 @@ void GuideDogFigures::LeashRow(std::span<const double> row) {
   if (!mode_ || !activity_) return;
   const bool together =
       Is(row[*mode_], GuideMode::kMove) && Is(row[*activity_], Activity::kFollow) && row[*speed_] > 0;
+  if (together) {
+    tensions_walking_.Add(tension);
+    distances_walking_.Add(distance);
+    slack_.Add(tension > 0 ? 0 : 1);
+  }
   leads_ = together && (leads_ || tension >= desired_tension_);
   if (!leads_) return;
   tensions_leading_.Add(tension);
@@ -114,6 +119,11 @@ void GuideDogFigures::AddTo(Summary& summary) const {
   summary.Set("distance_mean_m", distances_leading_.mean());
   summary.Set("distance_min_m", distances_leading_.min());
   summary.Set("distance_max_m", distances_leading_.max());
+  summary.Set("slack_ratio", slack_.mean());
+  summary.Set("tension_walking_mean_N", tensions_walking_.mean());
+  summary.Set("distance_walking_mean_m", distances_walking_.mean());
+  summary.Set("distance_walking_min_m", distances_walking_.min());
+  summary.Set("distance_walking_max_m", distances_walking_.max());
   summary.Set("stop_delay_s", stop_delay_);
   std::optional<double> heading_error;
   if (pull_yaw_) {

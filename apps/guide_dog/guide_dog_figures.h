@@ -15,8 +15,9 @@ namespace tenon::apps {
 /// length of the leash are the true ones.
 ///
 /// Mean tension and distance are taken while the robot walks as commanded and the person follows, starting
-/// when the tension first reaches the desired one after each start. The delay of the stop is the time from
-/// the first cause, a tension above the threshold or an obstacle, until the trunk has been slower than
+/// when the tension first reaches the desired one after each start. The figures of `walking`, and the share
+/// of that time in which the leash is slack, begin at the start itself. The delay of the stop is the time
+/// from the first cause, a tension above the threshold or an obstacle, until the trunk has been slower than
 /// `kStanding` for half a second. The heading error is that of the mean heading in the last second of the
 /// run, relative to the direction in which the leash pulled the robot at its last start.
 class GuideDogFigures final : public LogSink {
@@ -53,9 +54,10 @@ class GuideDogFigures final : public LogSink {
   std::vector<std::size_t> direction_, velocity_, attitude_;
 
   bool leads_ = false;
-  Tally tensions_, tensions_leading_, distances_leading_;  // [N], [N], [m]
-  std::optional<double> cause_, standing_, stop_delay_;    // [s]
-  std::optional<double> pull_yaw_;                         // [rad]
+  Tally tensions_, tensions_leading_, tensions_walking_;  // [N]
+  Tally distances_leading_, distances_walking_, slack_;   // [m], [m], 1 while slack
+  std::optional<double> cause_, standing_, stop_delay_;   // [s]
+  std::optional<double> pull_yaw_;                        // [rad]
   double last_mode_ = 0;
   std::deque<Vec<2>> headings_;  // headings of the last second as unit vectors
 };

@@ -10,6 +10,7 @@
 namespace tenon {
 
 static constexpr double kRounding = 1e-9;  // [m], above rounding errors
+static constexpr double kAbove = 1e-3;     // [m]
 
 QuadrupedClearance::QuadrupedClearance(const QuadrupedDescription& robot, const TerrainParams& terrain)
     : robot_(robot), terrain_(terrain), radius_(LinkRadius(robot)) {
@@ -24,9 +25,15 @@ QuadrupedClearance::QuadrupedClearance(const QuadrupedDescription& robot, const 
   half_[2] = UniformBox(robot.trunk)[2] / 2;
 
   const Points stance = PointsAt(robot.stance);
-  for (std::size_t leg = 0; leg < kNumLegs; ++leg)
-    for (std::size_t i = 0; i < kJointsPerLeg; ++i)
+  reach_ = middle_.norm() + half_.norm();
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+    double reach = stance[leg][0].norm() + radius_;
+    for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
       half_lengths_[leg][i] = (stance[leg][i + 1] - stance[leg][i]).norm() / 2;
+      reach += 2 * half_lengths_[leg][i];
+    }
+    reach_ = std::max(reach_, reach);
+  }
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
     for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
       for (std::size_t other = leg + 1; other < kNumLegs; ++other)
@@ -104,6 +111,27 @@ QuadrupedClearances QuadrupedClearance::At(const LeggedState& x) const {
   }
   clear.ground = Ground(x, points);
   return clear;
+}
+
+QuadrupedClearances::Gap QuadrupedClearance::To(const Vec<kNumJoints>& q, const Eigen::Vector3d& p_B,
+                                                const Eigen::Vector3d& u_B, double less) const {
+  const Eigen::Vector3d half = (half_.array() - less).max(0);
+  QuadrupedClearances::Gap gap{SegmentBoxDistance(p_B - middle_, u_B, half)};
+  const Points points = PointsAt(q);
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+    for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
+      const Eigen::Vector3d& from = points[leg][i];
+      const double distance = SegmentDistance(from, points[leg][i + 1] - from, p_B, u_B) - radius_;
+      if (distance < gap.distance) gap = {distance, static_cast<int>(leg)};
+    }
+  }
+  return gap;
+}
+
+Eigen::Vector3d QuadrupedClearance::OnTrunk(const Eigen::Vector3d& p_B, double less) const {
+  const Eigen::Vector3d half = (half_.array() - less).max(0);
+  if (((p_B - middle_).cwiseAbs().array() > half.array()).any()) return p_B;
+  return {p_B[0], p_B[1], middle_[2] + half[2] + kAbove};
 }
 
 }  // namespace tenon

@@ -37,6 +37,16 @@ class QuadrupedClearance {
   /// The clearances at x. Does not allocate.
   QuadrupedClearances At(const LeggedState& x) const;
 
+  /// The distance between a robot with the joint angles q and the segment [p, p + u] in B, with the nearest
+  /// leg or -1 for the trunk; 0 if the segment reaches into the trunk, whose box is reduced by `less` on all
+  /// sides.
+  QuadrupedClearances::Gap To(const Vec<kNumJoints>& q, const Eigen::Vector3d& p_B,
+                              const Eigen::Vector3d& u_B, double less = 0) const;
+  /// The point p in B, lifted just above the trunk's box reduced by `less` if it lies inside.
+  Eigen::Vector3d OnTrunk(const Eigen::Vector3d& p_B, double less) const;
+  /// The largest distance of any part of the robot from B's origin [m].
+  double reach() const { return reach_; }
+
  private:
   /// Origins of the joints of each leg, and centre of its foot, in B [m].
   using Points = std::array<std::array<Eigen::Vector3d, kJointsPerLeg + 1>, kNumLegs>;
@@ -52,6 +62,7 @@ class QuadrupedClearance {
   QuadrupedDescription robot_;
   Terrain terrain_;
   double radius_;                  // of the links [m]
+  double reach_ = 0;               // [m]
   Eigen::Vector3d middle_, half_;  // centre and half edges of the trunk's box in B [m]
   std::array<std::array<double, kJointsPerLeg>, kNumLegs> half_lengths_;  // of the links [m]
   std::vector<std::pair<Link, Link>> pairs_;

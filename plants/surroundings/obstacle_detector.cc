@@ -4,12 +4,6 @@
 #include <string>
 
 namespace tenon {
-namespace {
-
-constexpr double kDrawnHeight = 0.8;  // [m]
-
-}  // namespace
-
 bool ObstacleDetector::CalcObstacle(const LeggedState& state, double range, double half_width) const {
   const Eigen::Vector2d heading = state.R_WB().col(0).head<2>().normalized();
   for (const Obstacle& obstacle : params.obstacles) {
@@ -25,9 +19,9 @@ Geometry ObstacleDetector::MakeGeometry(const ObstacleDetectorParams& params) {
   Geometry shapes;
   for (std::size_t i = 0; i < params.obstacles.size(); ++i) {
     const Obstacle& obstacle = params.obstacles[i];
-    shapes.push_back(
-        Shape::Cylinder(ShapeRole::kFixture, "obstacle " + std::to_string(i), obstacle.radius, kDrawnHeight));
-    shapes.back().p_W << obstacle.centre, kDrawnHeight / 2;
+    shapes.push_back(Shape::Cylinder(ShapeRole::kFixture, "obstacle " + std::to_string(i), obstacle.radius,
+                                     Obstacle::kHeight));
+    shapes.back().p_W << obstacle.centre, Obstacle::kHeight / 2;
   }
   return shapes;
 }

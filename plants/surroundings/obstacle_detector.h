@@ -12,8 +12,9 @@ namespace tenon {
 
 /// A cylindrical obstacle, such as a pillar.
 struct Obstacle {
-  Vec<2> centre = Vec<2>::Zero();  ///< centre of the pillar in W [m]
-  double radius = 0;               ///< radius of the pillar [m]
+  Vec<2> centre = Vec<2>::Zero();         ///< centre of the pillar in W [m]
+  double radius = 0;                      ///< radius of the pillar [m]
+  static constexpr double kHeight = 0.8;  ///< height of every pillar [m]
 
   static FieldList Fields() {
     return {Required("centre_m", &Obstacle::centre).Finite(),
@@ -35,7 +36,7 @@ struct ObstacleDetectorParams {
 
 /// Detects obstacles ahead of a robot: true if a pillar's nearest point is less than `range` ahead of B's
 /// origin and the pillar overlaps the strip of half_width to both sides of the heading. It models an ideal
-/// vision sensor; the pillars do not collide with the robot.
+/// vision sensor. The pillars exert no forces; tenon-guide-dog reports collisions.
 ///
 ///     port in    state
 ///     ports out  obstacle

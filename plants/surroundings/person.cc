@@ -8,8 +8,7 @@
 namespace tenon {
 namespace {
 
-// Dimensions of the drawn person [m].
-constexpr double kBodyRadius = 0.15, kBodyHeight = 1.5;
+// Dimensions of the drawn head [m].
 constexpr double kHeadRadius = 0.12, kHeadHeight = 1.6;
 constexpr double kArrival = 1;  // duration of the deceleration at a destination [s]
 enum Index { kBody, kHead, kPath };
@@ -90,13 +89,13 @@ PersonState Person::CalcPerson(const PersonMotion& motion) const {
 }
 
 Geometry Person::MakeGeometry() {
-  return {Shape::Capsule(ShapeRole::kOther, "person", kBodyRadius, kBodyHeight - 2 * kBodyRadius),
+  return {Shape::Capsule(ShapeRole::kOther, "person", Person::kRadius, Person::kHeight - 2 * Person::kRadius),
           Shape::Sphere(ShapeRole::kOther, "head", kHeadRadius),
           Shape::Trace(ShapeRole::kOther, "path of the person")};
 }
 
 void Person::CalcGeometry(const PersonMotion& motion, Geometry* geometry) const {
-  (*geometry)[kBody].p_W << motion.x, kBodyHeight / 2;
+  (*geometry)[kBody].p_W << motion.x, kHeight / 2;
   (*geometry)[kHead].p_W << motion.x, kHeadHeight;
   (*geometry)[kPath].p_W << motion.x, 0;
 }

@@ -131,9 +131,12 @@ struct PersonMotion {
 ///                phases    list of PersonPhase
 ///                goal      destination that overrides the phases, with a deceleration in the last second
 ///
-/// The person is a point and does not collide with the robot.
+/// The person is a point and exerts no force on a robot that runs into it; tenon-guide-dog reports such
+/// collisions with the upright capsule of kRadius and kHeight that is drawn.
 class Person final : public LeafSystem<PersonParams> {
  public:
+  static constexpr double kRadius = 0.15, kHeight = 1.5;  ///< of the body, without the head [m]
+
   using LeafSystem::LeafSystem;
 
   InputPort<LeashState> leash{this, {"leash"}};

@@ -48,6 +48,31 @@ TEST_F(TenonGuideDogTest, WalksByTheEstimatedState) {
   EXPECT_THAT(Signals(), HasSubstr("loop.estimator.estimate"));
 }
 
+// A collision does not end a run: the verdict names both bodies. The robot starts at the origin with its
+// front legs at x = 0.3 m, the person stands at x = -1.7 m.
+TEST_F(TenonGuideDogTest, ACollisionFailsTheRunFromItsFirstInstant) {
+  const std::string run = "C3 --duration 0.01 --set ";
+  for (const auto& [settings, names] : {
+           std::pair<std::string, std::string>{
+               "'surroundings.obstacles=[{centre_m: [0.1, 0], radius_m: 0.1}]'",
+               "the trunk and obstacle 0 collided: "},
+           {"surroundings.obstacles.0.centre_m=[-1.7,0.3]", "the person and obstacle 0 collided: "},
+           {"surroundings.obstacles.0.centre_m=[-1,0.1]", "the leash and obstacle 0 collided: "},
+           {"person.start_m=[0,0]", "the trunk and the person collided: "},
+           {"person.start_m=[0.8,0] --set person.hand_height_m=0.1", "the leash and the trunk collided: "},
+       }) {
+    Run(run + settings, 3);
+    EXPECT_THAT(Summary(), AllOf(HasSubstr("\"finished\": false"), HasSubstr(names))) << settings;
+  }
+}
+
+// The leash passes over a pillar of 0.8 m, and a robot beside one is not in it.
+TEST_F(TenonGuideDogTest, ANearMissIsNoCollision) {
+  Run("C3 --duration 0.01 --set person.hand_height_m=1.3 --set surroundings.obstacles.0.centre_m=[-1.3,0]");
+  Run("C3 --duration 0.01 --set surroundings.obstacles.0.centre_m=[0.3,0.55]");
+  EXPECT_THAT(Summary(), HasSubstr("\"obstacle_clearance_min_m\": 0."));
+}
+
 TEST_F(TenonGuideDogTest, RefusesBadUsage) {
   ExpectRefused({{"flat", "run tenon-quadruped flat"},
                  {"C1 --set person.phases.1.speed_m_per_s=-1", "C1.yaml:20:7: person.phases.1: "},
