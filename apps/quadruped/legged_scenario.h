@@ -4,6 +4,7 @@
 #include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/quadruped/quadruped_hardware.h>
 #include <tenon/controllers/legged/planning/com_planner.h>
+#include <tenon/controllers/legged/planning/pacer.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
 #include <tenon/diagrams/faults/legged_faults.h>
@@ -35,6 +36,8 @@ constexpr auto EnumNames(StateSource) {
 struct WalkScenario {
   WalkScheduleParams path;     ///< commanded path and gaits
   YamlFile gaits{"standard"};  ///< a shipped table of gaits, a YAML file, or one of these with changes
+  std::optional<PaceProperties>
+      pace;  ///< adapts the timing of the gaits to the speed and limits the acceleration
   ComReference com_reference = ComPlannerParams().reference;  ///< planner of the CoM's path
   ZmpPlanParams zmp;                                          ///< parameters of ComReference::kZmpSpline
   StepProperties step;                                        ///< swing of the feet
@@ -53,6 +56,7 @@ struct WalkScenario {
   static FieldList Fields() {
     return {Required("path", &WalkScenario::path),
             {"gaits", &WalkScenario::gaits},
+            {"pace", &WalkScenario::pace},
             {"com_reference", &WalkScenario::com_reference},
             {"zmp", &WalkScenario::zmp},
             {"step", &WalkScenario::step},

@@ -162,6 +162,7 @@ QuadrupedWalkParams TranslateWalk(const QuadrupedScenario& scenario, const WalkF
   const QuadrupedDescription model = MakeModel(walk, files.robot, world.plant.robot.drive, scenario.seed);
   QuadrupedWalkParams params = MakeQuadrupedWalk(world, model, files.profile, files.gaits);
   params.walk = walk.path;
+  params.locomotion.pace = walk.pace;
   params.locomotion.com_planner.reference = walk.com_reference;
   params.locomotion.com_planner.zmp = walk.zmp;
   params.locomotion.swing_planner.step = walk.step;

@@ -9,14 +9,25 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
       swing_planner(Add<SwingPlanner>("swing_planner", params.swing_planner)),
       trunk_planner(Add<TrunkPlanner>("trunk_planner", params.trunk_planner)),
       whole_body(Add<WholeBodyController>("whole_body", params.whole_body)) {
-  Connect(command, scheduler.command);
+  if (params.pace) {
+    pacer = &Add<Pacer>("pacer", PacerParams{.robot = params.whole_body.robot,
+                                             .gaits = params.scheduler.gaits,
+                                             .pace = *params.pace,
+                                             .rate = params.scheduler.rate});
+    Connect(command, pacer->command);
+    Connect(pacer->paced, scheduler.command);
+    Connect(pacer->timing, scheduler.timing);
+    Connect(pacer->paced, com_planner.command);
+  } else {
+    Connect(command, scheduler.command);
+    Connect(command, com_planner.command);
+  }
   Connect(foot_forces, scheduler.foot_forces);
 
   Connect(state, ground_estimator.state);
   Connect(scheduler.schedule, ground_estimator.schedule);
 
   Connect(scheduler.schedule, com_planner.schedule);
-  Connect(command, com_planner.command);
   Connect(ground_estimator.ground, com_planner.ground);
 
   Connect(scheduler.schedule, swing_planner.schedule);

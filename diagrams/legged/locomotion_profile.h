@@ -6,12 +6,14 @@
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
 #include <tenon/controllers/legged/planning/com_planner.h>
 #include <tenon/controllers/legged/planning/foot_scheduler.h>
+#include <tenon/controllers/legged/planning/pacer.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/controllers/legged/planning/trunk_planner.h>
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
 #include <tenon/plants/model/robot_scale.h>
 
 #include <array>
+#include <optional>
 
 namespace tenon {
 
@@ -46,8 +48,9 @@ struct DisturbanceObserverParams {
   NonlinearDisturbanceObserverParams ndo;
 };
 
-/// Parameters of the six blocks of a LeggedLocomotion.
+/// Parameters of the blocks of a LeggedLocomotion.
 struct LeggedLocomotionParams {
+  std::optional<PaceProperties> pace;  ///< empty: without a Pacer
   FootSchedulerParams scheduler;
   GroundEstimatorParams ground;
   ComPlannerParams com_planner;

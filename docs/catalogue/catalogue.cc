@@ -276,6 +276,8 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   auto& entries = shelf.entries;
   entries.push_back(Make<WalkSchedule>("WalkSchedule", shipped.walk.walk));
   entries.push_back(Make<WalkDrive>("WalkDrive"));
+  entries.push_back(Make<Pacer>(
+      "Pacer", PacerParams{.robot = locomotion.whole_body.robot, .gaits = locomotion.scheduler.gaits}));
   entries.push_back(Make<FootScheduler>("FootScheduler", locomotion.scheduler));
   entries.push_back(Make<GroundEstimator>("GroundEstimator", locomotion.ground));
   entries.push_back(Make<ComPlanner>("ComPlanner", locomotion.com_planner));

@@ -53,7 +53,7 @@ void PlanLegs(bool lifted, ContactSchedule* schedule) {
   }
 }
 
-void BeginStep(Gait gait, const GaitTable& gaits, FootScheduler::Memory* memory) {
+void BeginStep(Gait gait, const GaitTable& gaits, const GaitTiming& timing, FootScheduler::Memory* memory) {
   ContactSchedule& schedule = memory->schedule;
   ++schedule.footsteps;
   schedule.step_time = 0;
@@ -61,11 +61,14 @@ void BeginStep(Gait gait, const GaitTable& gaits, FootScheduler::Memory* memory)
   memory->waited = 0;
   if (gait == schedule.gait && gait != Gait::kStand) {
     schedule.step = (schedule.step + 1) % schedule.timing.num_steps;
+    if (timing.num_steps > 0) schedule.timing = timing;
     return;
   }
   schedule.gait = gait;
   schedule.step = 0;
-  schedule.timing = gait == Gait::kStand ? GaitTiming{} : gaits[gait].Timing();
+  schedule.timing = gait == Gait::kStand   ? GaitTiming{}
+                    : timing.num_steps > 0 ? timing
+                                           : gaits[gait].Timing();
 }
 
 }  // namespace
@@ -145,15 +148,15 @@ ContactState NextContactState(ContactState state, const ContactEvents& events) {
 }
 
 ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const FootForces& forces,
-                                            const GaitTable& gaits, double touchdown_force,
-                                            double early_touchdown_phase, double late_wait,
-                                            double search_after, Memory& memory) const {
+                                            const GaitTiming& timing, const GaitTable& gaits,
+                                            double touchdown_force, double early_touchdown_phase,
+                                            double late_wait, double search_after, Memory& memory) const {
   const double dt = params.rate.period();
   const auto wait_is_over = [&] { return memory.waited >= late_wait - kClockTolerance; };
   ContactSchedule& schedule = memory.schedule;
   if (!memory.started) {
     memory.started = true;
-    BeginStep(command.gait, gaits, &memory);
+    BeginStep(command.gait, gaits, timing, &memory);
     schedule.footsteps = 0;
   } else {
     if (schedule.gait != Gait::kStand) {
@@ -179,7 +182,7 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
     const bool late = std::any_of(schedule.legs.begin(), schedule.legs.end(),
                                   [](const LegContact& leg) { return leg.state == ContactState::kLate; });
     if (schedule.gait == Gait::kStand ? command.gait != Gait::kStand : StepIsOver(schedule) && !late) {
-      BeginStep(command.gait, gaits, &memory);
+      BeginStep(command.gait, gaits, timing, &memory);
     }
   }
   const bool lift_off = LiftsOff(memory) && (wait_is_over() || !OthersSearch(schedule));

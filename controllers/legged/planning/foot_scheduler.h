@@ -103,6 +103,7 @@ ContactState NextContactState(ContactState state, const ContactEvents& events);
 ///
 ///     ports in   command      gait; the velocities are not used
 ///                foot_forces  measured ground forces, whose norm is compared with touchdown_force [N]
+///                timing       of the next step, see Pacer; that of `gaits` without steps or if not connected
 ///     parameters gaits        GaitTable; a change takes effect when a gait starts
 ///                touchdown_force, early_touchdown_phase, late_wait, search_after
 ///     ports out  schedule     sampled
@@ -137,6 +138,7 @@ class FootScheduler final : public LeafSystem<FootSchedulerParams> {
 
   InputPort<WalkCommand> command{this, {"command"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  InputPort<GaitTiming> timing{this, {"timing"}, GaitTiming()};
   Parameter<GaitTable> gaits{this, {"gaits"}, params.gaits, "timing of the gaits"};
   Parameter<double> touchdown_force{this,
                                     {"touchdown_force", "N"},
@@ -162,14 +164,14 @@ class FootScheduler final : public LeafSystem<FootSchedulerParams> {
   OutputPort<ContactSchedule> schedule{this,
                                        {"schedule"},
                                        Sampled{params.rate},
-                                       Uses(command, foot_forces, gaits, touchdown_force,
+                                       Uses(command, foot_forces, timing, gaits, touchdown_force,
                                             early_touchdown_phase, late_wait, search_after, memory),
                                        &FootScheduler::CalcSchedule};
 
  private:
-  ContactSchedule CalcSchedule(const WalkCommand& command, const FootForces& forces, const GaitTable& gaits,
-                               double touchdown_force, double early_touchdown_phase, double late_wait,
-                               double search_after, Memory& memory) const;
+  ContactSchedule CalcSchedule(const WalkCommand& command, const FootForces& forces, const GaitTiming& timing,
+                               const GaitTable& gaits, double touchdown_force, double early_touchdown_phase,
+                               double late_wait, double search_after, Memory& memory) const;
 };
 
 }  // namespace tenon
