@@ -110,6 +110,7 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Ro
   world.plant.limit_speed = scenario.limit_speed;
   world.plant.initial.p_WB[2] += scenario.start_height_m;
   SetPayload(scenario.payload, robot.StanceHeight(), world);
+  if (!scenario.attached.empty()) world.plant.extend = Attach(scenario.attached);
   SetHardware(files.hardware, rate, world);
   for (const ForceScenario& force : scenario.forces) AddForce(force, world);
   for (const RandomForceScenario& force : scenario.random_forces)

@@ -43,6 +43,7 @@ FieldList QuadrupedScenario::Fields() {
        {"observer", &S::observer},
        {"random_forces", &S::random_forces},
        {"payload", &S::payload},
+       {"attached", &S::attached},
        {"sweep", &S::sweep},
        {"compare", &S::compare},
        Field("log_rate_hz", &S::log_rate_hz).In(Rates())});

@@ -5,6 +5,7 @@
 #include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/plants/legged/attached_bodies.h>
 #include <tenon/systems/framework/types/fields.h>
 
 #include <Eigen/Core>
@@ -100,6 +101,7 @@ struct QuadrupedScenario : LeggedScenario {
   std::optional<ObserverKind> observer;            ///< overrides the observer of the profile
   std::vector<RandomForceScenario> random_forces;  ///< forces that change at random
   TrunkLoadScenario payload;
+  std::vector<AttachedBody> attached;  ///< bodies on joints, missing from the controller's model
   std::optional<SweepScenario> sweep;  ///< variation of start and direction of the first force
   std::vector<ObserverKind> compare;   ///< observers that --compare runs; empty: all observers
   double log_rate_hz = 200;            ///< sample rate of signals.csv

@@ -40,6 +40,10 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
                                      &loop.locomotion.schedule,
                                      &loop.errors.errors,
                                      &loop.errors.external_foot_forces};
+  if (!loop.world.plant.additions.u.elements.empty()) {
+    signals.push_back(&loop.world.plant.added_positions);
+    signals.push_back(&loop.world.plant.added_speeds);
+  }
   if (loop.estimator) {
     signals.push_back(&loop.estimator->estimate);
     signals.push_back(&loop.errors.path);
@@ -86,7 +90,8 @@ void WalkFigures::Row(std::span<const double> row) {
       estimates_[i].Add(row[estimated_force_[i]]);
       error[i] = row[estimated_force_[i]] - row[external_force_[i]];
     }
-    estimate_errors_.Add(std::hypot(error[0], error[1], error[2]));
+    if (!loop_.world.plant.params.extend)  // external_wrench lacks the wrench of additions
+      estimate_errors_.Add(std::hypot(error[0], error[1], error[2]));
   }
   if (solve_time_) {
     solve_times_.Add(row[*solve_time_]);

@@ -3,6 +3,7 @@
 #include <tenon/tests/apps/run_app.h>
 
 #include <algorithm>
+#include <numeric>
 #include <sstream>
 #include <vector>
 
@@ -216,6 +217,20 @@ TEST_F(TenonQuadrupedTest, WalksWithASlidingLoadAndWrongData) {
   const std::vector<double> with_errors = knees();
   Run("flat --duration 1.5");
   EXPECT_NE(knees(), with_errors);
+}
+
+// The observer's mean vertical force is the weight of the arm, which the controller does not know.
+TEST_F(TenonQuadrupedTest, WalksWithASwingingArm) {
+  Run("A1-arm --duration 4 --set 'forces=[]' --set observer=com --set walk.judged_from_s=2");
+  EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
+  // external_wrench lacks the arm's wrench, so there is no error of the estimate.
+  EXPECT_THAT(Summary(), HasSubstr("\"force_estimate_error_rms_N\": null"));
+  const std::vector<double> shoulder = Column(out, "loop.world.plant.added_positions.upper_arm [rad]");
+  EXPECT_GT(*std::max_element(shoulder.begin(), shoulder.end()), 1);
+  const std::vector<double> force = Column(out, "loop.observer.wrench.force_W.z [N]");
+  const auto half = force.begin() + static_cast<std::ptrdiff_t>(force.size() / 2);
+  const double mean = std::accumulate(half, force.end(), 0.0) / static_cast<double>(force.end() - half);
+  EXPECT_NEAR(mean, -4.418 * 9.81, 8);
 }
 
 TEST_F(TenonQuadrupedTest, RefusesBadSettings) {

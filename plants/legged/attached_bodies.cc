@@ -1,0 +1,118 @@
+#include <tenon/plants/legged/attached_bodies.h>
+#include <tenon/plants/legged/internal/simbody_conversions.h>
+#include <tenon/plants/legged/quadruped_multibody.h>
+#include <tenon/systems/framework/types/errors.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace tenon {
+namespace {
+
+using internal::ToSimbody;
+
+/// The spring and damper of AttachedBody.
+class Spring final : public SimTK::Force::Custom::Implementation {
+ public:
+  Spring(const SimTK::MobilizedBody& joint, AttachedBody of) : joint_(joint), of_(std::move(of)) {}
+
+  void calcForce(const SimTK::State& state, SimTK::Vector_<SimTK::SpatialVec>&, SimTK::Vector_<SimTK::Vec3>&,
+                 SimTK::Vector& mobility_forces) const override {
+    const SimTK::Vec3 error = Error(state);
+    for (int i = 0; i < joint_.getNumU(state); ++i)
+      joint_.applyOneMobilityForce(
+          state, i, of_.stiffness * error[i] - of_.damping * joint_.getOneU(state, i), mobility_forces);
+  }
+  SimTK::Real calcPotentialEnergy(const SimTK::State& state) const override {
+    return of_.stiffness / 2 * Error(state).normSqr();
+  }
+
+ private:
+  SimTK::Vec3 Error(const SimTK::State& state) const {
+    if (of_.joint == AttachedJoint::kBall) {
+      const SimTK::Vec4 turn = joint_.getMobilizerTransform(state).R().convertRotationToAngleAxis();
+      return -turn[0] * turn.getSubVec<3>(1);
+    }
+    const double rest = of_.rest + of_.amplitude * std::sin(of_.frequency * state.getTime());
+    return {rest - joint_.getOneQ(state, 0), 0, 0};
+  }
+
+  SimTK::MobilizedBody joint_;
+  AttachedBody of_;
+};
+
+RigidInertia InertiaOf(const AttachedBody& body) {
+  const Eigen::Vector3d squares = body.edges.cwiseAbs2();
+  RigidInertia out{body.mass, body.centre, Eigen::Matrix3d::Zero()};
+  out.inertia.diagonal() =
+      body.radius > 0 ? Eigen::Vector3d::Constant(0.4 * body.mass * body.radius * body.radius)
+                      : (body.mass / 12 * (Eigen::Vector3d::Constant(squares.sum()) - squares)).eval();
+  return out;
+}
+
+SimTK::MobilizedBody Add(SimTK::MobilizedBody& carrier, const AttachedBody& of) {
+  const SimTK::Body::Rigid body(internal::MassOf(InertiaOf(of)));
+  const SimTK::Vec3 position = ToSimbody(of.position);
+  switch (of.joint) {
+    case AttachedJoint::kWeld:
+      return SimTK::MobilizedBody::Weld(carrier, SimTK::Transform(position), body, SimTK::Transform());
+    case AttachedJoint::kBall:
+      return SimTK::MobilizedBody::Ball(carrier, SimTK::Transform(position), body, SimTK::Transform());
+    case AttachedJoint::kPin: {  // a Pin turns about z
+      const SimTK::Rotation R(SimTK::UnitVec3(ToSimbody(of.axis)), SimTK::ZAxis);
+      SimTK::MobilizedBody::Pin pin(carrier, SimTK::Transform(R, position), body, SimTK::Transform(R));
+      pin.setDefaultAngle(of.rest);
+      return pin;
+    }
+    case AttachedJoint::kSlider:
+      break;  // below: a Slider moves along x
+  }
+  const SimTK::Rotation R(SimTK::UnitVec3(ToSimbody(of.axis)), SimTK::XAxis);
+  SimTK::MobilizedBody::Slider slider(carrier, SimTK::Transform(R, position), body, SimTK::Transform(R));
+  slider.setDefaultLength(of.rest);
+  return slider;
+}
+
+}  // namespace
+
+void AttachedBody::Validate() const {
+  if (joint != AttachedJoint::kWeld && joint != AttachedJoint::kBall && !(axis.norm() > 0))
+    throw ParameterError("axis has the length 0: give the direction of the pin or slider");
+  if ((radius > 0) == (edges.minCoeff() > 0))
+    throw ParameterError(
+        fmt::format("edges_m and radius_m give the shape of '{}': set either the radius of a ball or three "
+                    "edges of a box",
+                    name));
+  const bool fixed = joint == AttachedJoint::kWeld || joint == AttachedJoint::kBall;
+  if (fixed && (rest != 0 || amplitude != 0))
+    throw ParameterError(
+        fmt::format("{} is given, but a {} joint has none: remove it, or choose a pin or slider",
+                    rest != 0 ? "rest" : "amplitude", EnumName(joint)));
+}
+
+ExtendQuadruped Attach(std::vector<AttachedBody> bodies) {
+  return [bodies = std::move(bodies)](QuadrupedMultibody& robot) {
+    std::map<std::string, SimTK::MobilizedBody> attached;
+    for (const AttachedBody& of : bodies) {
+      of.Validate();
+      const auto earlier = attached.find(of.on);
+      SimTK::MobilizedBody& carrier = earlier != attached.end() ? earlier->second
+                                      : of.on == "trunk"        ? robot.trunk()
+                                                                : robot.link(of.on);
+      const SimTK::MobilizedBody body = Add(carrier, of);
+      robot.Name(body, of.name);
+      if (of.stiffness > 0 || of.damping > 0)
+        SimTK::Force::Custom(robot.forces, new Spring(body, of));  // Simbody owns it
+      Shape shape = of.radius > 0 ? Shape::Sphere(ShapeRole::kLoad, of.name, of.radius)
+                                  : Shape::Box(ShapeRole::kLoad, of.name, of.edges);
+      shape.p_W = of.centre;
+      robot.Draw(body, shape);
+      attached[of.name] = body;
+    }
+  };
+}
+
+}  // namespace tenon
