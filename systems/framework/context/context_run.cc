@@ -43,9 +43,8 @@ double* Context::derivative_data() {
 
 void Context::LoadStates(const double* x) {
   const internal::Program& program = diagram_->program();
-  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
   double* states = continuous_data();
-  if (states != x && bytes > 0) std::memcpy(states, x, bytes);
+  if (states != x) CopyScalars(states, x, static_cast<std::size_t>(program.num_continuous));
   if (!program.unpacked_states.empty()) UnpackStates();
 }
 
@@ -76,13 +75,12 @@ void Context::PackDerivatives() {
 
 void Context::CalcRunDerivatives(double t, const double* x, double* xdot) {
   const internal::Program& program = diagram_->program();
-  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
   LoadStates(x);
   SetRunTime(t);
   RunAll(program.derivatives);
   if (!program.unpacked_derivatives.empty()) PackDerivatives();
   ++instant_;  // RunAll leaves no stamps, so nothing counts as fresh
-  if (bytes > 0) std::memcpy(xdot, derivative_data(), bytes);
+  CopyScalars(xdot, derivative_data(), static_cast<std::size_t>(program.num_continuous));
 }
 
 inline void Context::Run(const Op& op) {
