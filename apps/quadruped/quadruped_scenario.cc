@@ -24,12 +24,7 @@ void RandomForceScenario::Validate() const {
 }
 
 RigidInertia TrunkLoadScenario::Make() const {
-  const Eigen::Vector3d squares = edges_m.cwiseAbs2();
-  RigidInertia load;
-  load.mass = mass_kg;
-  load.com = position_m;
-  load.inertia.diagonal() = mass_kg / 12 * (Eigen::Vector3d::Constant(squares.sum()) - squares);
-  return load;
+  return UniformBoxInertia(mass_kg, position_m, edges_m);
 }
 
 FieldList QuadrupedScenario::Fields() {

@@ -45,12 +45,8 @@ class Spring final : public SimTK::Force::Custom::Implementation {
 };
 
 RigidInertia InertiaOf(const AttachedBody& body) {
-  const Eigen::Vector3d squares = body.edges.cwiseAbs2();
-  RigidInertia out{body.mass, body.centre, Eigen::Matrix3d::Zero()};
-  out.inertia.diagonal() =
-      body.radius > 0 ? Eigen::Vector3d::Constant(0.4 * body.mass * body.radius * body.radius)
-                      : (body.mass / 12 * (Eigen::Vector3d::Constant(squares.sum()) - squares)).eval();
-  return out;
+  if (body.radius == 0) return UniformBoxInertia(body.mass, body.centre, body.edges);
+  return {body.mass, body.centre, 0.4 * body.mass * body.radius * body.radius * Eigen::Matrix3d::Identity()};
 }
 
 SimTK::MobilizedBody Add(SimTK::MobilizedBody& carrier, const AttachedBody& of) {
@@ -77,6 +73,13 @@ SimTK::MobilizedBody Add(SimTK::MobilizedBody& carrier, const AttachedBody& of) 
 }
 
 }  // namespace
+
+RigidInertia UniformBoxInertia(double mass, const Eigen::Vector3d& centre, const Eigen::Vector3d& edges) {
+  const Eigen::Vector3d squares = edges.cwiseAbs2();
+  RigidInertia box{mass, centre, Eigen::Matrix3d::Zero()};
+  box.inertia.diagonal() = mass / 12 * (Eigen::Vector3d::Constant(squares.sum()) - squares);
+  return box;
+}
 
 void AttachedBody::Validate() const {
   if (joint != AttachedJoint::kWeld && joint != AttachedJoint::kBall && !(axis.norm() > 0))

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/legged/extended_quadruped.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/systems/framework/types/fields.h>
 
 #include <Eigen/Core>
@@ -67,6 +68,9 @@ struct AttachedBody {
   }
   void Validate() const;  ///< throws ParameterError
 };
+
+/// Inertia of a uniform box whose edges [m] are parallel to the axes: I_x = m (b^2 + c^2) / 12.
+RigidInertia UniformBoxInertia(double mass, const Eigen::Vector3d& centre, const Eigen::Vector3d& edges);
 
 /// Returns a function for QuadrupedPlantParams::extend that attaches bodies to the robot and draws them. The
 /// function throws ParameterError for an unknown `on`, with the nearest name, and for a name used twice.
