@@ -36,7 +36,7 @@ struct PaceProperties {
 struct PacerParams {
   QuadrupedDescription robot;
   GaitTable gaits;  ///< timing at low speed
-  PaceProperties pace;
+  PaceProperties pace{};
   double gravity = kGravity;  ///< [m/s^2]
   Rate rate = Hz(1000);
 
