@@ -3,8 +3,8 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/apps/studies/gait_stability_study.h>
 #include <tenon/systems/analysis/linearize_discrete.h>
+#include <tenon/systems/analysis/matrix_functions.h>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -55,7 +55,7 @@ void PrintMultipliers(const DiscreteLinearModel& map) {
     if (map.A.row(i) != Eigen::RowVectorXd::Unit(map.A.cols(), i)) alive.push_back(i);
   }
   const Eigen::MatrixXd A = map.A(alive, alive);
-  const Eigen::VectorXcd multipliers = A.eigenvalues();
+  const Eigen::VectorXcd multipliers = Eigenvalues(A);
   std::vector<Eigen::Index> order(alive.size());
   std::iota(order.begin(), order.end(), Eigen::Index{0});
   std::stable_sort(order.begin(), order.end(),

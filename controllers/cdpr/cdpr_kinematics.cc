@@ -3,13 +3,12 @@
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/swivel_pulley.h>
+#include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -162,17 +161,13 @@ double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& 
   }
   if (taut.empty()) return -kInfinity;
   const Eigen::MatrixXd structure = S.transpose() * cables.structure(Eigen::all, taut);
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(structure);
-  qr.setThreshold(kRankTolerance);
-  const int freedoms = 6 - static_cast<int>(qr.rank());
+  const RangeBasis range = CalcRangeBasis(structure, kRankTolerance);
+  const int freedoms = 6 - static_cast<int>(range.rank);
   if (freedoms == 0) return kInfinity;
 
-  const Eigen::MatrixXd Q = qr.householderQ();
-  const Eigen::MatrixXd motions = S * Q.rightCols(freedoms);
+  const Eigen::MatrixXd motions = S * range.Q.rightCols(freedoms);
   const Eigen::MatrixXd K = -motions.transpose() * CalcWrenchJacobian(cables, tension) * motions;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver((K + K.transpose()) / 2,
-                                                              Eigen::EigenvaluesOnly);
-  return robot.mass * solver.eigenvalues()[0];
+  return robot.mass * SymmetricEigenvalues((K + K.transpose()) / 2)[0];
 }
 
 Matrix6d CalcElasticStiffness(const CableProperties& cable, const CableKinematics& cables,
@@ -189,9 +184,7 @@ double CalcLeastTranslationalStiffness(const Matrix6d& stiffness) {
   const Eigen::LLT<Matrix6d> llt(stiffness);
   if (llt.info() != Eigen::Success) return 0;
   const Matrix6d compliance = llt.solve(Matrix6d::Identity());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(compliance.topLeftCorner<3, 3>(),
-                                                              Eigen::EigenvaluesOnly);
-  return 1 / solver.eigenvalues()[2];
+  return 1 / SymmetricEigenvalues(compliance.topLeftCorner<3, 3>())[2];
 }
 
 CableVector CalcRestLengths(const CableProperties& cable, const CableVector& length,

@@ -2,9 +2,9 @@
 #include <tenon/controllers/cdpr/cdpr_mpc_solver.h>
 #include <tenon/controllers/cdpr/cdpr_tracking_problem.h>
 #include <tenon/controllers/cdpr/loaded_platform.h>
-#include <tenon/controllers/optimization/riccati.h>
 #include <tenon/controllers/optimization/slq.h>
 #include <tenon/plants/signals/euler.h>
+#include <tenon/systems/analysis/lqr.h>
 #include <tenon/systems/framework/block/system.h>
 
 #include <Eigen/LU>

@@ -2,11 +2,10 @@
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/controllers/optimization/infinity.h>
 #include <tenon/plants/signals/euler.h>
+#include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <fmt/format.h>
 #include <nlopt.hpp>
 
@@ -76,7 +75,7 @@ class StaticsProblem {
     MatrixXd jacobian;
     const Vector6d residual = Residual(x, &jacobian);
     const MatrixXd structure = jacobian.rightCols(robot_.num_cables());
-    x.tail(robot_.num_cables()) = structure.colPivHouseholderQr().solve(-residual);
+    x.tail(robot_.num_cables()) = SolveLeastSquaresBasic(structure, -residual);
     Clamp(&x);
     return x;
   }
@@ -216,7 +215,7 @@ class StaticsProblem {
       VectorXd objective = *x;
       objective.head<3>().setZero();
       if (iteration == 0) {
-        multiplier = MatrixXd(reduced.transpose()).colPivHouseholderQr().solve(-objective(free));
+        multiplier = SolveLeastSquaresBasic(reduced.transpose(), -objective(free));
       }
       *gradient = objective + jacobian.transpose() * multiplier;
 
@@ -232,7 +231,7 @@ class StaticsProblem {
           residual.cwiseAbs().maxCoeff() < 1e-13) {
         return IsMinimum(kkt, count);
       }
-      VectorXd step = kkt.partialPivLu().solve(-defect);
+      VectorXd step = SolveLinear(kkt, -defect);
       if (!step.allFinite()) return false;
       const double turn = step.head<3>().norm();
       if (turn > kLargestNewtonStep) step *= kLargestNewtonStep / turn;
@@ -246,7 +245,7 @@ class StaticsProblem {
   static bool IsMinimum(const MatrixXd& kkt, int count) {
     if (count == 6) return true;
     const MatrixXd constraints = kkt.topRightCorner(count, 6);
-    const MatrixXd Q = constraints.colPivHouseholderQr().householderQ();
+    const MatrixXd Q = CalcRangeBasis(constraints).Q;
     const MatrixXd tangent = Q.rightCols(count - 6);
     const MatrixXd reduced = tangent.transpose() * kkt.topLeftCorner(count, count) * tangent;
     return Eigen::LLT<MatrixXd>(reduced).info() == Eigen::Success;

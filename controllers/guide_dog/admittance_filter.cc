@@ -1,7 +1,7 @@
 #include <tenon/controllers/guide_dog/admittance_filter.h>
+#include <tenon/systems/analysis/matrix_functions.h>
 
 #include <fmt/core.h>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include <algorithm>
 
@@ -19,7 +19,7 @@ AdmittanceFilter::Steps AdmittanceFilter::CalcSteps(const AdmittanceGains& gains
     rates << 0, 1, 0,                                                          //
         -stiffness / gains.mass, -gains.damping / gains.mass, 1 / gains.mass,  //
         0, 0, 0;
-    return (params.rate.period() * rates).exp();
+    return Exponential(params.rate.period() * rates);
   };
   return {step(0), step(gains.stiffness)};
 }

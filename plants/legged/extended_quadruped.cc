@@ -1,11 +1,11 @@
 #include <tenon/plants/legged/extended_quadruped.h>
 #include <tenon/plants/legged/internal/simbody_conversions.h>
 #include <tenon/plants/legged/quadruped_multibody.h>
+#include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include <array>
@@ -200,7 +200,7 @@ void ExtendedQuadruped::Model::Assemble() {
   const Eigen::VectorXd error = ToVector(state.getUErr());
   if (!misses(error)) return;
   Eigen::VectorXd u = Pick(state.getU(), added_u);
-  if (u.size() > 0) u -= added.completeOrthogonalDecomposition().solve(error);
+  if (u.size() > 0) u -= SolveLeastSquares(added, error).x;
   Place(u, added_u, state.updU());
   system.realize(state, SimTK::Stage::Velocity);
   if (misses(ToVector(state.getUErr())))
@@ -231,8 +231,7 @@ void ExtendedQuadruped::Model::Correct(Eigen::VectorXd& rates) const {
     wanted.head(v.size()) -= 2 * kConstraintRate * v;
     wanted.head(holonomic) -= kConstraintRate * kConstraintRate * p.head(holonomic);
     const Eigen::MatrixXd response = factors.solve(G.transpose());
-    const Eigen::VectorXd multipliers =
-        (G * response).completeOrthogonalDecomposition().solve(G * change - wanted);
+    const Eigen::VectorXd multipliers = SolveLeastSquares(G * response, G * change - wanted).x;
     change -= response * multipliers;
   }
   rates += change;

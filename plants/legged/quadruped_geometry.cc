@@ -1,5 +1,6 @@
 #include <tenon/plants/legged/quadruped_geometry.h>
 #include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/rotation_between.h>
 
 #include <Eigen/Geometry>
 
@@ -132,7 +133,7 @@ void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia
         continue;
       }
       const Eigen::Vector3d along_W = R_W[body] * LinkEnd(robot, joint);
-      const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along_W);
+      const auto turn = RotationBetween(Eigen::Vector3d::UnitZ(), along_W);
       link.p_W = p_W[body] + along_W / 2;
       link.q_W = {turn.w(), turn.x(), turn.y(), turn.z()};
     }

@@ -1,3 +1,4 @@
+#include <tenon/plants/model/rotation_between.h>
 #include <tenon/plants/surroundings/terrain.h>
 #include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -90,7 +91,7 @@ void TerrainParams::Validate() const {
 Terrain::Terrain(const TerrainParams& params) : friction_(params.friction), boxes_(params.boxes) {
   params.Validate();
   const Vec<3> normal = Vec<3>(-params.grade[0], -params.grade[1], 1).normalized();
-  R_WS_ = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix();
+  R_WS_ = RotationBetween(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix();
   if (params.field) {
     const std::vector<TerrainBox> more = params.field->Boxes();
     boxes_.insert(boxes_.end(), more.begin(), more.end());

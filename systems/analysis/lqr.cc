@@ -1,8 +1,8 @@
 #include <tenon/systems/analysis/lqr.h>
+#include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
@@ -55,9 +55,7 @@ void CheckDefinite(const Words& words, const char* name, const MatrixXd& matrix,
   // The tolerance does not depend on the units of the rows.
   const Eigen::VectorXd units =
       matrix.diagonal().unaryExpr([](double own) { return own == 0 ? 1 : 1 / std::sqrt(std::abs(own)); });
-  const auto smallest = [](const MatrixXd& symmetric) {
-    return Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues()[0];
-  };
+  const auto smallest = [](const MatrixXd& symmetric) { return SymmetricEigenvalues(symmetric)[0]; };
   const double in_units = smallest(units.asDiagonal() * matrix * units.asDiagonal());
   if (definite ? in_units > 1e-15 : in_units > -1e-10) return;
   Fail(words, fmt::format("{} is not positive {}: it has the eigenvalue {:.3g}", name,
@@ -76,7 +74,7 @@ Mode WorstMode(const MatrixXd& A, const MatrixXd& B, bool discrete) {
   const double input = B.norm();
   const MatrixXd scaled = input > 0 ? MatrixXd(B * (size / input)) : B;
   Mode worst;
-  for (const std::complex<double>& eigenvalue : A.eigenvalues()) {
+  for (const std::complex<double>& eigenvalue : Eigenvalues(A)) {
     const double growth = discrete ? std::abs(eigenvalue) - 1 : eigenvalue.real();
     if (growth < -1e-8 * (discrete ? 1 : size)) continue;
     // The real form [Re -Im; Im Re] of the complex matrix has each singular value twice.
@@ -152,20 +150,24 @@ MatrixXd SolveContinuous(const MatrixXd& A, const MatrixXd& G, const MatrixXd& Q
   return 0.5 * (S + S.transpose());
 }
 
-/// Solves S = A'S (I + G S)⁻¹ A + Q for the S with stable (I + G S)⁻¹ A. Step i of the doubling covers 2^i
-/// periods.
-MatrixXd SolveDiscrete(MatrixXd A, MatrixXd G, const MatrixXd& Q) {
+/// Solves S = A'S (I + G S)⁻¹ A + Q for the S with stable (I + G S)⁻¹ A by the structure-preserving doubling
+/// algorithm (Chu, Fan and Lin, Linear Algebra Appl. 396, 2005). Iteration i covers 2^i periods. `converged`
+/// may be null.
+MatrixXd SolveDiscrete(MatrixXd A, MatrixXd G, const MatrixXd& Q, bool* converged) {
   const Index n = A.rows();
   MatrixXd S = Q;
+  if (converged != nullptr) *converged = false;
   for (int i = 0; i < 60; ++i) {
     const Eigen::PartialPivLU<MatrixXd> W(MatrixXd::Identity(n, n) + G * S);
     const MatrixXd WA = W.solve(A), WG = W.solve(G);
     const MatrixXd change = A.transpose() * S * WA;
     G += A * WG * A.transpose();
-    G = 0.5 * (G + G.transpose()).eval();
-    S += 0.5 * (change + change.transpose());
+    S += (change + change.transpose()) / 2;
     A = A * WA;
-    if (!(change.norm() > 1e-16 * S.norm())) break;
+    if (!S.allFinite()) break;
+    if (change.cwiseAbs().maxCoeff() > 1e-14 * S.cwiseAbs().maxCoeff()) continue;
+    if (converged != nullptr) *converged = true;
+    break;
   }
   return S;
 }
@@ -193,7 +195,7 @@ LqrDesign Design(const Words& words, const MatrixXd& A, const MatrixXd& B, const
   const MatrixXd balanced = inverse.asDiagonal() * free * d.asDiagonal();
   const MatrixXd G = inverse.asDiagonal() * reach * inverse.asDiagonal();
   const MatrixXd balanced_weight = d.asDiagonal() * weight * d.asDiagonal();
-  const MatrixXd solution = words.discrete ? SolveDiscrete(balanced, G, balanced_weight)
+  const MatrixXd solution = words.discrete ? SolveDiscrete(balanced, G, balanced_weight, nullptr)
                                            : SolveContinuous(balanced, G, balanced_weight);
   design.S = inverse.asDiagonal() * solution * inverse.asDiagonal();
   const MatrixXd cross = N.size() > 0 ? MatrixXd(N.transpose()) : MatrixXd::Zero(B.cols(), A.rows());
@@ -203,7 +205,7 @@ LqrDesign Design(const Words& words, const MatrixXd& A, const MatrixXd& B, const
     design.K = cholesky.solve(B.transpose() * design.S + cross);
   }
   const MatrixXd loop = A - B * design.K;
-  const Eigen::VectorXcd closed = loop.allFinite() ? loop.eigenvalues() : Eigen::VectorXcd::Constant(1, 2);
+  const Eigen::VectorXcd closed = loop.allFinite() ? Eigenvalues(loop) : Eigen::VectorXcd::Constant(1, 2);
   const bool stable = words.discrete ? closed.cwiseAbs().maxCoeff() < 1 : closed.real().maxCoeff() < 0;
   if (!stable) {
     const bool is_reach = unreached.reach < unweighted.reach;
@@ -244,6 +246,15 @@ LqrDesign Lqr(const MatrixXd& A, const MatrixXd& B, const MatrixXd& Q, const Mat
 LqrDesign DiscreteLqr(const MatrixXd& A, const MatrixXd& B, const MatrixXd& Q, const MatrixXd& R,
                       const MatrixXd& N) {
   return Feedback({"DiscreteLqr", true, kNotSteered, kNotWeighed}, A, B, Q, R, N);
+}
+
+MatrixXd SolveDiscreteRiccati(const MatrixXd& A, const MatrixXd& B, const MatrixXd& Q, const MatrixXd& R) {
+  bool converged;
+  const MatrixXd P = SolveDiscrete(A, B * R.llt().solve(B.transpose()), Q, &converged);
+  if (converged) return P;
+  throw ParameterError(
+      "The Riccati equation has no stabilising solution: check that the inputs reach every unstable mode and "
+      "that the state cost sees every mode that does not decay by itself.");
 }
 
 KalmanDesign Kalman(const MatrixXd& A, const MatrixXd& C, const MatrixXd& Q, const MatrixXd& R) {

@@ -36,6 +36,15 @@ LqrDesign Lqr(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::M
 LqrDesign DiscreteLqr(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& Q,
                       const Eigen::MatrixXd& R, const Eigen::MatrixXd& N = {});
 
+/// Returns the stabilising solution P of the discrete algebraic Riccati equation
+///
+///     P = Q + A' P A - A' P B (R + B' P B)⁻¹ B' P A
+///
+/// by the method of DiscreteLqr, without its checks of the arguments. Throws ParameterError if it does not
+/// converge: (A, B) is not stabilisable, or a mode on the unit circle has no weight in Q.
+Eigen::MatrixXd SolveDiscreteRiccati(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+                                     const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R);
+
 /// The gain of an observer, and the covariance of its error.
 struct KalmanDesign {
   Eigen::MatrixXd L;  ///< n x p

@@ -1,10 +1,9 @@
 #include <tenon/systems/analysis/internal/period_map.h>
+#include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/systems/analysis/return_map.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/systems/text/nearest_name.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -27,9 +26,10 @@ Eigen::VectorXd ByName(const std::map<std::string, double>& values, const std::v
   return vector;
 }
 
-Eigen::VectorXcd Eigenvalues(const Eigen::MatrixXd& matrix) {
+/// The eigenvalues by descending magnitude.
+Eigen::VectorXcd Multipliers(const Eigen::MatrixXd& matrix) {
   if (matrix.size() == 0) return {};
-  Eigen::VectorXcd values = matrix.eigenvalues();
+  Eigen::VectorXcd values = Eigenvalues(matrix);
   std::stable_sort(values.begin(), values.end(),
                    [](const auto& a, const auto& b) { return std::abs(a) > std::abs(b); });
   return values;
@@ -59,11 +59,11 @@ ReturnMapResult ReturnMap(const Context& context, const ReturnMapOptions& option
   }
   Eigen::MatrixXd basis = Eigen::MatrixXd::Identity(n, n);
   if (k > 0) {
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(neutral);
-    if (qr.rank() < k) {
+    const RangeBasis range = CalcRangeBasis(neutral);
+    if (range.rank < k) {
       throw ParameterError("the neutral directions are zero or linearly dependent; remove some");
     }
-    basis = qr.householderQ();
+    basis = range.Q;
   }
 
   ReturnMapResult result;
@@ -77,8 +77,8 @@ ReturnMapResult ReturnMap(const Context& context, const ReturnMapOptions& option
   const Eigen::MatrixXd scaled =
       map.scales.cwiseInverse().asDiagonal() * result.map.A * map.scales.asDiagonal();
   const Eigen::MatrixXd turned = basis.transpose() * scaled * basis;
-  result.neutral_multipliers = Eigenvalues(turned.topLeftCorner(k, k));
-  result.multipliers = Eigenvalues(turned.bottomRightCorner(n - k, n - k));
+  result.neutral_multipliers = Multipliers(turned.topLeftCorner(k, k));
+  result.multipliers = Multipliers(turned.bottomRightCorner(n - k, n - k));
   result.neutral_defect = turned.bottomLeftCorner(n - k, k).norm();
   return result;
 }

@@ -1,11 +1,9 @@
 #include <tenon/controllers/legged/observers/disturbance_filter.h>
+#include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/systems/framework/block/system.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include <algorithm>
 #include <cmath>
@@ -51,8 +49,7 @@ std::vector<double> ButterworthGains(int order, double bandwidth) {
 }
 
 std::vector<std::complex<double>> EstimatorPoles(const std::vector<double>& gains) {
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(EstimatorMatrix(gains), /*computeEigenvectors=*/false);
-  const auto& values = solver.eigenvalues();
+  const Eigen::VectorXcd values = Eigenvalues(EstimatorMatrix(gains));
   return {values.begin(), values.end()};
 }
 
@@ -68,7 +65,7 @@ double NoiseBandwidth(const std::vector<double>& gains) {
   }
   Eigen::VectorXd right = Eigen::VectorXd::Zero(r * r);
   right[0] = -gains.front() * gains.front();
-  return equations.partialPivLu().solve(right)[r * r - 1] / 2;
+  return SolveLinear(equations, right)[r * r - 1] / 2;
 }
 
 void DemandHurwitz(const std::vector<double>& gains) {
@@ -108,7 +105,7 @@ DisturbanceFilter::DisturbanceFilter(const std::vector<double>& gains, double pe
   Eigen::MatrixXd augmented = Eigen::MatrixXd::Zero(r + 1, r + 1);
   augmented.topLeftCorner(r, r) = period * EstimatorMatrix(gains);
   augmented(0, r) = period * gains.front();
-  const Eigen::MatrixXd exponential = augmented.exp();
+  const Eigen::MatrixXd exponential = Exponential(augmented);
   transition_ = exponential.topLeftCorner(r, r);
   input_ = exponential.topRightCorner(r, 1);
 }

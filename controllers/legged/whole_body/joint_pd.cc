@@ -1,8 +1,8 @@
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/model/robot_scale.h>
+#include <tenon/systems/analysis/matrix_functions.h>
 
-#include <Eigen/QR>
 #include <fmt/core.h>
 
 #include <cmath>
@@ -33,18 +33,17 @@ Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity) {
     const Eigen::Vector3d arm = dynamics.foot(leg).p_W - dynamics.com_W;
     balance.col(leg) << 1, arm[1], -arm[0];
   }
-  const auto solver = balance.completeOrthogonalDecomposition();
-  if (solver.rank() < 3)
+  const LeastSquares normal = SolveLeastSquares(balance, Eigen::Vector3d(robot.mass() * gravity, 0, 0));
+  if (normal.rank < 3)
     throw ParameterError(
         fmt::format("the feet of '{}' lie in a line in the nominal stance, in which it cannot stand; change "
                     "nominal_stance",
                     robot.name));
-  const Eigen::Vector4d normal = solver.solve(Eigen::Vector3d(robot.mass() * gravity, 0, 0));
 
   Vec<12> torque = dynamics.gravity.tail<kNumJoints>();
   for (int leg = 0; leg < kNumLegs; ++leg)
     torque.segment<kJointsPerLeg>(kJointsPerLeg * leg) -=
-        dynamics.foot(leg).J_leg.row(2).transpose() * normal[leg];
+        dynamics.foot(leg).J_leg.row(2).transpose() * normal.x[leg];
   return torque;
 }
 

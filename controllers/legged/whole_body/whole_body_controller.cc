@@ -1,5 +1,6 @@
 #include <tenon/controllers/legged/planning/shortened.h>
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
+#include <tenon/plants/model/rotation_between.h>
 #include <tenon/plants/signals/quaternion.h>
 #include <tenon/systems/framework/types/fields.h>
 
@@ -31,7 +32,7 @@ struct TiltAndTurn {
   Eigen::Vector3d tilt, turn;
 };
 TiltAndTurn AttitudeError(const Eigen::Matrix3d& R_WB, const Eigen::Matrix3d& reference) {
-  const Eigen::AngleAxisd upright(Eigen::Quaterniond::FromTwoVectors(R_WB.col(2), reference.col(2)));
+  const Eigen::AngleAxisd upright(RotationBetween(R_WB.col(2), reference.col(2)));
   const Eigen::Vector3d ahead = reference.transpose() * (upright * R_WB.col(0));
   return {upright.angle() * upright.axis(), -std::atan2(ahead[1], ahead[0]) * reference.col(2)};
 }

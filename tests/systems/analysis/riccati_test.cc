@@ -1,4 +1,4 @@
-#include <tenon/controllers/optimization/riccati.h>
+#include <tenon/systems/analysis/lqr.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
 
