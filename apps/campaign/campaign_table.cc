@@ -185,7 +185,7 @@ void VisitRows(const std::filesystem::path& file, std::size_t runs,
     if (run >= runs)
       throw ParameterError(fmt::format(
           "{}: run {} is out of range: this campaign has runs 0 to {}; check that the table belongs to it",
-          file.string(), run, runs - 1));
+          lines.place(), run, runs - 1));
     visit(lines, run, row);
   }
 }

@@ -23,7 +23,11 @@ RunOutcome LiveSession::Advance(Simulator& simulator, const LiveView& view, doub
                                         : recording_->end ? std::nullopt
                                                           : std::optional<double>(duration);
     StopOnSignal(simulator);
-    return Observe(simulator, [&] { return Replay(simulator, *recording_, until); });
+    try {
+      return Observe(simulator, [&] { return Replay(simulator, *recording_, until); });
+    } catch (const ParameterError& error) {
+      throw ParameterError(fmt::format("--replay {}: {}", options_.replay->string(), error.what()));
+    }
   }
   server_->options().recording = out.empty() ? out : out / "live.jsonl";
   LiveTerminal terminal;

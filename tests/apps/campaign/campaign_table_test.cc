@@ -96,7 +96,7 @@ TEST_F(CampaignTableTest, RefusesFilesThatAreNoTables) {
                                     {"run,x\n-1,2\n", ":2: "},
                                     {"run,x\n1x,2\n", ":2: "},
                                     {"run,x\n99999999999999999999999,2\n", ":2: "},
-                                    {"run,x\n10,2\n", "run 10 "}}) {
+                                    {"run,x\n10,2\n", ":2: run 10 "}}) {
     std::ofstream(file) << text;
     EXPECT_TRUE(Throws<ParameterError>(read, place)) << text;
   }

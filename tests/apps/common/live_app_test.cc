@@ -105,6 +105,14 @@ class LiveUsageTest : public AppTest {
   LiveUsageTest() : AppTest(TENON_QUADRUPED) {}
 };
 
+TEST_F(LiveUsageTest, ARecordingOfAnotherDiagramIsRefusedWithItsFile) {
+  const std::string file = Write("recording.jsonl", R"({"tenon_live": 1, "seed": 1}
+{"time": 0.1, "set": {"live_drive.velocty": [0, 0, 0]}}
+{"end": 0.2, "tick": false}
+)");
+  ExpectRefused({{"flat --replay " + file, "--replay " + file + ": "}});
+}
+
 TEST_F(LiveUsageTest, RefusesBadUsage) {
   const std::string parameter = ": parameters.loop.world.monitor.max_til";
   ExpectRefused({{"flat --live=99999", "--live: 99999"},
