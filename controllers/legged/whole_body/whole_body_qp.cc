@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <utility>
 
@@ -23,6 +24,8 @@ using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
 // J_leg counts as singular if |det J_leg| <= kStraight |J_leg|^3.
 constexpr double kStraight = 1e-4;
+// A wanted tangential force of less than this part of the force does not turn the inscribed pyramid.
+constexpr double kSlight = 0.02;
 
 // Layout of a row that stores an affine function of y = (f, gamma): twelve coefficients, the constant, and
 // zeros as padding.
@@ -124,9 +127,18 @@ Vec<3> FirstTangent(const Vec<3>& normal) {
 }
 
 // Writes the rows of the friction pyramids.
-void WholeBodyQp::MakePyramids(const WholeBodyTask& task, double friction) {
+void WholeBodyQp::MakePyramids(const WholeBodyTask& task, const WholeBodyQpParams& params) {
   const Vec<3>& n = task.normal_W;
-  const Eigen::Vector3d t_1 = FirstTangent(n), t_2 = n.cross(t_1);
+  double friction = params.friction;
+  Eigen::Vector3d t_1 = FirstTangent(n);
+  if (params.friction_pyramid == FrictionPyramid::kInscribed) {
+    const Eigen::Vector3d wanted = task.wrench.head<3>() - task.disturbance.head<3>();
+    const Eigen::Vector3d along = wanted - wanted.dot(n) * n;
+    if (along.norm() > kSlight * wanted.norm()) t_1 = along.normalized();
+    t_1 = (t_1 + n.cross(t_1)).normalized();
+    friction *= std::numbers::sqrt2 / 2;
+  }
+  const Eigen::Vector3d t_2 = n.cross(t_1);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const bool stance = task.stance[static_cast<std::size_t>(leg)];
     const int row = kRowsPerLeg * leg;
@@ -209,7 +221,7 @@ TENON_VECTOR_CLONES void WholeBodyQp::MakeProblem(const QuadrupedDynamics& dynam
   for (int y = 0; y < 12; ++y)
     H_(y, y) += task.stance[static_cast<std::size_t>(y / 3)] ? params.force_weight : params.slack_weight;
 
-  MakePyramids(task, params.friction);
+  MakePyramids(task, params);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     for (int k = 0; k < 3; ++k) {

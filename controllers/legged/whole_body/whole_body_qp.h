@@ -9,6 +9,17 @@
 
 namespace tenon {
 
+/// How the four sides of a friction pyramid approximate the cone |f_t| <= mu f_n.
+enum class FrictionPyramid {
+  kCircumscribed,  ///< touches the cone along W's x and across it; exceeds the cone by up to sqrt(2) in
+                   ///< between
+  kInscribed,      ///< within the cone, with an edge along the tangential force that the task wants
+};
+constexpr auto EnumNames(FrictionPyramid) {
+  return std::array{Named{FrictionPyramid::kCircumscribed, "circumscribed"},
+                    Named{FrictionPyramid::kInscribed, "inscribed"}};
+}
+
 /// Weights of the cost and the friction coefficient of WholeBodyQp.
 struct WholeBodyQpParams {
   double wrench_weight = 100;         ///< Q of the force [1/N^2]
@@ -20,6 +31,7 @@ struct WholeBodyQpParams {
   double acceleration_weight = 1e-4;  ///< R of nu' [(m/s^2)^-2], [(rad/s^2)^-2]
   double slack_weight = 1e6;          ///< weight of the swing feet's acceleration errors [(m/s^2)^-2]
   double friction = 1;                ///< coefficient mu of the friction pyramids
+  FrictionPyramid friction_pyramid = FrictionPyramid::kCircumscribed;
 
   static FieldList Fields() {
     return {Field("wrench_weight", &WholeBodyQpParams::wrench_weight).Positive(),
@@ -30,7 +42,8 @@ struct WholeBodyQpParams {
             Field("force_weight", &WholeBodyQpParams::force_weight).Positive(),
             Field("acceleration_weight", &WholeBodyQpParams::acceleration_weight).Positive(),
             Field("slack_weight", &WholeBodyQpParams::slack_weight).Positive(),
-            Field("friction", &WholeBodyQpParams::friction).Positive()};
+            Field("friction", &WholeBodyQpParams::friction).Positive(),
+            Field("friction_pyramid", &WholeBodyQpParams::friction_pyramid)};
   }
   /// Weight of the horizontal moment at this tilt of the trunk [rad].
   double MomentWeight(double tilt) const {
@@ -89,9 +102,11 @@ struct WholeBodySolution {
 ///     J_i nu' + J_i' nu = a_i,   J_k nu' + J_k' nu = a_k + gamma_k
 ///     |f . t_1|, |f . t_2| <= mu f . n,   |tau| <= limit, with tau from the joints' rows
 ///
-/// with the ground's normal n and its tangents t_1, along W's x, and t_2. J_i is the Jacobian of the foot's
-/// contact point (see QuadrupedDynamics::Contact), J_k that of the foot's centre: `dynamics.feet` must hold
-/// contact points for stance feet and centres for swing feet.
+/// with the ground's normal n and its tangents t_1, along W's x, and t_2. The inscribed pyramid has mu /
+/// sqrt(2) instead of mu, and t_1 at 45 degrees to the tangential part of w - w_hat, in whose direction a
+/// foot can then have the friction mu. J_i is the Jacobian of the foot's contact point (see
+/// QuadrupedDynamics::Contact), J_k that of the foot's centre: `dynamics.feet` must hold contact points for
+/// stance feet and centres for swing feet.
 ///
 /// The constraints are the exact rigid-body dynamics. They differ from the thesis in three ways: (2.28)
 /// includes w_hat, the slack of (2.43) is an equality, since a symmetric slack is equivalent to a quadratic
@@ -127,7 +142,7 @@ class WholeBodyQp {
  private:
   void MakeProblem(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
                    const WholeBodyQpParams& params);
-  void MakePyramids(const WholeBodyTask& task, double friction);
+  void MakePyramids(const WholeBodyTask& task, const WholeBodyQpParams& params);
 
   Vec<12> torque_limit_;
   Eigen::MatrixXd H_;

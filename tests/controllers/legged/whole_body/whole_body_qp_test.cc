@@ -12,6 +12,9 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 namespace tenon::whole_body_qp_test {
 namespace {
 
@@ -141,6 +144,31 @@ TEST_F(WholeBodyQpTest, APullBeyondFrictionIsProjectedOntoTheCone) {
   for (int leg = 0; leg < kNumLegs; ++leg) {
     EXPECT_NEAR(solution.force[leg][0], mu * solution.force[leg][2], 1e-6);
     EXPECT_GT(solution.force[leg][2], 1);
+  }
+}
+
+// The circumscribed pyramid lets a diagonal pull through that the cone does not hold; the inscribed one keeps
+// within the cone and reaches it in the direction of the pull.
+TEST_F(WholeBodyQpTest, TheInscribedPyramidStaysInTheCone) {
+  model_.Calc(test::Standing(robot_), &dynamics_);
+  const double mu = 0.3, weight = model_.mass() * 9.81;
+  for (const double angle : {0.0, 0.4, std::numbers::pi / 4, 2.0}) {
+    const Vec<3> direction(std::cos(angle), std::sin(angle), 0);
+    WholeBodyTask task;
+    task.wrench << 90 * direction[0], 90 * direction[1], weight, 0, 0, 0;
+    WholeBodySolution inside, outside;
+    WholeBodyQp qp(Limits());
+    const WholeBodyQpParams inscribed{.friction = mu, .friction_pyramid = FrictionPyramid::kInscribed};
+    ASSERT_TRUE(qp.Solve(dynamics_, task, inscribed, &inside).ok());
+    ASSERT_TRUE(qp.Solve(dynamics_, task, {.friction = mu}, &outside).ok());
+    for (int leg = 0; leg < kNumLegs; ++leg) {
+      const Vec<3>& f = inside.force[leg];
+      EXPECT_LE(f.head<2>().norm(), mu * f[2] + 1e-6) << angle;
+      EXPECT_GE(f.dot(direction), 0.99 * mu * f[2]) << angle;
+    }
+    if (angle == std::numbers::pi / 4) {
+      EXPECT_GT(outside.force[0].head<2>().norm(), 1.3 * mu * outside.force[0][2]);
+    }
   }
 }
 
