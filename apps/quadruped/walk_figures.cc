@@ -44,6 +44,7 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
     signals.push_back(&loop.world.plant.added_positions);
     signals.push_back(&loop.world.plant.added_speeds);
   }
+  if (loop.world.plant.params.extend) signals.push_back(&loop.world.plant.added_wrench);
   if (loop.estimator) {
     signals.push_back(&loop.estimator->estimate);
     signals.push_back(&loop.errors.path);
@@ -64,6 +65,8 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   ground_force_ = Columns(names, errors, &WalkingErrors::ground_force);
   const QuadrupedPlant& plant = loop_.world.plant;
   external_force_ = Columns(names, FindCurrent(plant.external_wrench), &WrenchEstimate::force_W);
+  if (plant.params.extend)
+    added_force_ = Columns(names, FindCurrent(plant.added_wrench), &WrenchEstimate::force_W);
   estimated_force_ = Columns(names, loop_.observer.wrench, &WrenchEstimate::force_W);
   slip_ = Columns(names, FindCurrent(plant.foot_slips));
   position_ = Columns(names, plant.state, &LeggedState::p_WB);
@@ -89,9 +92,9 @@ void WalkFigures::Row(std::span<const double> row) {
     for (std::size_t i = 0; i < 3; ++i) {
       estimates_[i].Add(row[estimated_force_[i]]);
       error[i] = row[estimated_force_[i]] - row[external_force_[i]];
+      if (!added_force_.empty()) error[i] -= row[added_force_[i]];
     }
-    if (!loop_.world.plant.params.extend)  // external_wrench lacks the wrench of additions
-      estimate_errors_.Add(std::hypot(error[0], error[1], error[2]));
+    estimate_errors_.Add(std::hypot(error[0], error[1], error[2]));
   }
   if (solve_time_) {
     solve_times_.Add(row[*solve_time_]);

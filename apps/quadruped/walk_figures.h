@@ -72,7 +72,7 @@ class WalkFigures final : public LogSink {
   double from_;
   bool observes_;
   PathVerdict path_;
-  std::vector<std::size_t> external_force_, estimated_force_;
+  std::vector<std::size_t> external_force_, added_force_, estimated_force_;
   std::vector<std::size_t> com_, foot_, ground_force_, slip_, position_, attitude_, told_attitude_;
   std::array<std::size_t, kNumLegs> contact_{};
   std::optional<std::size_t> solve_time_, failures_;

@@ -349,6 +349,26 @@ void ExtendedQuadruped::CalcRates(const Vec<12>& torque, std::span<const PointFo
   rates->z = ToVector(state.getZDot());
 }
 
+WrenchEstimate ExtendedQuadruped::MomentumRate(const LeggedAcceleration& acceleration,
+                                               const Vec<3>& p_W) const {
+  const Model& model = *model_;
+  SimTK::Vector u(model.state.getNU(), 0.0);  // added joints do not affect the robot's bodies
+  for (int i = 0; i < 3; ++i) u[i] = acceleration.alpha_W[i], u[3 + i] = acceleration.a_W[i];
+  for (std::size_t j = 0; j < kNumJoints; ++j)
+    u[model.u_index[j]] = acceleration.qdd[static_cast<Eigen::Index>(j)];
+  SimTK::Vector_<SimTK::SpatialVec> accelerations;
+  model.matter.calcBodyAccelerationFromUDot(model.state, u, accelerations);
+  SimTK::Vec3 force(0), torque(0);
+  for (const SimTK::MobilizedBodyIndex index : model.indices) {
+    const SimTK::MobilizedBody& body = model.matter.getMobilizedBody(index);
+    const SimTK::SpatialVec rate = body.getBodySpatialInertiaInGround(model.state) * accelerations[index] +
+                                   model.matter.getGyroscopicForce(model.state, index);
+    force += rate[1];
+    torque += rate[0] + (body.getBodyOriginLocation(model.state) - ToSimbody(p_W)) % rate[1];
+  }
+  return {ToEigen(force), ToEigen(torque)};
+}
+
 double ExtendedQuadruped::KineticEnergy() const {
   double rotors = 0;
   for (const int i : model_->u_index) rotors += model_->state.getU()[i] * model_->state.getU()[i];

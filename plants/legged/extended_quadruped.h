@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/legged/quadruped_body.h>
+#include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/geometry.h>
 
@@ -73,6 +74,8 @@ class ExtendedQuadruped {
   /// joints. Throws RunError if Simbody fails.
   void CalcRates(const Vec<12>& torque, std::span<const PointForce> forces, const Eigen::VectorXd& added,
                  ExtendedRates* rates) const;
+  /// Rate of the momentum of the robot's own bodies about a point that is fixed in W, at their accelerations.
+  WrenchEstimate MomentumRate(const LeggedAcceleration& acceleration, const Vec<3>& p_W) const;
   double KineticEnergy() const;    ///< rotors included [J]
   double PotentialEnergy() const;  ///< gravity, 0 at z = 0, and conservative force elements [J]
   /// Moves Additions::shapes, which begin at `first`.

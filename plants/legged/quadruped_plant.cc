@@ -153,12 +153,17 @@ LeggedEnergy QuadrupedPlant::CalcEnergy(const QuadrupedBody& body, const Extende
   return {body.KineticEnergy(), params.gravity * loaded_.mass() * body.Com()[2]};
 }
 
+Vec<3> QuadrupedPlant::ComWithoutPayload(const QuadrupedBody& body) const {
+  const RigidInertia& payload = params.payload;
+  return (loaded_.mass() * body.Com() - payload.mass * body.Position(0, payload.com)) /
+         (loaded_.mass() - payload.mass);
+}
+
 WrenchEstimate QuadrupedPlant::CalcExternalWrench(const QuadrupedBody& body,
                                                   const ExternalForces& external) const {
   const RigidInertia& payload = params.payload;
   const Vec<3> payload_W = body.Position(0, payload.com);
-  const Vec<3> com =
-      (loaded_.mass() * body.Com() - payload.mass * payload_W) / (loaded_.mass() - payload.mass);
+  const Vec<3> com = ComWithoutPayload(body);
   WrenchEstimate wrench;
   wrench.force_W[2] = -payload.mass * params.gravity;
   wrench.torque_W = (payload_W - com).cross(wrench.force_W);
@@ -166,6 +171,24 @@ WrenchEstimate QuadrupedPlant::CalcExternalWrench(const QuadrupedBody& body,
     CheckBody(force);
     wrench.force_W += force.force_W;
     wrench.torque_W += force.torque_W + (body.Position(force.body, force.p_B) - com).cross(force.force_W);
+  }
+  return wrench;
+}
+
+WrenchEstimate QuadrupedPlant::CalcAddedWrench(const QuadrupedBody& body, const FootContacts& contacts,
+                                               const ExternalForces& external,
+                                               const ExtendedQuadruped& extended,
+                                               const ExtendedRates& rates) const {
+  if (!extended.exists()) return {};
+  const Vec<3> com = ComWithoutPayload(body);
+  const WrenchEstimate others = CalcExternalWrench(body, external);  // with the payload's weight
+  WrenchEstimate wrench = extended.MomentumRate(rates.robot, com);
+  wrench.force_W[2] += (loaded_.mass() - params.payload.mass) * params.gravity;
+  wrench.force_W -= others.force_W;
+  wrench.torque_W -= others.torque_W;
+  for (const FootContact& foot : contacts.feet) {
+    wrench.force_W -= foot.force_W;
+    wrench.torque_W -= (foot.p_W - com).cross(foot.force_W);
   }
   return wrench;
 }

@@ -73,12 +73,19 @@ struct LeggedEnergy {
 ///                geometry         shapes of robot, additions and terrain
 ///                added_positions  coordinates of added joints [rad, m]
 ///                added_speeds     speeds of added joints [rad/s, m/s]
+///                added_wrench     wrench of the additions on the robot, in W about the CoM without payload
 ///
 /// **Additions.** The function `extend` adds bodies, joints, forces, constraints and contacts to the robot in
 /// Simbody; quadruped_multibody.h is the guide. Simbody then computes all accelerations, and the coordinates,
 /// speeds and auxiliary variables of the additions are the states added_q, added_u and added_z. `energy`
-/// includes the additions. `external_wrench` does not, and controllers know the robot alone. Without
-/// `extend`, the equations of quadruped_body.h hold, which are faster, and these states are empty.
+/// includes the additions. `external_wrench` does not, and controllers know the robot alone. `added_wrench`
+/// comes from the balance of momentum of the robot's own bodies, including the payload,
+///
+///     f = p' - m g - (forces of ground and `external`),   t likewise about the CoM,
+///
+/// so it contains the reactions of added joints, force elements and constraints on all bodies of the robot;
+/// the sum of both wrenches is the disturbance that an observer sees. Without `extend`, `added_wrench` is 0,
+/// the equations of quadruped_body.h hold, which are faster, and these states are empty.
 ///
 /// **Drives.** The torque is the command limited to the torque limit. With `limit_speed` it is also limited
 /// to the torque-speed line of the motor: full torque up to a fraction r of the speed limit w, then falling
@@ -169,6 +176,10 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
                                 &QuadrupedPlant::CalcGeometry};
   OutputPort<Eigen::VectorXd> added_positions{this, {"added_positions"}, added_q};
   OutputPort<Eigen::VectorXd> added_speeds{this, {"added_speeds"}, added_u};
+  OutputPort<WrenchEstimate> added_wrench{this,
+                                          {"added_wrench"},
+                                          Uses(body, contacts, external, extended, rates),
+                                          &QuadrupedPlant::CalcAddedWrench};
 
   TimeDerivative<LeggedState> motion_rate{motion, Uses(motion, acceleration),
                                           &QuadrupedPlant::CalcMotionRate};
@@ -197,6 +208,10 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   std::array<Vec<3>, kNumLegs> CalcFootSlips(const FootContacts& contacts) const;
   LeggedEnergy CalcEnergy(const QuadrupedBody& body, const ExtendedQuadruped& extended) const;
   WrenchEstimate CalcExternalWrench(const QuadrupedBody& body, const ExternalForces& external) const;
+  Vec<3> ComWithoutPayload(const QuadrupedBody& body) const;
+  WrenchEstimate CalcAddedWrench(const QuadrupedBody& body, const FootContacts& contacts,
+                                 const ExternalForces& external, const ExtendedQuadruped& extended,
+                                 const ExtendedRates& rates) const;
   Vec<12> CalcExternalTorque(const QuadrupedBody& body, const ExternalForces& external) const;
   Geometry MakeGeometry() const;
   void CalcGeometry(const LeggedState& x, const FootForces& feet, const ExternalForces& external,

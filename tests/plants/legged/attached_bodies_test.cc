@@ -4,8 +4,10 @@
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -93,6 +95,42 @@ TEST(AttachedBodiesTest, ADriveFollowsItsSine) {
   EXPECT_EQ(rig[rig->added_positions][0], 0.3);
   rig.RunTo(1);
   EXPECT_NEAR(rig[rig->added_positions][0], 0.3 + 0.5 * std::sin(2.0), 0.05);
+}
+
+/// By Newton and Euler for the load: f = m (g - a) and, about the robot's CoM, t = r x f - I alpha. A weld is
+/// an arm at rest on the trunk; a pin is a pendulum that swings.
+TEST(AttachedBodiesTest, TheAddedWrenchIsTheReactionOfTheLoad) {
+  for (const AttachedJoint joint : {AttachedJoint::kWeld, AttachedJoint::kPin}) {
+    AttachedBody load = Ball("load", joint);
+    load.position = {0.1, 0.05, 0.1};
+    load.centre = {0.2, 0.03, 0.1};
+    load.stiffness = joint == AttachedJoint::kPin ? 5 : 0;
+    QuadrupedPlantParams params = With({load});
+    params.payload = {1, {0.05, 0, 0.1}, 0.01 * Eigen::Matrix3d::Identity()};
+    params.initial.w_W = {0.3, -0.5, 0.4};
+    params.initial.qd.setConstant(0.7);
+    Rig rig(params);
+    rig.Fix(rig->torque, Vec<12>::Constant(3))
+        .Fix(rig->external, {ExternalForce{.body = 2, .force_W = {20, -10, 5}}});
+    Vec<3> w = params.initial.w_W, alpha = rig[rig->acceleration].alpha_W;
+    Vec<3> a = rig[rig->acceleration].a_W + alpha.cross(load.position) + w.cross(w.cross(load.position));
+    if (joint == AttachedJoint::kPin) {
+      rig.Set(rig->added_u, Eigen::VectorXd::Constant(1, 4.0));
+      alpha = rig[rig->acceleration].alpha_W;
+      a = rig[rig->acceleration].a_W + alpha.cross(load.position) + w.cross(w.cross(load.position));
+      const Vec<3> axis = Vec<3>::UnitY();
+      alpha += rig.Derivative(rig->added_u)[0] * axis + 4 * w.cross(axis);
+      w += 4 * axis;
+    }
+    a += alpha.cross(load.centre) + w.cross(w.cross(load.centre));
+    QuadrupedBody robot(DogBot());
+    robot.SetState(params.initial);
+    const Vec<3> force = load.mass * (Vec<3>(0, 0, -params.gravity) - a);
+    const Vec<3> arm = params.initial.p_WB + load.position + load.centre - robot.Com();
+    const double inertia = 0.4 * load.mass * load.radius * load.radius;
+    EXPECT_THAT(rig[rig->added_wrench].force_W, IsNear(force, 1e-8));
+    EXPECT_THAT(rig[rig->added_wrench].torque_W, IsNear((arm.cross(force) - inertia * alpha).eval(), 1e-8));
+  }
 }
 
 TEST(AttachedBodiesTest, RefusesBodiesThatMakeNoSense) {
