@@ -162,6 +162,7 @@ QuadrupedWalkParams TranslateWalk(const QuadrupedScenario& scenario, const WalkF
   const QuadrupedWorldParams world = MakeWorldParams(scenario, files, WholeBodyParams().rate);
   const QuadrupedDescription model = MakeModel(walk, files.robot, world.plant.robot.drive, scenario.seed);
   QuadrupedWalkParams params = MakeQuadrupedWalk(world, model, files.profile, files.gaits);
+  if (!scenario.ropes.empty()) Blame("ropes", [&] { AddRopes(scenario.ropes, &params); });
   params.walk = walk.path;
   params.locomotion.pace = walk.pace;
   params.locomotion.com_planner.reference = walk.com_reference;
@@ -170,7 +171,7 @@ QuadrupedWalkParams TranslateWalk(const QuadrupedScenario& scenario, const WalkF
   if (walk.friction) params.locomotion.whole_body.gains.qp.friction = *walk.friction;
   if (scenario.observer) params.observer.kind = *scenario.observer;
   if (walk.state == StateSource::kEstimated)
-    params.estimator = MakeEstimator(files.hardware, model, world.plant, scenario.seed);
+    params.estimator = MakeEstimator(files.hardware, model, params.world.plant, scenario.seed);
   return params;
 }
 
@@ -198,6 +199,11 @@ QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario, const SizeRatio& rat
   for (RandomForceScenario& force : scenario.random_forces) {
     force.lower_N *= weight;
     force.upper_N *= weight;
+  }
+  for (Rope& rope : scenario.ropes) {
+    rope.attachment_B *= length;
+    rope.tension_min *= weight;
+    rope.tension_max *= weight;
   }
   TrunkLoadScenario& payload = scenario.payload;
   payload.mass_kg *= weight;

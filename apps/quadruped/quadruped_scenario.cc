@@ -37,6 +37,7 @@ FieldList QuadrupedScenario::Fields() {
        {"walk", &S::walk},
        {"observer", &S::observer},
        {"random_forces", &S::random_forces},
+       {"ropes", &S::ropes},
        {"payload", &S::payload},
        {"attached", &S::attached},
        {"sweep", &S::sweep},
@@ -49,6 +50,9 @@ void QuadrupedScenario::Validate() const {
   Demand(!pd || !walk, "pd and walk are both given: set pd to null for a walk, or walk to null for standing");
   Demand(pd || walk, "neither pd nor walk is given: give pd for a robot that stands, or walk");
   Demand(!sweep || (walk && !forces.empty()), "sweep needs walk and forces: give both, or set sweep to null");
+  Demand(ropes.empty() || walk,
+         "ropes: a standing robot has no control of the tensions; give walk, or no ropes");
+  if (!ropes.empty()) CheckRopes(ropes);
   // One force is reserved for QuadrupedWorld::pull, and one for a load that slides.
   const std::size_t most = kMaxExternalForces - (payload.slides ? 2 : 1);
   const std::size_t num_forces = forces.size() + random_forces.size();

@@ -6,6 +6,7 @@
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/plants/legged/attached_bodies.h>
+#include <tenon/plants/model/rope.h>
 #include <tenon/systems/framework/types/fields.h>
 
 #include <Eigen/Core>
@@ -100,6 +101,7 @@ struct QuadrupedScenario : LeggedScenario {
   std::optional<WalkScenario> walk;   ///< commanded walk of a walking robot; excludes `pd`
   std::optional<ObserverKind> observer;            ///< overrides the observer of the profile
   std::vector<RandomForceScenario> random_forces;  ///< forces that change at random
+  std::vector<Rope> ropes;  ///< ropes from winches on the trunk to anchors in the world, see docs/limbs.md
   TrunkLoadScenario payload;
   std::vector<AttachedBody> attached;  ///< bodies on joints, missing from the controller's model
   std::optional<SweepScenario> sweep;  ///< variation of start and direction of the first force

@@ -45,6 +45,10 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
     signals.push_back(&loop.world.plant.added_speeds);
   }
   if (loop.world.plant.params.extend) signals.push_back(&loop.world.plant.added_wrench);
+  if (loop.ropes) {
+    signals.push_back(&loop.ropes->tension);
+    signals.push_back(&loop.tensions->wrench);
+  }
   if (loop.estimator) {
     signals.push_back(&loop.estimator->estimate);
     signals.push_back(&loop.errors.path);
@@ -68,6 +72,7 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   if (plant.params.extend)
     added_force_ = Columns(names, FindCurrent(plant.added_wrench), &WrenchEstimate::force_W);
   estimated_force_ = Columns(names, loop_.observer.wrench, &WrenchEstimate::force_W);
+  if (loop_.tensions) rope_force_ = Columns(names, loop_.tensions->wrench, &WrenchEstimate::force_W);
   slip_ = Columns(names, FindCurrent(plant.foot_slips));
   position_ = Columns(names, plant.state, &LeggedState::p_WB);
   attitude_ = Columns(names, plant.state, &LeggedState::q_WB);
@@ -93,6 +98,7 @@ void WalkFigures::Row(std::span<const double> row) {
       estimates_[i].Add(row[estimated_force_[i]]);
       error[i] = row[estimated_force_[i]] - row[external_force_[i]];
       if (!added_force_.empty()) error[i] -= row[added_force_[i]];
+      if (loop_.tensions) error[i] += row[rope_force_[i]];
     }
     estimate_errors_.Add(std::hypot(error[0], error[1], error[2]));
   }

@@ -34,6 +34,7 @@ class WalkFigures final : public LogSink {
   static std::vector<const OutputPort<Geometry>*> Shapes(const QuadrupedWalk& loop) {
     std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry, &loop.view.geometry};
     if (const SlidingLoad* load = loop.world.sliding_load) shapes.push_back(&load->geometry);
+    if (loop.ropes) shapes.push_back(&loop.ropes->geometry);
     return Present(shapes);
   }
   /// The signals to log.
@@ -72,7 +73,7 @@ class WalkFigures final : public LogSink {
   double from_;
   bool observes_;
   PathVerdict path_;
-  std::vector<std::size_t> external_force_, added_force_, estimated_force_;
+  std::vector<std::size_t> external_force_, added_force_, estimated_force_, rope_force_;
   std::vector<std::size_t> com_, foot_, ground_force_, slip_, position_, attitude_, told_attitude_;
   std::array<std::size_t, kNumLegs> contact_{};
   std::optional<std::size_t> solve_time_, failures_;

@@ -32,6 +32,7 @@ DisturbanceObserver::DisturbanceObserver(const DisturbanceObserverParams& params
     Connect(foot_forces, com->foot_forces);
     Connect(ground, com->ground);
     Connect(imu, com->imu);
+    Connect(known_wrench, com->known_wrench);
     Connect(com->estimate, wrench);
   } else {
     Connect(Add<ConstantSource<WrenchEstimate>>("no_wrench").y, wrench);

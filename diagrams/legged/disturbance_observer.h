@@ -12,7 +12,8 @@ namespace tenon {
 ///     state, foot_forces, imu ─────► com ──────────► wrench
 ///
 /// The outputs have feedthrough from state and foot forces only. `torque` and `imu` act one tick later, so
-/// that the controller that computes the torque can use the estimates without an algebraic loop.
+/// that the controller that computes the torque can use the estimates without an algebraic loop. `wrench`
+/// does not contain `known_wrench`, a wrench on the trunk; it is zero if not connected.
 class DisturbanceObserver final : public Subdiagram {
  public:
   explicit DisturbanceObserver(const DisturbanceObserverParams& params);
@@ -22,6 +23,7 @@ class DisturbanceObserver final : public Subdiagram {
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<ImuMeasurement> imu{this, {"imu"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
+  InputPort<WrenchEstimate> known_wrench{this, {"known_wrench"}, WrenchEstimate()};
 
   LegMomentumObserver* legs = nullptr;          ///< null except for kLegs and kHybrid
   NonlinearDisturbanceObserver* ndo = nullptr;  ///< null except for kNdoM and kNdoInverse

@@ -2,8 +2,11 @@
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/plants/model/standing.h>
 #include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/systems/yaml/yaml.h>
+
+#include <fmt/core.h>
 
 namespace tenon {
 
@@ -22,6 +25,22 @@ QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot) {
                            LoadGaits({"standard"}, scale));
 }
 
+void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params) {
+  QuadrupedPlantParams& plant = params->world.plant;
+  const Terrain::Surface ground = Terrain(plant.terrain).At(0, 0);
+  const Vec<2> uphill = -ground.normal_W.head<2>();
+  const GroundPlane plane{.p_W = {0, 0, ground.height}, .slope = uphill / ground.normal_W[2]};
+  const double com_height = NominalStance(plant.robot).com_height;
+  plant.initial = StandingOn(plant.robot, plane, 0, com_height * ground.normal_W[2] * uphill);
+  for (const Rope& rope : ropes)
+    Demand(
+        !(rope.anchor_W - plant.initial.p_WB - plant.initial.R_WB() * rope.attachment_B).isZero(1e-3),
+        fmt::format("the anchor of the rope '{}' coincides with its attachment: move it away from the robot",
+                    rope.name));
+  const RopeTensions tensions({.robot = params->locomotion.whole_body.robot, .ropes = ropes});
+  params->ropes = {.ropes = ropes, .initial_tension = tensions.CommandAt(plant.initial, plane)};
+}
+
 QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
     : walk(Add<WalkSchedule>("walk", params.walk)),
       locomotion(Add<LeggedLocomotion>("locomotion", params.locomotion)),
@@ -37,6 +56,7 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
   Connect(observer.wrench, locomotion.wrench);
   Connect(observer.leg_forces, locomotion.leg_forces);
   Connect(locomotion.torque, world.torque);
+  if (params.ropes) ConnectRopes(*params.ropes);
   ConnectObserver(foot_forces);
   ConnectEvaluation();
 }
@@ -72,6 +92,27 @@ const OutputPort<FootForces>& QuadrupedWalk::AddFootForces(const QuadrupedWorldP
   Connect(world.joints, foot_force_estimate->joints);
   Connect(state, foot_force_estimate->state);
   return foot_force_estimate->forces;
+}
+
+void QuadrupedWalk::ConnectRopes(const QuadrupedRopesParams& params) {
+  tensions = &Add<RopeTensions>(
+      "tensions", RopeTensionsParams{.robot = locomotion.whole_body.params.robot, .ropes = params.ropes});
+  winches = &Add<HeldLag<CableVector>>("winches",
+                                       HeldLagParams<CableVector>{.time_constant = params.winch_lag,
+                                                                  .initial = params.initial_tension,
+                                                                  .rate = tensions->params.rate,
+                                                                  .unit = "N",
+                                                                  .elements = RopeElements(params.ropes)});
+  ropes = &Add<Ropes>("ropes", RopesParams{params.ropes});
+  Connect(state, tensions->state);
+  Connect(locomotion.ground, tensions->ground);
+  Connect(ropes->tension, tensions->tension);
+  Connect(tensions->command, winches->u);
+  Connect(winches->y, ropes->command);
+  Connect(world.state, ropes->robot);
+  Connect(ropes->force, world.pull);
+  Connect(tensions->wrench, locomotion.known_wrench);
+  Connect(tensions->wrench, observer.known_wrench);
 }
 
 void QuadrupedWalk::ConnectObserver(const OutputPort<FootForces>& foot_forces) {

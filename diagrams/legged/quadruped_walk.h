@@ -3,10 +3,13 @@
 #include <tenon/controllers/legged/observers/foot_force_estimate.h>
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
+#include <tenon/controllers/legged/whole_body/rope_tensions.h>
 #include <tenon/diagrams/legged/disturbance_observer.h>
 #include <tenon/diagrams/legged/legged_locomotion.h>
 #include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
+#include <tenon/plants/legged/ropes.h>
+#include <tenon/systems/primitives/held_lag.h>
 
 #include <optional>
 
@@ -16,12 +19,20 @@ class FootForcesOfLegs;
 class TrackingError;
 class WalkView;
 
+/// Ropes of a QuadrupedWalk, see AddRopes.
+struct QuadrupedRopesParams {
+  std::vector<Rope> ropes;
+  CableVector initial_tension;  ///< [N]
+  double winch_lag = 0.05;      ///< time constant of the tension's response to its command [s]
+};
+
 struct QuadrupedWalkParams {
   QuadrupedWorldParams world;
   WalkScheduleParams walk;
   LeggedLocomotionParams locomotion;
   DisturbanceObserverParams observer;
   std::optional<LeggedStateEstimatorParams> estimator;  ///< empty: the controller reads the true state
+  std::optional<QuadrupedRopesParams> ropes;            ///< empty: no ropes
 };
 
 /// Parameters of a walk in `world` whose controller and observers have a `model` of the robot, which may
@@ -33,6 +44,11 @@ QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedWorldParams& world, const Q
 /// the walk is empty: set QuadrupedWalkParams::walk. Throws ParameterError.
 QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot);
 
+/// Adds ropes to the robot of `params`, which stands on a plane at the start. The ropes then carry the
+/// weight's component along the slope, and the centre of the feet is below the CoM along the plane's normal.
+/// Throws ParameterError.
+void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params);
+
 /// A quadruped that walks a commanded path on its terrain (Morlando 2023, section 2.5).
 ///
 ///     walk ──► locomotion ──► world ──┬─► IMU, torque ──┐
@@ -43,6 +59,9 @@ QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot);
 /// The foot forces reach locomotion and observer too. With an estimator, both read the state that it computes
 /// from inertial unit, encoders and contact schedule; without one, they read the true state. The observer
 /// reads the estimated ground plane of the last tick.
+///
+/// With ropes, `tensions` commands the `winches` of the `ropes`, which pull at world.pull, and locomotion and
+/// observer know the wrench of the measured tensions.
 class QuadrupedWalk : public Subdiagram {
  public:
   explicit QuadrupedWalk(const QuadrupedWalkParams& params);
@@ -56,11 +75,15 @@ class QuadrupedWalk : public Subdiagram {
   LeggedStateEstimator* estimator = nullptr;         ///< null without an estimator
   FootForceEstimate* foot_force_estimate = nullptr;  ///< null unless the foot sensors are in the shanks
   FootForcesOfLegs* foot_forces_of_legs = nullptr;   ///< null unless the feet have no sensors
+  RopeTensions* tensions = nullptr;                  ///< null without ropes
+  HeldLag<CableVector>* winches = nullptr;           ///< null without ropes
+  Ropes* ropes = nullptr;                            ///< null without ropes
   const OutputPort<LeggedState>& state;              ///< the state that the controller reads
 
  private:
   const OutputPort<LeggedState>& AddEstimator(const std::optional<LeggedStateEstimatorParams>& params);
   const OutputPort<FootForces>& AddFootForces(const QuadrupedWorldParams& params);
+  void ConnectRopes(const QuadrupedRopesParams& params);
   void ConnectObserver(const OutputPort<FootForces>& foot_forces);
   void ConnectEvaluation();
 };

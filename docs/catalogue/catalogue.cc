@@ -73,6 +73,7 @@ struct Shipped {
   QuadrupedDescription dog = LoadQuadruped(FindResource("robots", "dogbot").string());
   apps::QuadrupedScenario flat = ReadScenario<apps::QuadrupedScenario>("flat");
   QuadrupedWalkParams walk = apps::MakeWalkParams(flat);
+  std::vector<Rope> ropes = ReadScenario<apps::QuadrupedScenario>("E1").ropes;
   QuadrupedStandParams stand = apps::MakeStandParams(ReadScenario<apps::QuadrupedScenario>("stand"));
   GuideDogParams guide_dog = apps::MakeGuideDogParams(ReadScenario<apps::GuideDogScenario>("C1"));
   CdprLoopParams cdpr_mpc = apps::MakeLoopParams(ReadScenario<apps::CdprScenario>("D1"));
@@ -232,6 +233,7 @@ Shelf QuadrupedPlants(const Shipped& shipped) {
   entries.push_back(Make<DriveErrors>("DriveErrors"));
   entries.push_back(Make<SlidingLoad>("SlidingLoad", SlidingLoadParams{.mass = 1}));
   entries.push_back(Make<SpringPull>("SpringPull", SpringPullParams{.robot = shipped.dog}));
+  entries.push_back(Make<Ropes>("Ropes", RopesParams{shipped.ropes}));
   entries.push_back(Make<JointEncoders>("JointEncoders"));
   entries.push_back(Make<JointTorqueSensor>("JointTorqueSensor"));
   entries.push_back(Make<ShankForces>("ShankForces", ShankForcesParams{shipped.dog}));
@@ -286,6 +288,8 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   entries.push_back(
       WithNote(Make<WholeBodyController>("WholeBodyController", locomotion.whole_body),
                "Ends the run if the number of consecutive failed solves exceeds `max_failures_in_a_row`."));
+  entries.push_back(
+      Make<RopeTensions>("RopeTensions", RopeTensionsParams{.robot = shipped.dog, .ropes = shipped.ropes}));
   entries.push_back(Make<JointPd>("JointPd", shipped.stand.pd));
   entries.push_back(Make<LegMomentumObserver>("LegMomentumObserver", observer.legs));
   entries.push_back(Make<ComObserver>("ComObserver", observer.com));

@@ -23,7 +23,8 @@ int JointBeyondItsRange(const QuadrupedDescription& robot, const Vec<12>& q) {
 
 }  // namespace
 
-LeggedState StandingOn(const QuadrupedDescription& robot, const GroundPlane& ground, double yaw) {
+LeggedState StandingOn(const QuadrupedDescription& robot, const GroundPlane& ground, double yaw,
+                       const Vec<2>& feet_shift) {
   const QuadrupedModel model(robot);
   LeggedState x;
   x.q = robot.stance;
@@ -34,18 +35,19 @@ LeggedState StandingOn(const QuadrupedDescription& robot, const GroundPlane& gro
   const Eigen::Matrix3d R_WB = RotationFromEuler(EulerOnSlope(ground.slope, yaw));
   const Eigen::Matrix2d footprint = R_WB.topLeftCorner<2, 2>();
   const Eigen::Vector2d middle = ground.p_W.head<2>();
-  const auto above = [&](const Eigen::Vector3d& p_B, double height) {
-    const Eigen::Vector2d place = middle + footprint * p_B.head<2>();
+  const auto above = [&](const Eigen::Vector3d& p_B, double height, const Vec<2>& shift) {
+    const Eigen::Vector2d place = middle + footprint * p_B.head<2>() + shift;
     return Eigen::Vector3d(place[0], place[1], ground.HeightAt(place) + height);
   };
-  const Eigen::Vector3d com_W = above(com_B, robot.StanceHeight() + com_B[2]);
+  const Eigen::Vector3d com_W = above(com_B, robot.StanceHeight() + com_B[2], Vec<2>::Zero());
   x.p_WB = com_W - R_WB * com_B;
   x.q_WB = QuaternionFromRotation(R_WB);
   const double center_height =
       robot.foot_radius /
       ground.Normal()[2];  // height of the centre of a foot's sphere that touches the plane
   std::array<Eigen::Vector3d, kNumLegs> target;
-  for (std::size_t i = 0; i < kNumLegs; ++i) target[i] = above(dynamics.feet[i].p_W, center_height);
+  for (std::size_t i = 0; i < kNumLegs; ++i)
+    target[i] = above(dynamics.feet[i].p_W, center_height, feet_shift);
 
   const auto refuse = [&](std::ptrdiff_t leg) {
     throw ParameterError(fmt::format(

@@ -12,7 +12,8 @@ void ComObserverParams::Validate() const {
 
 WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
                                          const GroundPlane& ground, const Vec<3>& specific_force_W,
-                                         const ComObserverGains& gains, Memory& memory) const {
+                                         const WrenchEstimate& known, const ComObserverGains& gains,
+                                         Memory& memory) const {
   QuadrupedDynamics dynamics;
   model_.Calc(state, &dynamics);
   const bool from_imu = gains.force_source == ForceSource::kImu;
@@ -25,6 +26,7 @@ WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootFor
   memory.linear = mass * dynamics.com_velocity_W;
   if (from_imu) memory.linear -= mass * (state.v_W + state.w_W.cross(state.R_WB() * params.robot.imu_B));
   memory.angular = dynamics.angular_momentum_W;
+  memory.known = known;
   memory.ground.setZero();
   memory.moment.setZero();
   const Vec<3> contact = ground.ContactArm(params.robot.foot_radius);
@@ -37,9 +39,11 @@ WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootFor
 
   // Mean force and moment over the last interval.
   const Vec<3> change = (memory.linear - before.linear) / period;
-  const Vec<3> force = from_imu ? Vec<3>(mass * specific_force_W + change - before.ground)
-                                : Vec<3>(change + weight - (before.ground + memory.ground) / 2);
-  const Vec<3> torque = (memory.angular - before.angular) / period - (before.moment + memory.moment) / 2;
+  Vec<3> force = from_imu ? Vec<3>(mass * specific_force_W + change - before.ground)
+                          : Vec<3>(change + weight - (before.ground + memory.ground) / 2);
+  Vec<3> torque = (memory.angular - before.angular) / period - (before.moment + memory.moment) / 2;
+  force -= before.known.force_W;
+  torque -= before.known.torque_W;
   WrenchEstimate& estimate = memory.estimate;
   estimate.force_W += -std::expm1(-gains.force_bandwidth * period) * (force - estimate.force_W);
   estimate.torque_W += -std::expm1(-gains.torque_bandwidth * period) * (torque - estimate.torque_W);

@@ -75,13 +75,15 @@ struct ComObserverParams {
 /// `kMomentum` uses the mean of m x'' from x' itself, and the mean of f_i at both ends.
 ///
 /// The ground forces act where each foot's sphere touches the `ground` plane. The wrench contains all
-/// external forces, wherever they act; it does not depend on the estimates of other observers.
+/// external forces except `known_wrench`, wherever they act; it does not depend on the estimates of other
+/// observers.
 ///
 ///     | port        | kind            | type                                      |
 ///     | state       | input           | LeggedState; v_W is read by kMomentum only |
 ///     | foot_forces | input           | FootForces                                |
 ///     | ground      | input           | GroundPlane; level if not connected       |
 ///     | imu         | input           | ImuMeasurement                            |
+///     | known_wrench | input          | a wrench that is not estimated; zero if not connected |
 ///     | estimate    | output, sampled | WrenchEstimate                            |
 ///     | gains       | parameter       | ComObserverGains                          |
 ///
@@ -100,13 +102,14 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
     Vec<3> angular = Vec<3>::Zero();  ///< L [kg m^2/s]
     Vec<3> ground = Vec<3>::Zero();   ///< sum of the ground forces [N]
     Vec<3> moment = Vec<3>::Zero();   ///< moment of the ground forces about x [N m]
+    WrenchEstimate known;
     WrenchEstimate estimate;
 
     static FieldList Fields() {
       return {{"started", &Memory::started},    {"force_source", &Memory::force_source},
               {"linear", &Memory::linear},      {"angular", &Memory::angular},
               {"ground", &Memory::ground, "N"}, {"moment", &Memory::moment, "N m"},
-              {"estimate", &Memory::estimate}};
+              {"known", &Memory::known},        {"estimate", &Memory::estimate}};
     }
   };
 
@@ -118,6 +121,7 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   InputPort<ImuMeasurement> imu{this, {"imu"}};
+  InputPort<WrenchEstimate> known_wrench{this, {"known_wrench"}, WrenchEstimate()};
   Parameter<ComObserverGains> gains{
       this, {"gains"}, params.gains, "bandwidths of the filters and source of the force"};
 
@@ -128,16 +132,18 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
                                        return state.R_WB() * imu.specific_force_B;
                                      }};
   Scratch<Memory> memory{this, "memory", Memory()};
-  OutputPort<WrenchEstimate> estimate{this,
-                                      {"estimate"},
-                                      Sampled{params.rate},
-                                      Uses(state, foot_forces, ground, specific_force_W, gains, memory),
-                                      &ComObserver::CalcEstimate};
+  OutputPort<WrenchEstimate> estimate{
+      this,
+      {"estimate"},
+      Sampled{params.rate},
+      Uses(state, foot_forces, ground, specific_force_W, known_wrench, gains, memory),
+      &ComObserver::CalcEstimate};
 
  private:
   WrenchEstimate CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
                               const GroundPlane& ground, const Vec<3>& specific_force_W,
-                              const ComObserverGains& gains, Memory& memory) const;
+                              const WrenchEstimate& known, const ComObserverGains& gains,
+                              Memory& memory) const;
 };
 
 }  // namespace tenon

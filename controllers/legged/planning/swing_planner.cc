@@ -3,6 +3,7 @@
 #include <tenon/controllers/legged/planning/swing_planner.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -11,7 +12,8 @@
 namespace tenon {
 namespace {
 
-constexpr double kLeastWeight = 0.5;  // lower bound of the load on the feet, over the robot's weight
+constexpr double kLeastWeight = 0.5;       // lower bound of the load on the feet, over the robot's weight
+constexpr double kLeastRopedWeight = 0.1;  // its lower bound on ropes
 
 /// The horizontal motion at time t after lift-off.
 PlanarPoint Course(const SwingPlanner::LegMemory& leg, const StepProperties& step, double duration,
@@ -88,7 +90,8 @@ void SwingPlannerParams::Validate() const {
 void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& path,
                             const BodyReference& body, const LeggedState& state, const GroundPlane& ground,
                             const FootForces& foot_forces, const WrenchEstimate& wrench,
-                            const StepProperties& step, Memory& memory, Memory* plan) const {
+                            const WrenchEstimate& known_wrench, const StepProperties& step, Memory& memory,
+                            Memory* plan) const {
   const Eigen::Matrix3d R = state.R_WB();
   std::array<Eigen::Vector3d, kNumLegs> foot;
   for (std::size_t i = 0; i < kNumLegs; ++i)
@@ -96,7 +99,8 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
   const Vec<2> shift = step.wrench_shift ? Vec<2>(Shift(wrench, step)) : Vec<2>(Vec<2>::Zero());
   const double gain = 1 - std::exp(-step.shift_bandwidth * params.rate.period());
   memory.shift += gain * (shift - memory.shift);
-  const PlanarPath below = BelowTheRobot(path, body, state, step);
+  PlanarPath below = BelowTheRobot(path, body, state, step);
+  below.position_W += Displacement(known_wrench, ground.slope);
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     LegMemory& leg = memory.legs[i];
     const ContactState before = leg.state;
@@ -160,6 +164,14 @@ Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench, const StepProp
   const double length = shift.norm() / load, free = step.free_shift;
   if (length <= free) return Eigen::Vector2d::Zero();
   return Shortened<2>(shift / load * (1 - free * free / (length * length)), step.largest_shift);
+}
+
+Eigen::Vector2d SwingPlanner::Displacement(const WrenchEstimate& known_wrench, const Vec<2>& slope) const {
+  const Vec<3>&f = known_wrench.force_W, &t = known_wrench.torque_W;
+  const double load = std::max(weight_ - f[2], kLeastRopedWeight * weight_);
+  const Eigen::Matrix2d balance = load * Eigen::Matrix2d::Identity() + f.head<2>() * slope.transpose();
+  return balance.inverse() *
+         Eigen::Vector2d(stance.com_height * f[0] + t[1], stance.com_height * f[1] - t[0]);
 }
 
 PlanarPath SwingPlanner::BelowTheRobot(const PlanarPath& path, const BodyReference& body,

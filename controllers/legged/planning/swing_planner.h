@@ -34,6 +34,7 @@ struct SwingPlannerParams {
 ///                ground       ground plane below the robot
 ///                foot_forces  measured ground forces in W [N]; no reflex if not connected
 ///                wrench       estimated external wrench, for wrench_shift; zero if not connected
+///                known_wrench wrench of ropes, which displaces the nominal stance; zero if not connected
 ///     parameter  step         StepProperties
 ///     ports out  feet         position, velocity, acceleration of all feet; sampled
 ///                footholds    next foothold of a swing foot, present one of a stance foot [m]; sampled
@@ -48,6 +49,14 @@ struct SwingPlannerParams {
 /// where s is the displacement of the ground reaction that balances the wrench (f, t) on a CoM at height h,
 /// low-pass filtered and limited. The dead band d = free_shift leaves small wrenches to the whole-body
 /// controller, since moving footholds disturb the walk more than they do.
+///
+/// A `known_wrench` (f, t), such as that of ropes, displaces the nominal places below the path by d, so that
+/// the ground reaction m g e_z - f on a plane of slope s balances it:
+///
+///     ((m g - f_z) I + f_xy s^T) d = (h f_x + t_y, h f_y - t_x).
+///
+/// If f is the negative of the weight's component along the slope, the reaction is normal to the plane, and
+/// the centre of the feet is below the CoM along that normal instead of along gravity.
 ///
 /// Footholds follow the robot rather than the path if it is displaced or turned, which would bring footholds
 /// below the path out of reach: the errors of CoM and heading beyond free_offset and free_turn are added to
@@ -127,14 +136,16 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   InputPort<GroundPlane> ground{this, {"ground"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}, FootForces()};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate()};
+  InputPort<WrenchEstimate> known_wrench{this, {"known_wrench"}, WrenchEstimate()};
   Parameter<StepProperties> step{
       this, {"step"}, params.step, "shape of the steps and choice of the footholds"};
   Scratch<Memory> memory{this, "memory", Memory()};
-  OutputPort<Memory> plan{this,
-                          {"plan"},
-                          Sampled{params.rate},
-                          Uses(schedule, path, body, state, ground, foot_forces, wrench, step, memory),
-                          &SwingPlanner::CalcPlan};
+  OutputPort<Memory> plan{
+      this,
+      {"plan"},
+      Sampled{params.rate},
+      Uses(schedule, path, body, state, ground, foot_forces, wrench, known_wrench, step, memory),
+      &SwingPlanner::CalcPlan};
   OutputPort<FeetReference> feet{
       this, {"feet"}, Sampled{params.rate}, Uses(schedule, plan, step), &SwingPlanner::CalcFeet};
   OutputPort<std::array<Vec<3>, kNumLegs>> footholds{
@@ -143,7 +154,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
  private:
   void CalcPlan(const ContactSchedule& schedule, const PlanarPath& path, const BodyReference& body,
                 const LeggedState& state, const GroundPlane& ground, const FootForces& foot_forces,
-                const WrenchEstimate& wrench, const StepProperties& step, Memory& memory, Memory* plan) const;
+                const WrenchEstimate& wrench, const WrenchEstimate& known_wrench, const StepProperties& step,
+                Memory& memory, Memory* plan) const;
   FeetReference CalcFeet(const ContactSchedule& schedule, const Memory& plan,
                          const StepProperties& step) const;
   std::array<Vec<3>, kNumLegs> CalcFootholds(const Memory& plan) const;
@@ -151,6 +163,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   Eigen::Vector2d PushedBack(std::size_t leg, const ContactSchedule& schedule, const LegMemory& memory,
                              const Vec<3>& foot, const Vec<3>& force, const StepProperties& step) const;
   Eigen::Vector2d Shift(const WrenchEstimate& wrench, const StepProperties& step) const;
+  Eigen::Vector2d Displacement(const WrenchEstimate& known_wrench, const Vec<2>& slope) const;
   Eigen::Vector2d Foothold(std::size_t leg, const ContactSchedule& schedule, const PlanarPath& path,
                            const Eigen::Vector2d& slope, const Eigen::Vector2d& correction) const;
   PlanarPath BelowTheRobot(const PlanarPath& path, const BodyReference& body, const LeggedState& state,

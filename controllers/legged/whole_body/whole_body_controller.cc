@@ -122,12 +122,13 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
 void WholeBodyController::CalcPlan(const QuadrupedDynamics& dynamics, const LeggedState& state,
                                    const ContactSchedule& schedule, const BodyReference& body,
                                    const FeetReference& feet, const WrenchEstimate& wrench,
-                                   const LegForceEstimate& leg_forces, const GroundPlane& ground,
-                                   const WholeBodyGains& gains, WholeBodyPlan& last, WholeBodyQp& qp,
-                                   WholeBodyPlan* plan) const {
+                                   const WrenchEstimate& known_wrench, const LegForceEstimate& leg_forces,
+                                   const GroundPlane& ground, const WholeBodyGains& gains,
+                                   WholeBodyPlan& last, WholeBodyQp& qp, WholeBodyPlan* plan) const {
   const auto begin = std::chrono::steady_clock::now();
+  const WrenchEstimate total{wrench.force_W + known_wrench.force_W, wrench.torque_W + known_wrench.torque_W};
   const WholeBodyTask task =
-      MakeTask(dynamics, state, schedule, body, feet, wrench, leg_forces, ground, gains);
+      MakeTask(dynamics, state, schedule, body, feet, total, leg_forces, ground, gains);
   const QpReport report = qp.Solve(dynamics, task, gains.qp, &last.solution);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   WholeBodyDiagnostics& diagnostics = last.diagnostics;

@@ -156,7 +156,8 @@ struct WholeBodyPlan {
 /// straight snaps through its singularity.
 ///
 /// **Disturbances.** Estimated external forces are compensated once: the wrench in the cost and in the
-/// trunk's dynamics, joint torques by `compensation`. Connect zeros to compensate nothing.
+/// trunk's dynamics, joint torques by `compensation`. Connect zeros to compensate nothing. `known_wrench` is
+/// added to the wrench: forces that are not estimated, such as those of ropes (see RopeTensions).
 ///
 ///     | port        | kind            | type                 |
 ///     | state       | input           | LeggedState          |
@@ -164,6 +165,7 @@ struct WholeBodyPlan {
 ///     | body        | input           | BodyReference        |
 ///     | feet        | input           | FeetReference        |
 ///     | wrench      | input           | WrenchEstimate       |
+///     | known_wrench | input          | WrenchEstimate; zero if not connected |
 ///     | leg_forces  | input           | LegForceEstimate     |
 ///     | ground      | input           | GroundPlane; level if not connected |
 ///     | plan        | output, sampled | WholeBodyPlan        |
@@ -179,6 +181,7 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   InputPort<BodyReference> body{this, {"body"}};
   InputPort<FeetReference> feet{this, {"feet"}};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}};
+  InputPort<WrenchEstimate> known_wrench{this, {"known_wrench"}, WrenchEstimate()};
   InputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   Parameter<WholeBodyGains> gains{
@@ -198,12 +201,12 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   Scratch<Vec<12>> last_torque_{this, "last_torque", Vec<12>(Vec<12>::Zero())};
 
  public:
-  OutputPort<WholeBodyPlan> plan{
-      this,
-      {"plan"},
-      Sampled{params.qp_rate},
-      Uses(dynamics_, state, schedule, body, feet, wrench, leg_forces, ground, gains, last_plan_, qp_),
-      &WholeBodyController::CalcPlan};
+  OutputPort<WholeBodyPlan> plan{this,
+                                 {"plan"},
+                                 Sampled{params.qp_rate},
+                                 Uses(dynamics_, state, schedule, body, feet, wrench, known_wrench,
+                                      leg_forces, ground, gains, last_plan_, qp_),
+                                 &WholeBodyController::CalcPlan};
   OutputPort<Vec<12>> torque{this,
                              {"torque", "N m", kJointElements},
                              Sampled{params.rate},
@@ -231,8 +234,9 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
  private:
   void CalcPlan(const QuadrupedDynamics& dynamics, const LeggedState& state, const ContactSchedule& schedule,
                 const BodyReference& body, const FeetReference& feet, const WrenchEstimate& wrench,
-                const LegForceEstimate& leg_forces, const GroundPlane& ground, const WholeBodyGains& gains,
-                WholeBodyPlan& last, WholeBodyQp& qp, WholeBodyPlan* plan) const;
+                const WrenchEstimate& known_wrench, const LegForceEstimate& leg_forces,
+                const GroundPlane& ground, const WholeBodyGains& gains, WholeBodyPlan& last, WholeBodyQp& qp,
+                WholeBodyPlan* plan) const;
   Verdict CheckSolves(const WholeBodyPlan& plan, long max_failures_in_a_row) const;
   Vec<12> CalcTorque(const QuadrupedDynamics& dynamics, const WholeBodyPlan& plan,
                      const LegForceEstimate& leg_forces, const WholeBodyGains& gains, Vec<12>& last) const;

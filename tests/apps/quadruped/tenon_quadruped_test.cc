@@ -232,6 +232,17 @@ TEST_F(TenonQuadrupedTest, WalksWithASwingingArm) {
   EXPECT_NEAR(mean, -4.418 * 9.81, 8);
 }
 
+TEST_F(TenonQuadrupedTest, WalksUpASlopeOnRopes) {
+  Run("E1 --duration 2");
+  EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
+  for (const char* name : {"left", "right"}) {
+    const std::vector<double> tension = Column(out, fmt::format("loop.ropes.tension.{} [N]", name));
+    const auto [least, most] = std::minmax_element(tension.begin(), tension.end());
+    EXPECT_GT(*least, 10);
+    EXPECT_LT(*most, 250);
+  }
+}
+
 TEST_F(TenonQuadrupedTest, RefusesBadSettings) {
   ExpectSettingsRefused("stand", {"robot.foot_radius_m=-1",
                                   "robot.foot_radius_m=1e9",
@@ -290,6 +301,19 @@ TEST_F(TenonQuadrupedTest, RefusesSettingsThatDoNotFitTogether) {
         ": random_forces.0.period_s: "},
        {"stand --set 'terrain={friction: -1}'", ": terrain.friction: "},
        {"flat --set terrain.grade=[50,0]", ": terrain: "},
+       {"E1 --set ropes.0.tension_max_N=0", ": ropes.0.tension_max_N: "},
+       {"E1 --set ropes.0.tension_min_N=1e3", ": ropes.0.tension_min_N: "},
+       {"E1 --set ropes.0.length_m=1", ": ropes.0.length_m: "},
+       {"E1 --set ropes.1.name=left", ": ropes: "},
+       {Write("coincide.yaml",
+              "extends: flat\nropes: [{name: a, anchor_m: [0, 0, 0.430153], attachment_m: [0, 0, 0], "
+              "tension_max_N: 9}]\n"),
+        "coincide.yaml:2:8: ropes: "},
+       {"flat --set \"ropes=[$(for i in 1 2 3 4 5; do printf "
+        "'{name: r%s, anchor_m: [9, 0, 9], attachment_m: [0, 0, 0], tension_max_N: 9},' $i; done)]\"",
+        ": ropes: "},
+       {"stand --set 'ropes=[{name: a, anchor_m: [9, 0, 9], attachment_m: [0, 0, 0], tension_max_N: 9}]'",
+        ": ropes: "},
        {"stand --set 'report.plots=[{title: a, signals: [b]}]'",
         ": report.plots.0.signals.0: the diagram has no port 'b'"},
        {"stand --set 'log.signals=[\"\\e[31m\"]'", ": log.signals.0: the diagram has no port '\\x1b[31m'"},

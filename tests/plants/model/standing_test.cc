@@ -35,6 +35,18 @@ TEST(StandingTest, FeetTouchASlopeAndTheCoMIsOverThem) {
   }
 }
 
+TEST(StandingTest, TheFeetMayBeShifted) {
+  const QuadrupedDescription robot = test::DogBot();
+  const GroundPlane ground{.p_W = {0, 0, 0}, .slope = {0.3, 0}};
+  const Vec<2> shift(0.08, 0.02);
+  QuadrupedDynamics plain, shifted;
+  QuadrupedModel(robot).Calc(StandingOn(robot, ground), &plain);
+  QuadrupedModel(robot).Calc(StandingOn(robot, ground, 0, shift), &shifted);
+  EXPECT_THAT(shifted.com_W, IsNear(plain.com_W, 1e-8));
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg)
+    EXPECT_THAT(Vec<3>(shifted.feet[leg].p_W - plain.feet[leg].p_W), IsNear(Vec<3>(0.08, 0.02, 0.024), 1e-8));
+}
+
 TEST(StandingTest, NamesTheLegThatDoesNotReach) {
   QuadrupedDescription robot = test::DogBot();
   JointDescription& hip = robot.legs[kRearLeft].joints[1];

@@ -68,6 +68,22 @@ TEST(ComObserverTest, StepGivesTheFirstOrderResponse) {
   }
 }
 
+TEST(ComObserverTest, AKnownWrenchIsNotADisturbance) {
+  const Vec<3> known(80, 10, 60), unknown(0, 25, 0);
+  for (const ForceSource source : {ForceSource::kImu, ForceSource::kMomentum}) {
+    QuadrupedBench bench = Standing(DogBot());
+    bench.external = [=](const LeggedState& state, const QuadrupedDynamics& dynamics, double) {
+      Vec<18> out = Vec<18>::Zero();  // through the centre of mass
+      out.head<6>() << known + unknown, (dynamics.com_W - state.p_WB).cross(known + unknown);
+      return out;
+    };
+    Observed run(bench, Params(DogBot(), source));
+    run.rig.Fix(run.rig->known_wrench, WrenchEstimate{known, Vec<3>::Zero()});
+    EXPECT_THAT(run.RunTo(0.6).force_W, IsNear(unknown, 0.4));
+    EXPECT_THAT(run.estimate().torque_W, IsNear(Vec<3>(Vec<3>::Zero()), 0.02));
+  }
+}
+
 TEST(ComObserverTest, WrenchOfAForceOffTheCentreOfMass) {
   const Vec<3> p_B(0.2, -0.1, 0.05), force(10, 25, -15);
   QuadrupedBench bench(A1());

@@ -47,7 +47,7 @@ class Trot {
     auto& block = rig_.system();
     rig_.Fix(block.schedule, schedule).Fix(block.path, path).Fix(block.body, body);
     rig_.Fix(block.state, state).Fix(block.ground, ground).Fix(block.wrench, wrench);
-    rig_.Fix(block.foot_forces, forces).Tick();
+    rig_.Fix(block.known_wrench, known_wrench).Fix(block.foot_forces, forces).Tick();
     return rig_[block.feet][kFrontLeft];
   }
   /// The swing from stance along the path, tick by tick; the last entry is the first tick of a late foot. At
@@ -79,7 +79,7 @@ class Trot {
   BodyReference body;
   LeggedState state;
   GroundPlane ground;
-  WrenchEstimate wrench;
+  WrenchEstimate wrench, known_wrench;
   FootForces forces;
 
  private:
@@ -311,6 +311,30 @@ TEST(SwingPlannerTest, ShiftBalancesTheWrench) {
   const Eigen::Vector3d moment = at.cross(Eigen::Vector3d(weight - wrench.force_W)) + wrench.torque_W;
   EXPECT_GT(shift.norm(), 0.04);
   EXPECT_THAT(moment.head<2>(), IsNear(Eigen::Vector2d(0, 0), 1e-6));
+}
+
+// The whole stance is displaced at once and by any length: the ground's reaction at its centre on the slope
+// leaves no moment about the CoM.
+TEST(SwingPlannerTest, TheStanceBalancesAKnownWrench) {
+  Trot roped, reference;
+  const double weight = Params().robot.mass() * 9.81;
+  roped.known_wrench = {{0.5 * weight, 0.05 * weight, 0.4 * weight}, {2, -3, 0}};
+  for (Trot* trot : {&roped, &reference}) {
+    trot->ground.slope = {0.8, 0.1};
+    trot->Set(kStance);
+    trot->Tick();
+    trot->Set(kSwing);
+    trot->Tick();
+  }
+  for (const Leg leg : {kFrontLeft, kRearRight}) {
+    Vec<3> arm = roped.Foothold(leg) - reference.Foothold(leg);
+    EXPECT_NEAR(arm[2], roped.ground.slope.dot(arm.head<2>()), 1e-9);
+    EXPECT_GT(arm.norm(), 0.15);
+    arm[2] -= roped.stance().com_height;
+    const Vec<3> reaction = Vec<3>(0, 0, weight) - roped.known_wrench.force_W;
+    const Vec<3> moment = arm.cross(reaction) + roped.known_wrench.torque_W;
+    EXPECT_THAT(moment.head<2>(), IsNear(Eigen::Vector2d(0, 0), 1e-6));
+  }
 }
 
 // A required shift s is reduced to s - d^2 / s, and to zero below the dead band d.
