@@ -73,7 +73,7 @@ struct Shipped {
   QuadrupedDescription dog = LoadQuadruped(FindResource("robots", "dogbot").string());
   apps::QuadrupedScenario flat = ReadScenario<apps::QuadrupedScenario>("flat");
   QuadrupedWalkParams walk = apps::MakeWalkParams(flat);
-  std::vector<Rope> ropes = ReadScenario<apps::QuadrupedScenario>("E1").ropes;
+  std::vector<Rope> ropes{{.name = "rope", .anchor_W = {5, 0, 5}, .tension_max = 250}};
   QuadrupedStandParams stand = apps::MakeStandParams(ReadScenario<apps::QuadrupedScenario>("stand"));
   GuideDogParams guide_dog = apps::MakeGuideDogParams(ReadScenario<apps::GuideDogScenario>("C1"));
   CdprLoopParams cdpr_mpc = apps::MakeLoopParams(ReadScenario<apps::CdprScenario>("D1"));
