@@ -2,6 +2,8 @@
 
 #include <tenon/tests/apps/run_app.h>
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <numeric>
 #include <sstream>
