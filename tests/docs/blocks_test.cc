@@ -71,7 +71,8 @@ TEST(BlocksTest, ParametersHaveDescriptionsAndUnits) {
                                       "stands",
                                       "grip",
                                       "goal",
-                                      "gain"};
+                                      "gain",
+                                      "share"};
   int count = 0;
   for (const Shelf& shelf : MakeCatalogue()) {
     for (const Entry& entry : shelf.entries) {
