@@ -72,7 +72,7 @@ LiveRecording LiveRecording::Read(const std::filesystem::path& file) {
                       file.string(), number, internal::Excerpt(line)));
     }
   }
-  if (number == 0) throw ParameterError(fmt::format("the recording '{}' is empty", file.string()));
+  if (number == 0) throw ParameterError(fmt::format("{}:1: the recording is empty", file.string()));
   return recording;
 }
 

@@ -47,7 +47,7 @@ TEST_F(LiveRecordingTest, WrongLinesAreNamed) {
         << seed;
   EXPECT_TRUE(Throws<ParameterError>([&] { Read(head + "{\"end\": 1e308, \"tick\": true}\n"); }, ":2:"));
   EXPECT_EQ(Read("\xEF\xBB\xBF" + head).seed, 1U) << "a byte-order mark";
-  EXPECT_TRUE(Throws<ParameterError>([&] { Read(""); }, "is empty"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { Read(""); }, ":1: the recording is empty"));
   EXPECT_TRUE(Throws<ParameterError>([&] { LiveRecording::Read("nowhere.jsonl"); }, "'nowhere.jsonl'"));
   // A killed run may leave an incomplete line.
   EXPECT_EQ(Read(head + "{\"time\": 1, \"set\": {\"a\": [1]}}\n{\"time\": 2, \"se").entries.size(), 1U);
