@@ -76,10 +76,11 @@ struct LeggedEnergy {
 ///                added_wrench     wrench of the additions on the robot, in W about the CoM without payload
 ///
 /// **Additions.** The function `extend` adds bodies, joints, forces, constraints and contacts to the robot in
-/// Simbody; quadruped_multibody.h is the guide. Simbody then computes all accelerations, and the coordinates,
-/// speeds and auxiliary variables of the additions are the states added_q, added_u and added_z. `energy`
-/// includes the additions. `external_wrench` does not, and controllers know the robot alone. `added_wrench`
-/// comes from the balance of momentum of the robot's own bodies, including the payload,
+/// Simbody; quadruped_multibody.h is the guide, docs/examples/compose/swinging_load.cc a complete program,
+/// and attached_bodies.h adds bodies from parameters. Simbody then computes all accelerations, and the
+/// coordinates, speeds and auxiliary variables of the additions are the states added_q, added_u and added_z.
+/// `energy` includes the additions. `external_wrench` does not, and controllers know the robot alone.
+/// `added_wrench` comes from the balance of momentum of the robot's own bodies, including the payload,
 ///
 ///     f = p' - m g - (forces of ground and `external`),   t likewise about the CoM,
 ///
