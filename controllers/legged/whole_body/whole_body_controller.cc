@@ -15,6 +15,8 @@
 namespace tenon {
 namespace {
 
+constexpr double kClockTolerance = 1e-9;  // above the rounding errors of the gait clock [s]
+
 // Drops A' nu from L' = A nu' + A' nu, and leaves the legs' rows of (2.3) unchanged.
 void NeglectAngularMomentumBias(QuadrupedDynamics* dynamics) {
   Vec<6> bias = Vec<6>::Zero();
@@ -119,16 +121,33 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
   return task;
 }
 
+void WholeBodyController::LimitLoads(const ContactSchedule& schedule, double load_ramp, Vec<4>* loading,
+                                     WholeBodyTask* task) const {
+  const bool walks = schedule.timing.num_steps > 0;
+  const double ramp = walks ? std::min(load_ramp, schedule.timing.stance / 2) : load_ramp;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto i = static_cast<std::size_t>(leg);
+    double& share = (*loading)[leg];
+    if (!task->stance[i]) share = 0;
+    if (!task->stance[i] || ramp <= 0) continue;
+    share = std::min(1.0, share + params.qp_rate.period() / ramp);
+    const double left = schedule.legs[i].time_to_lift_off;  // 0 or less while the lift-off waits
+    const double largest = left > kClockTolerance ? std::min(share, left / ramp) : share;
+    if (largest < 1) task->largest_load[leg] = largest * model_.mass() * model_.gravity();
+  }
+}
+
 void WholeBodyController::CalcPlan(const QuadrupedDynamics& dynamics, const LeggedState& state,
                                    const ContactSchedule& schedule, const BodyReference& body,
                                    const FeetReference& feet, const WrenchEstimate& wrench,
                                    const WrenchEstimate& known_wrench, const LegForceEstimate& leg_forces,
                                    const GroundPlane& ground, const WholeBodyGains& gains,
-                                   WholeBodyPlan& last, WholeBodyQp& qp, WholeBodyPlan* plan) const {
+                                   WholeBodyPlan& last, Vec<4>& loading, WholeBodyQp& qp,
+                                   WholeBodyPlan* plan) const {
   const auto begin = std::chrono::steady_clock::now();
   const WrenchEstimate total{wrench.force_W + known_wrench.force_W, wrench.torque_W + known_wrench.torque_W};
-  const WholeBodyTask task =
-      MakeTask(dynamics, state, schedule, body, feet, total, leg_forces, ground, gains);
+  WholeBodyTask task = MakeTask(dynamics, state, schedule, body, feet, total, leg_forces, ground, gains);
+  if (gains.load_ramp > 0) LimitLoads(schedule, gains.load_ramp, &loading, &task);
   const QpReport report = qp.Solve(dynamics, task, gains.qp, &last.solution);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   WholeBodyDiagnostics& diagnostics = last.diagnostics;

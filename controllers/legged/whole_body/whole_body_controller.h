@@ -48,6 +48,7 @@ struct WholeBodyGains {
   double stance_damping = 50;       ///< k_s: deceleration of a moving stance foot per velocity [1/s]
   double stretch_limit = 0.97;      ///< r: extension of a stance leg, over its length, that is not corrected
   double stretch_stiffness = 2500;  ///< k_l: acceleration towards the hip per length beyond that [1/s^2]
+  double load_ramp = 0;             ///< time in which a foot takes and gives up the robot's weight [s]
   BodyDynamics dynamics = BodyDynamics::kExact;
   LegCompensation compensation = LegCompensation::kExact;
   WholeBodyQpParams qp = {};
@@ -85,6 +86,7 @@ struct WholeBodyGains {
             Field("stretch_stiffness_per_s2", &WholeBodyGains::stretch_stiffness)
                 .AtLeast(0)
                 .Because("0 turns it off"),
+            Field("load_ramp_s", &WholeBodyGains::load_ramp).AtLeast(0).Because("0 turns it off"),
             {"dynamics", &WholeBodyGains::dynamics},
             {"leg_compensation", &WholeBodyGains::compensation},
             {"qp", &WholeBodyGains::qp}};
@@ -155,6 +157,11 @@ struct WholeBodyPlan {
 /// their distance l exceeds the fraction r of the leg's length l_max, since a leg that the trunk pulls
 /// straight snaps through its singularity.
 ///
+/// **Load ramps.** With a `load_ramp` T above 0, the normal force of a foot is at most s m g while s < 1: s
+/// grows from 0 to 1 within T after touchdown and falls to 0 within T before the planned lift-off. T is
+/// limited to half of the time in which all feet stand. A foot whose lift-off waits for another one is not
+/// unloaded.
+///
 /// **Disturbances.** Estimated external forces are compensated once: the wrench in the cost and in the
 /// trunk's dynamics, joint torques by `compensation`. Connect zeros to compensate nothing. `known_wrench` is
 /// added to the wrench: forces that are not estimated, such as those of ropes (see RopeTensions).
@@ -197,6 +204,7 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state, schedule, ground, gains),
                                       &WholeBodyController::CalcDynamics};
   Scratch<WholeBodyPlan> last_plan_{this, "last_plan", WholeBodyPlan()};
+  Scratch<Vec<4>> loading_{this, "loading", Vec<4>::Ones()};  // progress of the load ramps, 0 to 1
   Workspace<WholeBodyQp> qp_{this, "qp", WholeBodyQp(TorqueLimit(params.robot))};
   Scratch<Vec<12>> last_torque_{this, "last_torque", Vec<12>(Vec<12>::Zero())};
 
@@ -205,7 +213,7 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
                                  {"plan"},
                                  Sampled{params.qp_rate},
                                  Uses(dynamics_, state, schedule, body, feet, wrench, known_wrench,
-                                      leg_forces, ground, gains, last_plan_, qp_),
+                                      leg_forces, ground, gains, last_plan_, loading_, qp_),
                                  &WholeBodyController::CalcPlan};
   OutputPort<Vec<12>> torque{this,
                              {"torque", "N m", kJointElements},
@@ -235,8 +243,10 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   void CalcPlan(const QuadrupedDynamics& dynamics, const LeggedState& state, const ContactSchedule& schedule,
                 const BodyReference& body, const FeetReference& feet, const WrenchEstimate& wrench,
                 const WrenchEstimate& known_wrench, const LegForceEstimate& leg_forces,
-                const GroundPlane& ground, const WholeBodyGains& gains, WholeBodyPlan& last, WholeBodyQp& qp,
-                WholeBodyPlan* plan) const;
+                const GroundPlane& ground, const WholeBodyGains& gains, WholeBodyPlan& last, Vec<4>& loading,
+                WholeBodyQp& qp, WholeBodyPlan* plan) const;
+  void LimitLoads(const ContactSchedule& schedule, double load_ramp, Vec<4>* loading,
+                  WholeBodyTask* task) const;
   Verdict CheckSolves(const WholeBodyPlan& plan, long max_failures_in_a_row) const;
   Vec<12> CalcTorque(const QuadrupedDynamics& dynamics, const WholeBodyPlan& plan,
                      const LegForceEstimate& leg_forces, const WholeBodyGains& gains, Vec<12>& last) const;

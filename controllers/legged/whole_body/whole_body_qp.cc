@@ -24,6 +24,7 @@ using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
 // J_leg counts as singular if |det J_leg| <= kStraight |J_leg|^3.
 constexpr double kStraight = 1e-4;
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 // A wanted tangential force of less than this part of the force does not turn the inscribed pyramid.
 constexpr double kSlight = 0.02;
 
@@ -115,9 +116,9 @@ WholeBodyQp::WholeBodyQp(const Vec<12>& torque_limit)
       H_(Eigen::MatrixXd::Zero(12, 12)),
       g_(Eigen::VectorXd::Zero(12)),
       A_eq_(ConstraintMatrix::Zero(0, 12)),
-      A_in_(ConstraintMatrix::Zero(kNumLegs * kRowsPerLeg, 12)),
+      A_in_(ConstraintMatrix::Zero(kNumLegs * (kRowsPerLeg + 1), 12)),
       b_eq_(Eigen::VectorXd::Zero(0)),
-      b_in_(Eigen::VectorXd::Zero(kNumLegs * kRowsPerLeg)) {
+      b_in_(Eigen::VectorXd::Zero(kNumLegs * (kRowsPerLeg + 1))) {
   Demand((torque_limit.array() > 0).all(), "the torque limits of all joints must be positive");
   affine_.Resize(kRows * kWidth);
 }
@@ -150,6 +151,18 @@ void WholeBodyQp::MakePyramids(const WholeBodyTask& task, const WholeBodyQpParam
     pyramid.row(1) = (friction * n - t_1).transpose();
     pyramid.row(2) = (friction * n + t_2).transpose();
     pyramid.row(3) = (friction * n - t_2).transpose();
+  }
+}
+
+// Writes the bounds of the loads; without any, their rows are not part of the program.
+void WholeBodyQp::BoundLoads(const WholeBodyTask& task) {
+  num_rows_ = kNumLegs * kRowsPerLeg;
+  if ((task.largest_load.array() == kUnlimited).all()) return;
+  for (int leg = 0; leg < kNumLegs; ++leg, ++num_rows_) {
+    const bool bounded = task.stance[static_cast<std::size_t>(leg)] && task.largest_load[leg] < kUnlimited;
+    A_in_.row(num_rows_).setZero();
+    b_in_[num_rows_] = bounded ? -task.largest_load[leg] : -1;
+    if (bounded) A_in_.block<1, 3>(num_rows_, 3 * leg) = -task.normal_W.transpose();
   }
 }
 
@@ -222,6 +235,7 @@ TENON_VECTOR_CLONES void WholeBodyQp::MakeProblem(const QuadrupedDynamics& dynam
     H_(y, y) += task.stance[static_cast<std::size_t>(y / 3)] ? params.force_weight : params.slack_weight;
 
   MakePyramids(task, params);
+  BoundLoads(task);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     for (int k = 0; k < 3; ++k) {

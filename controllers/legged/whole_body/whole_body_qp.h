@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <limits>
 
 namespace tenon {
 
@@ -68,6 +69,8 @@ struct WholeBodyTask {
   std::array<Vec<3>, kNumLegs> foot_acceleration{};  ///< a_i, a constraint in stance, soft in swing [m/s^2]
   double tilt = 0;                                   ///< angle between the trunk's z and its reference [rad]
   Vec<3> normal_W{0, 0, 1};                          ///< unit normal of the ground
+  /// upper bounds of the stance feet's normal forces, at least 0 [N]
+  Vec<4> largest_load = Vec<4>::Constant(std::numeric_limits<double>::infinity());
 
   WholeBodyTask() { foot_acceleration.fill(Vec<3>::Zero()); }
 };
@@ -100,7 +103,7 @@ struct WholeBodySolution {
 ///     min |G f - (w - w_hat)|^2_Q + |f|^2_R + |nu'|^2_R + |gamma|^2_slack      over nu', f, gamma
 ///     the trunk's rows of   M nu' + h = (w_hat about B's origin, tau + F_hat) + sum J_i^T f_i
 ///     J_i nu' + J_i' nu = a_i,   J_k nu' + J_k' nu = a_k + gamma_k
-///     |f . t_1|, |f . t_2| <= mu f . n,   |tau| <= limit, with tau from the joints' rows
+///     |f . t_1|, |f . t_2| <= mu f . n <= mu largest_load,   |tau| <= limit, with tau from the joints' rows
 ///
 /// with the ground's normal n and its tangents t_1, along W's x, and t_2. The inscribed pyramid has mu /
 /// sqrt(2) instead of mu, and t_1 at 45 degrees to the tangential part of w - w_hat, in whose direction a
@@ -123,7 +126,8 @@ struct WholeBodySolution {
 /// straight leg's J_leg are raised to a lower bound of 2e-4 |J_leg|, which keeps the inverse finite.
 ///
 /// Inequalities 10 leg to 10 leg + 3 are the sides of the friction pyramid (0 >= -1 in swing), 10 leg + 4 to
-/// 10 leg + 9 the lower and upper limits of the leg's torques.
+/// 10 leg + 9 the lower and upper limits of the leg's torques. If a load is bounded, 40 + leg are the bounds
+/// of the loads (0 >= -1 if infinite).
 class WholeBodyQp {
  public:
   static constexpr int kRowsPerLeg = 10;
@@ -136,21 +140,25 @@ class WholeBodyQp {
                  const WholeBodyQpParams& params, WholeBodySolution* solution);
 
   /// The program of the last Solve(), in f and gamma, three entries a leg.
-  QuadraticProgram problem() const { return {H_, g_, A_eq_, b_eq_, A_in_, b_in_}; }
+  QuadraticProgram problem() const {
+    return {H_, g_, A_eq_, b_eq_, A_in_.topRows(num_rows_), b_in_.head(num_rows_)};
+  }
   const DualActiveSet& solver() const { return solver_; }
 
  private:
   void MakeProblem(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
                    const WholeBodyQpParams& params);
   void MakePyramids(const WholeBodyTask& task, const WholeBodyQpParams& params);
+  void BoundLoads(const WholeBodyTask& task);
 
   Vec<12> torque_limit_;
   Eigen::MatrixXd H_;
   Eigen::VectorXd g_;
   ConstraintMatrix A_eq_, A_in_;
   Eigen::VectorXd b_eq_, b_in_;
-  internal::Numbers affine_;  // nu' and the wrench error as affine functions of f and gamma
-  DualActiveSet solver_{12, kNumLegs* kRowsPerLeg};
+  int num_rows_ = kNumLegs * kRowsPerLeg;  // inequalities in use
+  internal::Numbers affine_;               // nu' and the wrench error as affine functions of f and gamma
+  DualActiveSet solver_{12, kNumLegs*(kRowsPerLeg + 1)};
 };
 
 /// Unit vector on the ground along the projection of W's x, the first axis of the friction pyramid.

@@ -254,6 +254,39 @@ TEST(WholeBodyController, AStretchedStanceLegIsBent) {
   EXPECT_THAT(a, IsNear(Vec<3>(2500 * excess * to_hip.normalized()), 1e-6));
 }
 
+// With a ramp of 20 ms the bound rises by a twentieth of the weight in each solve after touchdown, and falls
+// with the time to lift-off. Neither a foot that stands from the start nor one that waits to lift off is
+// limited.
+TEST(WholeBodyController, LoadsRampAfterTouchdownAndBeforeLiftOff) {
+  WholeBodyParams params = Params();
+  params.gains.load_ramp = 0.02;
+  Inputs inputs(params.robot);
+  const double weight = inputs.model.mass() * inputs.model.gravity();
+  inputs.schedule.timing = {.num_steps = 2, .stance = 0.15, .swing = 0.1};
+  for (LegContact& leg : inputs.schedule.legs) leg.time_to_lift_off = 0.1;
+  Ticked standing(inputs, params);
+  EXPECT_GT(standing[standing->plan].solution.force[kFrontLeft][2], 0.15 * weight);
+
+  Inputs swinging = inputs;
+  swinging.Swing({kFrontLeft});
+  Ticked rig(swinging, params);
+  inputs.Give(rig);
+  for (int solves = 1; solves <= 3; ++solves) {
+    rig.Tick();
+    EXPECT_NEAR(rig[rig->plan].solution.force[kFrontLeft][2], solves * weight / 20, 1e-6);
+  }
+  for (int k = 0; k < 20; ++k) rig.Tick();
+  EXPECT_GT(rig[rig->plan].solution.force[kFrontLeft][2], 0.15 * weight);
+  inputs.schedule.legs[kFrontLeft].time_to_lift_off = 0.002;
+  inputs.Give(rig);
+  rig.Tick();
+  EXPECT_NEAR(rig[rig->plan].solution.force[kFrontLeft][2], weight / 10, 1e-6);
+  inputs.schedule.legs[kFrontLeft].time_to_lift_off = -0.001;
+  inputs.Give(rig);
+  rig.Tick();
+  EXPECT_GT(rig[rig->plan].solution.force[kFrontLeft][2], 0.15 * weight);
+}
+
 // Eq. (2.3): I_com and M_q are decoupled, and the rows of the legs do not contain the wrench on the trunk.
 TEST(WholeBodyController, TheDecoupledFormIsThatOfTheThesis) {
   WholeBodyParams params = Params();
@@ -425,6 +458,7 @@ TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
   EXPECT_TRUE(refuses({.stance_damping = -1}, "stance_damping"));
   EXPECT_TRUE(refuses({.stretch_limit = 1.1}, "stretch_limit"));
   EXPECT_TRUE(refuses({.stretch_stiffness = -1}, "stretch_stiffness"));
+  EXPECT_TRUE(refuses({.load_ramp = -1}, "load_ramp"));
   EXPECT_TRUE(refuses({.qp = {.friction = 0}}, "friction"));
   EXPECT_TRUE(refuses({.qp = {.tilt_weight = -1}}, "tilt_weight"));
   EXPECT_TRUE(refuses({.qp = {.free_tilt = -0.1}}, "free_tilt"));

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace tenon::whole_body_qp_test {
@@ -170,6 +171,22 @@ TEST_F(WholeBodyQpTest, TheInscribedPyramidStaysInTheCone) {
       EXPECT_GT(outside.force[0].head<2>().norm(), 1.3 * mu * outside.force[0][2]);
     }
   }
+}
+
+// A bounded foot reaches its bound and the others carry the rest of the weight.
+TEST_F(WholeBodyQpTest, ALoadIsBounded) {
+  model_.Calc(test::Standing(robot_), &dynamics_);
+  WholeBodyTask task;
+  task.wrench[2] = model_.mass() * 9.81;
+  task.largest_load[kFrontLeft] = 10;
+  WholeBodyQp qp(Limits());
+  WholeBodySolution solution;
+  ASSERT_TRUE(qp.Solve(dynamics_, task, {}, &solution).ok());
+  EXPECT_NEAR(solution.force[kFrontLeft][2], 10, 1e-6);
+  EXPECT_NEAR(WrenchOf(dynamics_, solution.force)[2], task.wrench[2], 0.5);
+  task.largest_load[kFrontLeft] = std::numeric_limits<double>::infinity();
+  ASSERT_TRUE(qp.Solve(dynamics_, task, {}, &solution).ok());
+  EXPECT_GT(solution.force[kFrontLeft][2], 20);
 }
 
 // On a slope the cone stands along its normal: the weight alone takes tan of it in friction, and what exceeds
