@@ -15,7 +15,8 @@ namespace {
 
 struct RobotFiles {
   QuadrupedDescription robot;
-  SizeRatio ratio;  ///< size relative to DogBot, if the scenario scales its forces
+  MovingParts moving;  ///< links on the actuated joints of the robot's file
+  SizeRatio ratio;     ///< size relative to DogBot, if the scenario scales its forces
   HardwareScenario hardware;
 };
 
@@ -37,6 +38,7 @@ SizeRatio ReadRatio(const LeggedScenario& scenario, const QuadrupedDescription& 
 RobotFiles ReadRobotFiles(const LeggedScenario& scenario) {
   RobotFiles files;
   files.robot = ReadRobot(scenario);
+  files.moving = LoadMovingParts(scenario.robot);
   files.ratio = ReadRatio(scenario, files.robot);
   files.hardware =
       WithSensors(Blame("hardware", [&] { return LoadHardware(scenario.hardware); }), scenario.sensors);
@@ -110,7 +112,9 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Ro
   world.plant.limit_speed = scenario.limit_speed;
   world.plant.initial.p_WB[2] += scenario.start_height_m;
   SetPayload(scenario.payload, robot.StanceHeight(), world);
-  if (!scenario.attached.empty()) world.plant.extend = Attach(scenario.attached);
+  std::vector<AttachedBody> bodies = files.moving.bodies;
+  bodies.insert(bodies.end(), scenario.attached.begin(), scenario.attached.end());
+  if (!bodies.empty()) world.plant.extend = Attach(bodies, files.moving.at_rest);
   SetHardware(files.hardware, rate, world);
   for (const ForceScenario& force : scenario.forces) AddForce(force, world);
   for (const RandomForceScenario& force : scenario.random_forces)

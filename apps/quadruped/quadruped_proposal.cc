@@ -431,7 +431,10 @@ class Proposal {
                           std::abs(q[0]) < 1e-9 ? 0.0 : q[0], q[1], q[2]);
     }
     if (!found_.locked.empty()) {
-      text += "\n# Joints outside the legs, and the angles at which they are fixed.\nlocked_joints:\n";
+      text +=
+          "\n# Joints outside the legs, and the angles at which they are fixed. Joints that move are under\n"
+          "# actuated_joints instead, see docs/robots.md.\n"
+          "locked_joints:\n";
       for (const auto& [joint, angle] : found_.locked)
         text += fmt::format("  - {{joint: {}, angle_rad: {:.6g}}}\n", internal::YamlScalar(joint), angle);
     }

@@ -1,10 +1,8 @@
 #include <tenon/plants/legged/attached_bodies.h>
 #include <tenon/plants/legged/internal/simbody_conversions.h>
 #include <tenon/plants/legged/quadruped_multibody.h>
-#include <tenon/systems/framework/types/errors.h>
 
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -22,9 +20,10 @@ class Spring final : public SimTK::Force::Custom::Implementation {
   void calcForce(const SimTK::State& state, SimTK::Vector_<SimTK::SpatialVec>&, SimTK::Vector_<SimTK::Vec3>&,
                  SimTK::Vector& mobility_forces) const override {
     const SimTK::Vec3 error = Error(state);
-    for (int i = 0; i < joint_.getNumU(state); ++i)
-      joint_.applyOneMobilityForce(
-          state, i, of_.stiffness * error[i] - of_.damping * joint_.getOneU(state, i), mobility_forces);
+    for (int i = 0; i < joint_.getNumU(state); ++i) {
+      const double force = of_.stiffness * error[i] - of_.damping * joint_.getOneU(state, i);
+      joint_.applyOneMobilityForce(state, i, std::clamp(force, -of_.limit, of_.limit), mobility_forces);
+    }
   }
   SimTK::Real calcPotentialEnergy(const SimTK::State& state) const override {
     return of_.stiffness / 2 * Error(state).normSqr();
@@ -45,6 +44,7 @@ class Spring final : public SimTK::Force::Custom::Implementation {
 };
 
 RigidInertia InertiaOf(const AttachedBody& body) {
+  if (!body.inertia.isZero(0)) return {body.mass, body.centre, body.inertia};
   if (body.radius == 0) return UniformBoxInertia(body.mass, body.centre, body.edges);
   return {body.mass, body.centre, 0.4 * body.mass * body.radius * body.radius * Eigen::Matrix3d::Identity()};
 }
@@ -81,23 +81,9 @@ RigidInertia UniformBoxInertia(double mass, const Eigen::Vector3d& centre, const
   return box;
 }
 
-void AttachedBody::Validate() const {
-  if (joint != AttachedJoint::kWeld && joint != AttachedJoint::kBall && !(axis.norm() > 0))
-    throw ParameterError("axis has the length 0: give the direction of the pin or slider");
-  if ((radius > 0) == (edges.minCoeff() > 0))
-    throw ParameterError(
-        fmt::format("edges_m and radius_m give the shape of '{}': set either the radius of a ball or three "
-                    "edges of a box",
-                    name));
-  const bool fixed = joint == AttachedJoint::kWeld || joint == AttachedJoint::kBall;
-  if (fixed && (rest != 0 || amplitude != 0))
-    throw ParameterError(
-        fmt::format("{} is given, but a {} joint has none: remove it, or choose a pin or slider",
-                    rest != 0 ? "rest" : "amplitude", EnumName(joint)));
-}
-
-ExtendQuadruped Attach(std::vector<AttachedBody> bodies) {
-  return [bodies = std::move(bodies)](QuadrupedMultibody& robot) {
+ExtendQuadruped Attach(std::vector<AttachedBody> bodies, const RigidInertia& replaced) {
+  return [bodies = std::move(bodies), replaced](QuadrupedMultibody& robot) {
+    robot.Replace(replaced);
     std::map<std::string, SimTK::MobilizedBody> attached;
     for (const AttachedBody& of : bodies) {
       of.Validate();
@@ -109,9 +95,10 @@ ExtendQuadruped Attach(std::vector<AttachedBody> bodies) {
       robot.Name(body, of.name);
       if (of.stiffness > 0 || of.damping > 0)
         SimTK::Force::Custom(robot.forces, new Spring(body, of));  // Simbody owns it
-      Shape shape = of.radius > 0 ? Shape::Sphere(ShapeRole::kLoad, of.name, of.radius)
-                                  : Shape::Box(ShapeRole::kLoad, of.name, of.edges);
-      shape.p_W = of.centre;
+      Shape shape = of.mesh != nullptr ? Shape::Mesh(ShapeRole::kLoad, of.name, of.mesh)
+                    : of.radius > 0    ? Shape::Sphere(ShapeRole::kLoad, of.name, of.radius)
+                                       : Shape::Box(ShapeRole::kLoad, of.name, of.edges);
+      if (of.mesh == nullptr) shape.p_W = of.centre;
       robot.Draw(body, shape);
       attached[of.name] = body;
     }

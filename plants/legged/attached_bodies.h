@@ -1,79 +1,22 @@
 #pragma once
 
 #include <tenon/plants/legged/extended_quadruped.h>
+#include <tenon/plants/model/attached_body.h>
 #include <tenon/plants/model/rigid_inertia.h>
-#include <tenon/systems/framework/types/fields.h>
 
 #include <Eigen/Core>
 
-#include <array>
-#include <string>
 #include <vector>
 
 namespace tenon {
-
-/// Joints of attached bodies.
-enum class AttachedJoint {
-  kWeld,    ///< no motion
-  kPin,     ///< rotation about `axis`
-  kSlider,  ///< translation along `axis`
-  kBall,    ///< any rotation
-};
-constexpr auto EnumNames(AttachedJoint) {
-  return std::array{Named{AttachedJoint::kWeld, "weld"}, Named{AttachedJoint::kPin, "pin"},
-                    Named{AttachedJoint::kSlider, "slider"}, Named{AttachedJoint::kBall, "ball"}};
-}
-
-/// A uniform box or ball on a joint: a swinging load, a backpack on springs, a link of a tail or an arm.
-///
-/// The body's frame is at the joint, with axes parallel to those of the body that carries it if the joint's
-/// coordinate is 0. A spring and a damper act on the joint's coordinate q, an angle [rad] or a displacement
-/// [m]:
-///
-///     f = k (r - q) - d q',   r = rest + amplitude sin(frequency t).
-///
-/// With an amplitude, this is a drive under joint PD control. On a ball joint, q is the rotation vector, r is
-/// 0, and the angular velocity takes the place of q'.
-struct AttachedBody {
-  std::string name;                                    ///< name of joint and body
-  std::string on = "trunk";                            ///< trunk, a joint of a leg, or an earlier body
-  AttachedJoint joint = AttachedJoint::kPin;           ///< weld, pin, slider or ball
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< joint in the frame of the carrying body [m]
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitY();     ///< axis of a pin or slider, of any length
-  double mass = 0;                                     ///< mass of the body [kg]
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();    ///< centre of mass, from the joint [m]
-  Eigen::Vector3d edges = Eigen::Vector3d::Zero();     ///< edges of a box; 0: a ball [m]
-  double radius = 0;                                   ///< radius of a ball; 0: a box [m]
-  double stiffness = 0;                                ///< stiffness k in N m/rad, or N/m on a slider
-  double damping = 0;                                  ///< damping d in N m s/rad, or N s/m on a slider
-  double rest = 0;       ///< initial coordinate and centre of the sine, in rad or m
-  double amplitude = 0;  ///< amplitude of the spring's rest coordinate, in rad or m
-  double frequency = 0;  ///< frequency of the spring's rest coordinate [rad/s]
-
-  static FieldList Fields() {
-    return {Required("name", &AttachedBody::name),
-            {"on", &AttachedBody::on},
-            {"joint", &AttachedBody::joint},
-            {"position_m", &AttachedBody::position},
-            {"axis", &AttachedBody::axis},
-            Required("mass_kg", &AttachedBody::mass).Positive(),
-            {"centre_m", &AttachedBody::centre},
-            Field("edges_m", &AttachedBody::edges).Between(0, 100),
-            Field("radius_m", &AttachedBody::radius).Between(0, 100),
-            Field("stiffness", &AttachedBody::stiffness).AtLeast(0),
-            Field("damping", &AttachedBody::damping).AtLeast(0),
-            {"rest", &AttachedBody::rest},
-            {"amplitude", &AttachedBody::amplitude},
-            Field("frequency_rad_per_s", &AttachedBody::frequency).AtLeast(0)};
-  }
-  void Validate() const;  ///< throws ParameterError
-};
 
 /// Inertia of a uniform box whose edges [m] are parallel to the axes: I_x = m (b^2 + c^2) / 12.
 RigidInertia UniformBoxInertia(double mass, const Eigen::Vector3d& centre, const Eigen::Vector3d& edges);
 
 /// Returns a function for QuadrupedPlantParams::extend that attaches bodies to the robot and draws them. The
-/// function throws ParameterError for an unknown `on`, with the nearest name, and for a name used twice.
-ExtendQuadruped Attach(std::vector<AttachedBody> bodies);
+/// function throws ParameterError for an unknown `on`, with the nearest name, and for a name used twice. The
+/// bodies replace the part `replaced` of the trunk, given in B, see QuadrupedMultibody::Replace; none by
+/// default.
+ExtendQuadruped Attach(std::vector<AttachedBody> bodies, const RigidInertia& replaced = {});
 
 }  // namespace tenon

@@ -366,7 +366,21 @@ WrenchEstimate ExtendedQuadruped::MomentumRate(const LeggedAcceleration& acceler
     force += rate[1];
     torque += rate[0] + (body.getBodyOriginLocation(model.state) - ToSimbody(p_W)) % rate[1];
   }
-  return {ToEigen(force), ToEigen(torque)};
+  WrenchEstimate wrench{ToEigen(force), ToEigen(torque)};
+  if (const RigidInertia& replaced = model.replaced(); replaced.mass > 0) {  // as if fixed to the trunk
+    const SimTK::MobilizedBody& trunk = model.body(0);
+    const Vec<3> origin = ToEigen(trunk.getBodyOriginLocation(model.state)),
+                 w = ToEigen(trunk.getBodyAngularVelocity(model.state)), alpha = acceleration.alpha_W;
+    const SimTK::Vec4 turn = trunk.getBodyRotation(model.state).convertRotationToQuaternion().asVec4();
+    const RigidInertia part =
+        replaced.In(RotationFromQuaternion({turn[0], turn[1], turn[2], turn[3]}), origin);
+    const Vec<3> arm = part.com - origin;
+    const Vec<3> rate = part.mass * (acceleration.a_W + alpha.cross(arm) + w.cross(w.cross(arm)));
+    wrench.force_W += rate;
+    wrench.torque_W +=
+        (part.com - p_W).cross(rate) + part.inertia * alpha + w.cross((part.inertia * w).eval());
+  }
+  return wrench;
 }
 
 double ExtendedQuadruped::KineticEnergy() const {

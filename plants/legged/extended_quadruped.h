@@ -75,6 +75,7 @@ class ExtendedQuadruped {
   void CalcRates(const Vec<12>& torque, std::span<const PointForce> forces, const Eigen::VectorXd& added,
                  ExtendedRates* rates) const;
   /// Rate of the momentum of the robot's own bodies about a point that is fixed in W, at their accelerations.
+  /// A replaced part of the trunk counts as fixed to it, see QuadrupedMultibody::Replace.
   WrenchEstimate MomentumRate(const LeggedAcceleration& acceleration, const Vec<3>& p_W) const;
   double KineticEnergy() const;    ///< rotors included [J]
   double PotentialEnergy() const;  ///< gravity, 0 at z = 0, and conservative force elements [J]

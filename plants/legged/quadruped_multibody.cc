@@ -11,7 +11,8 @@ using internal::MassOf;
 using internal::NearestName;
 using internal::ToSimbody;
 
-QuadrupedMultibody::QuadrupedMultibody(const QuadrupedDescription& robot, double gravity) {
+QuadrupedMultibody::QuadrupedMultibody(const QuadrupedDescription& robot, double gravity)
+    : trunk_(robot.trunk) {
   forces.setNumberOfThreads(1);
   SimTK::Force::Gravity(forces, matter, SimTK::Vec3(0, 0, -gravity));
   bodies_[0] = SimTK::MobilizedBody::Free(matter.Ground(), SimTK::Transform(),
@@ -34,6 +35,18 @@ SimTK::MobilizedBody& QuadrupedMultibody::link(const std::string& joint) {
   throw ParameterError(
       fmt::format("the robot has no joint '{}'{}; give the name of one of the twelve joints of its legs",
                   joint, nearest.empty() ? "" : " (did you mean '" + nearest + "'?)"));
+}
+
+void QuadrupedMultibody::Replace(const RigidInertia& part) {
+  replaced_ = replaced_ + part;
+  if (replaced_.mass == 0) return;
+  const RigidInertia rest = trunk_ + RigidInertia{-replaced_.mass, replaced_.com, -replaced_.inertia};
+  if (!(rest.mass > 0))
+    throw ParameterError(
+        fmt::format("the added bodies replace {} kg of a trunk of {} kg; give bodies that are parts of it",
+                    replaced_.mass, trunk_.mass));
+  CheckInertia(rest.inertia);
+  trunk().setDefaultMassProperties(MassOf(rest));
 }
 
 void QuadrupedMultibody::Name(const SimTK::MobilizedBody& added, const std::string& name) {

@@ -69,6 +69,10 @@ class QuadrupedMultibody {
   /// Body 0 is the trunk, 1 + j the body that joint j moves, as in ExternalForce.
   const SimTK::MobilizedBody& body(std::size_t index) const { return bodies_.at(index); }
 
+  /// Takes `part`, given in B, from the trunk, because added bodies take its place: an arm that moves. The
+  /// plant's `robot` still has this part, so that controllers, `external_wrench` and `added_wrench` take it
+  /// for fixed to the trunk. Throws ParameterError unless a possible trunk remains.
+  void Replace(const RigidInertia& part);
   /// Names the joint of an added body, for the elements of the plant's ports. A joint without a name is
   /// `added_0`, `added_1`, …. Throws ParameterError for an empty name, a name with a comma, and a name in
   /// use.
@@ -83,8 +87,10 @@ class QuadrupedMultibody {
   };
   const std::vector<Drawn>& drawn() const { return drawn_; }
   const std::map<int, std::string>& names() const { return names_; }  ///< by index of the body
+  const RigidInertia& replaced() const { return replaced_; }
 
  private:
+  RigidInertia trunk_, replaced_;
   std::array<std::string, kNumJoints> joints_;
   std::array<SimTK::MobilizedBody, 1 + kNumJoints> bodies_;
   std::map<int, std::string> names_;

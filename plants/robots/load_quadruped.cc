@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -35,6 +36,40 @@ struct LockedJoint {
   }
 };
 
+/// A joint outside the legs that moves under PD control.
+struct ActuatedJoint {
+  std::string joint;
+  double angle = 0;              ///< reference, or the centre of its sine [rad]
+  double amplitude = 0;          ///< amplitude of the reference [rad]
+  std::optional<double> period;  ///< period of the reference [s]
+  double stiffness = 0;          ///< [N m/rad]
+  double damping = 0;            ///< [N m s/rad]
+
+  static FieldList Fields() {
+    return {Required("joint", &ActuatedJoint::joint),
+            {"angle_rad", &ActuatedJoint::angle},
+            Field("amplitude_rad", &ActuatedJoint::amplitude).AtLeast(0),
+            Field("period_s", &ActuatedJoint::period).Positive(),
+            Required("stiffness_N_m_per_rad", &ActuatedJoint::stiffness).AtLeast(0),
+            Required("damping_N_m_s_per_rad", &ActuatedJoint::damping).AtLeast(0)};
+  }
+  void Validate() const {
+    if (amplitude > 0 && !period)
+      throw ParameterError(
+          fmt::format("amplitude_rad is {}, but period_s is missing: add it for '{}'", amplitude, joint));
+  }
+  AttachedBody Drive() const {
+    AttachedBody drive;
+    drive.name = joint;
+    drive.stiffness = stiffness;
+    drive.damping = damping;
+    drive.rest = angle;
+    drive.amplitude = amplitude;
+    drive.frequency = period ? 2 * std::numbers::pi / *period : 0;
+    return drive;
+  }
+};
+
 /// Limits of the joints of all legs, which replace those in the URDF.
 struct LimitsOfJoints {
   internal::JointLimits abduction, hip_pitch, knee;
@@ -56,6 +91,7 @@ struct RobotFile {
   double foot_radius = 0;
   LimitsOfJoints limits;
   std::vector<LockedJoint> locked;
+  std::vector<ActuatedJoint> actuated;
   Eigen::Vector3d imu = Eigen::Vector3d::Zero();
   PerLeg<Eigen::Vector3d> stance;
   DriveProperties drive;
@@ -75,6 +111,7 @@ struct RobotFile {
             {"foot_centres_m", &RobotFile::foot_centres},
             {"joint_limits", &RobotFile::limits},
             {"locked_joints", &RobotFile::locked},
+            {"actuated_joints", &RobotFile::actuated},
             {"imu_position_m", &RobotFile::imu},
             Required("nominal_stance", &RobotFile::stance),
             Required("drive", &RobotFile::drive),
@@ -118,7 +155,8 @@ void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& f
   }
 }
 
-QuadrupedDescription ReadRobot(const YamlDocument& document, std::vector<std::string>* warnings = nullptr) {
+QuadrupedDescription ReadRobot(const YamlDocument& document, std::vector<std::string>* warnings = nullptr,
+                               MovingParts* moving = nullptr) {
   const auto file = document.Read<RobotFile>();
   QuadrupedDescription robot;
   robot.name = file.name;
@@ -136,9 +174,17 @@ QuadrupedDescription ReadRobot(const YamlDocument& document, std::vector<std::st
   reading.feet = file.feet.InOrder();
   if (file.foot_centres) reading.foot_centres = file.foot_centres->InOrder();
   for (const auto& [joint, angle] : file.locked) reading.locked[joint] = angle;
+  for (std::size_t i = 0; i < file.actuated.size(); ++i) {
+    reading.actuated.push_back(file.actuated[i].Drive());
+    if (!reading.locked.emplace(file.actuated[i].joint, file.actuated[i].angle).second)
+      throw ParameterError(
+          fmt::format("{}: '{}' is listed twice under 'locked_joints' and 'actuated_joints'; remove one",
+                      document.PlaceOf(fmt::format("actuated_joints.{}.joint", i)), file.actuated[i].joint));
+  }
   reading.limits = {file.limits.abduction, file.limits.hip_pitch, file.limits.knee};
   try {
-    const std::vector<std::string> mended = internal::ReadUrdf(document.Path("urdf"), reading, &robot);
+    const std::vector<std::string> mended =
+        internal::ReadUrdf(document.Path("urdf"), reading, &robot, moving);
     if (warnings != nullptr) *warnings = mended;
   } catch (const ParameterError& error) {
     throw ParameterError(document.Placed("urdf", error.what()));
@@ -163,6 +209,13 @@ static YamlDocument LoadRobot(const YamlFile& what) {
 
 QuadrupedDescription LoadQuadruped(const YamlFile& what) {
   return ReadRobot(LoadRobot(what));
+}
+
+MovingParts LoadMovingParts(const YamlFile& what) {
+  const YamlDocument document = LoadRobot(what);
+  MovingParts moving;
+  if (!document.Value("actuated_joints").empty()) ReadRobot(document, nullptr, &moving);
+  return moving;
 }
 
 std::vector<std::string> QuadrupedWarnings(const YamlFile& what) {

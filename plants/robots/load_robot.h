@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/plants/model/attached_body.h>
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/quadruped_description.h>
 
@@ -26,6 +27,12 @@ CdprDescription LoadCdpr(const std::string& path);
 /// Read the robot that a scenario names. They throw ParameterError, also for a robot of the other kind.
 CdprDescription LoadCdpr(const YamlFile& what);
 QuadrupedDescription LoadQuadruped(const YamlFile& what);
+/// Reads the links on the `actuated_joints` of a quadruped's file, such as those of an arm; none without this
+/// key. LoadQuadruped returns the same robot with these joints at rest. In a program:
+///
+///     const MovingParts arm = LoadMovingParts({"my_robot.yaml"});
+///     if (!arm.bodies.empty()) params.world.plant.extend = Attach(arm.bodies, arm.at_rest);
+MovingParts LoadMovingParts(const YamlFile& what);
 /// Returns warnings about the robot's URDF, each with file, line and the correction: impossible inertias of
 /// links on fixed joints, and meshes that cannot be read.
 std::vector<std::string> QuadrupedWarnings(const YamlFile& what);

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -32,24 +33,28 @@ Eigen::Matrix3d Mended(const Eigen::Matrix3d& inertia) {
   return solver.eigenvectors() * moments.asDiagonal() * solver.eigenvectors().transpose();
 }
 
-/// Reads one URDF; bodies are numbered 0 for the trunk and 1 + joint for the others.
+/// Reads one URDF; bodies are numbered 0 for the trunk, 1 + joint for those of the legs, and then follow
+/// those on actuated joints.
 class Reader {
  public:
   Reader(const std::filesystem::path& path, const UrdfReading& reading, QuadrupedDescription* robot)
       : file_(ParseUrdf(path)), reading_(reading), robot_(*robot) {}
 
-  std::vector<std::string> Read() {
+  std::vector<std::string> Read(MovingParts* moving) {
     CheckLocked();
     for (int leg = 0; leg < kNumLegs; ++leg) FindLeg(leg, reading_.feet[static_cast<std::size_t>(leg)]);
     Add(*FloatingLink(*model_), 0, PoseOfRoot());
     MeasureExtents();
     for (int leg = 0; leg < kNumLegs; ++leg) FinishLeg(leg);
-    robot_.trunk = Finished(0, Eigen::Vector3d::Zero());
-    for (std::size_t body = 0; body < looks_.size(); ++body) {
+    robot_.trunk = SumOf(0);
+    for (std::size_t i = 0; i < moving_.bodies.size(); ++i) FinishMoving(i);
+    if (!moving_.bodies.empty()) robot_.trunk = robot_.trunk + moving_.at_rest;
+    for (std::size_t body = 0; body <= kNumJoints; ++body) {
       if (looks_[body].triangles.empty()) continue;
       robot_.meshes[body] = std::make_shared<const TriangleMesh>(Simplified(std::move(looks_[body])));
     }
     WarnOfMeshes();
+    if (moving != nullptr) *moving = std::move(moving_);
     return std::move(warnings_);
   }
 
@@ -93,13 +98,15 @@ class Reader {
     for (const auto& [name, angle] : reading_.locked) {
       const urdf::JointConstSharedPtr joint = model_->getJoint(name);
       if (joint != nullptr && Turns(*joint)) continue;
+      if (joint != nullptr && Drive(name) != nullptr)
+        Fail("joint '{}' does not turn; take it out of 'actuated_joints', or make it revolute", name);
       std::vector<std::string> names;
       for (const auto& entry : model_->joints_)
         if (Turns(*entry.second)) names.push_back(entry.first);
       const std::string nearest = NearestName(name, names);
       Fail(
-          "there is no joint '{}' that turns, to be locked{}; correct its name, under 'locked_joints' or in "
-          "--lock",
+          "there is no joint '{}' that turns{}; correct its name, under 'locked_joints' or 'actuated_joints' "
+          "or in --lock",
           Excerpt(name), nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
     }
   }
@@ -112,6 +119,20 @@ class Reader {
     const auto leader = reading_.locked.find(joint.mimic->joint_name);
     if (leader == reading_.locked.end()) return {};
     return joint.mimic->multiplier * leader->second + joint.mimic->offset;
+  }
+
+  /// Returns the drive of an actuated joint; null if it is none.
+  const AttachedBody* Drive(const std::string& joint) const {
+    for (const AttachedBody& drive : reading_.actuated)
+      if (drive.name == joint) return &drive;
+    return nullptr;
+  }
+
+  void CheckNotOfLeg(const std::string& joint) const {
+    if (Drive(joint) != nullptr)
+      Fail(
+          "joint '{}' moves with a leg, but 'actuated_joints' can only have joints on the trunk; take it out",
+          joint);
   }
 
   /// Finds the joints of a leg: the three movable joints between its foot and the root.
@@ -127,6 +148,7 @@ class Reader {
     }
     std::vector<urdf::JointConstSharedPtr> chain;
     for (; link->parent_joint != nullptr; link = link->getParent()) {
+      CheckNotOfLeg(link->parent_joint->name);
       if (Turns(*link->parent_joint) && !LockedAt(*link->parent_joint)) chain.push_back(link->parent_joint);
     }
     if (chain.size() != kJointsPerLeg) {
@@ -172,6 +194,7 @@ class Reader {
       int child = body;
       if (const std::optional<double> angle = LockedAt(*joint)) {
         T_BJ.rotate(Eigen::AngleAxisd(*angle, AxisOf(*joint)));
+        if (const AttachedBody* drive = Drive(joint->name)) child = NoteMoving(*joint, *drive, body, T_BJ);
       } else if (Turns(*joint)) {
         child = NoteJoint(*joint, T_BJ) + 1;
       } else if (joint->type != urdf::Joint::FIXED) {
@@ -226,8 +249,10 @@ class Reader {
   int NoteJoint(const urdf::Joint& joint, const Eigen::Isometry3d& T_BJ) {
     const auto at = joints_.find(joint.name);
     if (at == joints_.end())
-      Fail("joint '{}' turns but belongs to no leg; give it an angle under 'locked_joints', or make it fixed",
-           joint.name);
+      Fail(
+          "joint '{}' turns but belongs to no leg; list it under 'locked_joints' or 'actuated_joints', or "
+          "make it fixed",
+          joint.name);
     JointDescription& out = JointOf(at->second);
     out.name = joint.name;
     out.p_PJ = T_BJ.translation();  // in B until FinishLeg
@@ -259,7 +284,42 @@ class Reader {
     return at->second;
   }
 
-  /// Transforms the joints and bodies of a leg from B to the joints' frames.
+  /// Stores an actuated joint on the body `carrier` and returns the number of its own body. T_BJ is the pose
+  /// of the URDF's frame with the joint at rest.
+  int NoteMoving(const urdf::Joint& joint, const AttachedBody& drive, int carrier,
+                 const Eigen::Isometry3d& T_BJ) {
+    if (carrier > 0 && carrier <= kNumJoints) CheckNotOfLeg(joint.name);
+    const urdf::JointLimitsSharedPtr& limits = joint.limits;
+    if (limits == nullptr || !(limits->effort > 0))
+      Fail(
+          "joint '{}' has no limit of torque; add <limit effort=\"N m\" .../> with a positive value, or move "
+          "it from 'actuated_joints' to 'locked_joints'",
+          joint.name);
+    if (joint.type == urdf::Joint::REVOLUTE &&
+        (drive.rest - drive.amplitude < limits->lower || drive.rest + drive.amplitude > limits->upper))
+      Fail(
+          "joint '{}' turns from {} to {} rad, but under 'actuated_joints' its angle_rad is {} and its "
+          "amplitude_rad {}; change them",
+          joint.name, limits->lower, limits->upper, drive.rest, drive.amplitude);
+    AttachedBody body = drive;
+    Eigen::Isometry3d T_BC = Eigen::Isometry3d::Identity();
+    if (carrier > 0) {
+      const auto index = static_cast<std::size_t>(carrier - 1 - kNumJoints);
+      body.on = moving_.bodies[index].name;
+      T_BC = moving_poses_[index];
+    }
+    body.limit = limits->effort;
+    body.position = T_BC.inverse() * T_BJ.translation();
+    body.axis = T_BC.linear().transpose() * T_BJ.linear() * AxisOf(joint);
+    moving_poses_.push_back(T_BC * Eigen::Translation3d(body.position) *
+                            Eigen::AngleAxisd(body.rest, body.axis));
+    moving_.bodies.push_back(std::move(body));
+    parts_.emplace_back();
+    names_.emplace_back();
+    looks_.emplace_back();
+    return static_cast<int>(parts_.size()) - 1;
+  }
+
   /// Measures the length of a leg and the distance of the hips from their centre, while the joints are in B.
   void MeasureExtents() {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -274,13 +334,15 @@ class Reader {
     }
   }
 
+  /// Transforms the joints and bodies of a leg from B to the joints' frames.
   void FinishLeg(int leg) {
     LegDescription& out = robot_.legs[static_cast<std::size_t>(leg)];
     Eigen::Vector3d parent = Eigen::Vector3d::Zero();
     for (int i = 0; i < kJointsPerLeg; ++i) {
       JointDescription& joint = out.joints[static_cast<std::size_t>(i)];
       const Eigen::Vector3d p_BJ = joint.p_PJ;
-      out.bodies[static_cast<std::size_t>(i)] = Finished(1 + kJointsPerLeg * leg + i, p_BJ);
+      out.bodies[static_cast<std::size_t>(i)] =
+          SumOf(1 + kJointsPerLeg * leg + i).In(Eigen::Matrix3d::Identity(), -p_BJ);
       for (std::array<float, 3>& p : looks_[static_cast<std::size_t>(1 + kJointsPerLeg * leg + i)].corners)
         for (std::size_t k = 0; k < 3; ++k) p[k] -= static_cast<float>(p_BJ[static_cast<Eigen::Index>(k)]);
       joint.p_PJ = p_BJ - parent;
@@ -288,6 +350,27 @@ class Reader {
     }
     const auto at = static_cast<std::size_t>(leg);
     out.foot_J = poses_.at(reading_.feet[at]) * reading_.foot_centres[at] - parent;
+  }
+
+  /// Transforms a body on an actuated joint from B to its own frame.
+  void FinishMoving(std::size_t index) {
+    const std::size_t body = 1 + kNumJoints + index;
+    const RigidInertia at_rest = SumOf(static_cast<int>(body));
+    moving_.at_rest = moving_.at_rest + at_rest;
+    const Eigen::Isometry3d T_JB = moving_poses_[index].inverse();
+    const RigidInertia own = at_rest.In(T_JB.linear(), T_JB.translation());
+    AttachedBody& out = moving_.bodies[index];
+    out.mass = own.mass;
+    out.centre = own.com;
+    out.inertia = own.inertia;
+    out.radius = std::sqrt(own.inertia.trace() / (1.2 * own.mass));  // of a ball with this trace
+    TriangleMesh& look = looks_[body];
+    if (look.triangles.empty()) return;
+    for (auto& [x, y, z] : look.corners) {
+      const Eigen::Vector3f p = (T_JB * Eigen::Vector3d(x, y, z)).cast<float>();
+      x = p.x(), y = p.y(), z = p.z();
+    }
+    out.mesh = std::make_shared<const TriangleMesh>(Simplified(std::move(look)));
   }
 
   /// Returns the inertia that a link contributes to a body of given mass, corrected if it is impossible.
@@ -328,11 +411,12 @@ class Reader {
     }
   }
 
-  RigidInertia Finished(int body, const Eigen::Vector3d& origin) {
+  /// Returns the inertia of a body in B.
+  RigidInertia SumOf(int body) {
     const std::vector<Part>& parts = parts_[static_cast<std::size_t>(body)];
     const std::string& names = names_[static_cast<std::size_t>(body)];
     RigidInertia sum;
-    const double extent = body == 0 ? 2 * trunk_extent_ : leg_extent_;
+    const double extent = body > 0 && body <= kNumJoints ? leg_extent_ : 2 * trunk_extent_;
     for (const Part& part : parts) sum = sum + Believed(part, extent);
     if (!(sum.mass > 0))
       Fail("the body of link {} has no mass; give one of them an <inertial> with a positive mass", names);
@@ -341,7 +425,7 @@ class Reader {
     } catch (const ParameterError& error) {
       Fail("the body of link {}: {}", names, error.what());
     }
-    return sum.In(Eigen::Matrix3d::Identity(), -origin);
+    return sum;
   }
 
   JointDescription& JointOf(int j) {
@@ -353,14 +437,16 @@ class Reader {
   const urdf::ModelInterfaceSharedPtr& model_ = file_.model;
   const UrdfReading& reading_;
   QuadrupedDescription& robot_;
-  std::map<std::string, int> joints_;                    // indices of the legs' joints by name
-  std::map<std::string, Eigen::Isometry3d> poses_;       // poses of the links in B by name
-  std::array<std::vector<Part>, 1 + kNumJoints> parts_;  // parts of each body
-  std::array<std::string, 1 + kNumJoints> names_;        // names of the links of each body
-  std::array<TriangleMesh, 1 + kNumJoints> looks_;       // appearance of the bodies that have meshes
-  double leg_extent_ = 0, trunk_extent_ = 0;             // length of a leg, distance of the hips [m]
-  int num_missing_ = 0;                                  // number of unreadable meshes
-  std::string missing_;                                  // reason for the first unreadable mesh
+  std::map<std::string, int> joints_;                     // indices of the legs' joints by name
+  std::map<std::string, Eigen::Isometry3d> poses_;        // poses of the links in B by name
+  std::vector<std::vector<Part>> parts_{1 + kNumJoints};  // parts of each body
+  std::vector<std::string> names_{1 + kNumJoints};        // names of the links of each body
+  std::vector<TriangleMesh> looks_{1 + kNumJoints};       // appearance of the bodies that have meshes
+  MovingParts moving_;
+  std::vector<Eigen::Isometry3d> moving_poses_;  // poses of the moving bodies at rest in B
+  double leg_extent_ = 0, trunk_extent_ = 0;     // length of a leg, distance of the hips [m]
+  int num_missing_ = 0;                          // number of unreadable meshes
+  std::string missing_;                          // reason for the first unreadable mesh
   std::vector<std::string> warnings_;
 };
 
@@ -386,8 +472,8 @@ Eigen::Matrix3d RotationOf(LinkAxis forward, LinkAxis up) {
 }
 
 std::vector<std::string> ReadUrdf(const std::filesystem::path& path, const UrdfReading& reading,
-                                  QuadrupedDescription* robot) {
-  return Reader(path, reading, robot).Read();
+                                  QuadrupedDescription* robot, MovingParts* moving) {
+  return Reader(path, reading, robot).Read(moving);
 }
 
 }  // namespace tenon::internal

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/plants/model/attached_body.h>
 #include <tenon/plants/model/quadruped_description.h>
 
 #include <Eigen/Core>
@@ -51,13 +52,15 @@ struct UrdfReading {
       Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
       Eigen::Vector3d::Zero()};  ///< centres of the foot spheres in the links' frames [m]
   std::map<std::string, double, std::less<>> locked;  ///< angles of locked joints by name [rad]
-  std::array<JointLimits, kJointsPerLeg> limits;      ///< replace the URDF's limits
+  std::vector<AttachedBody> actuated;  ///< names and drives of those among them that move outside the legs
+  std::array<JointLimits, kJointsPerLeg> limits;  ///< replace the URDF's limits
 };
 
 /// Reads trunk and legs from a URDF file; the legs are found by the links of their feet. Links connected by
-/// fixed or locked joints become one body. Returns warnings about corrected values with file and line. Throws
-/// ParameterError that begins with the file's name.
+/// fixed or locked joints become one body. The links on actuated joints are part of the trunk of `robot`,
+/// with these joints at rest, and are the bodies of `moving`. Returns warnings about corrected values with
+/// file and line. Throws ParameterError that begins with the file's name.
 std::vector<std::string> ReadUrdf(const std::filesystem::path& path, const UrdfReading& reading,
-                                  QuadrupedDescription* robot);
+                                  QuadrupedDescription* robot, MovingParts* moving = nullptr);
 
 }  // namespace tenon::internal

@@ -1,8 +1,10 @@
 // The command line of tenon-quadruped, its output files and its exit codes.
 
 #include <tenon/tests/apps/run_app.h>
+#include <tenon/tests/plants/model/quadruped_test_arm.h>
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <numeric>
@@ -42,6 +44,29 @@ TEST_F(TenonQuadrupedTest, WalksWithAllFigures) {
       << "the figures of the legs form a table";
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100) << line;
+}
+
+// An arm of the robot's URDF swings, with a load on its last joint. The controller believes that it is
+// locked.
+TEST_F(TenonQuadrupedTest, WalksWithAnArmThatMoves) {
+  const std::string gains = ", stiffness_N_m_per_rad: 200, damping_N_m_s_per_rad: 10}\n";
+  Write("aliengo.urdf", test::WithArm(Read(TENON_ROBOTS_DIR "/aliengo.urdf")));
+  const std::string robot =
+      Write("aliengo.yaml", Read(TENON_ROBOTS_DIR "/aliengo.yaml") +
+                                "actuated_joints:\n"
+                                "  - {joint: arm_pitch" +
+                                gains + "  - {joint: arm_elbow" + gains +
+                                "  - {joint: arm_yaw, angle_rad: 0.2, amplitude_rad: 0.5, "
+                                "period_s: 2" +
+                                gains);
+  Run("A1 --duration 1.2 --set robot=" + robot +
+      " --set 'attached=[{name: load, on: arm_elbow, joint: weld, mass_kg: 0.2, radius_m: 0.05}]'");
+  const std::vector<double> yaw = Column(out, "loop.world.plant.added_positions.arm_yaw [rad]");
+  EXPECT_NEAR(yaw.front(), 0.2, 1e-9);
+  EXPECT_GT(*std::ranges::max_element(yaw), 0.5);
+  const nlohmann::json summary = nlohmann::json::parse(Summary());
+  EXPECT_LT(summary.at("com_error_max_m").get<double>(), 0.005);
+  EXPECT_LT(summary.at("force_estimate_error_rms_N").get<double>(), 5) << "the arm weighs 29 N";
 }
 
 TEST_F(TenonQuadrupedTest, ComparesObserversAndSweepsPhases) {

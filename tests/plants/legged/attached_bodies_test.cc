@@ -2,15 +2,23 @@
 
 #include <tenon/plants/legged/attached_bodies.h>
 #include <tenon/plants/legged/quadruped_plant.h>
+#include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/plants/model/quadruped_test_arm.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/temporary_path.h>
 #include <tenon/tests/testing/test_rig.h>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
 #include <vector>
 
 namespace tenon::attached_bodies_test {
@@ -57,6 +65,12 @@ TEST(AttachedBodiesTest, ASliderHasItsSpringAndDamper) {
       .Set(rig->added_u, Eigen::VectorXd::Constant(1, 2.0));
   const double force = -300 * 0.05 - 20 * 2;
   EXPECT_NEAR(rig.Derivative(rig->added_u)[0] + rig[rig->acceleration].a_W[2], force / 2, 1e-9);
+  body.limit = 12;
+  Rig weak = Weightless(body);
+  weak.Fix(weak->torque, Vec<12>::Zero())
+      .Set(weak->added_q, Eigen::VectorXd::Constant(1, 0.15))
+      .Set(weak->added_u, Eigen::VectorXd::Constant(1, 2.0));
+  EXPECT_NEAR(weak.Derivative(weak->added_u)[0] + weak[weak->acceleration].a_W[2], -6, 1e-9);
 }
 
 TEST(AttachedBodiesTest, ABallJointReturnsToItsRest) {
@@ -131,6 +145,90 @@ TEST(AttachedBodiesTest, TheAddedWrenchIsTheReactionOfTheLoad) {
     EXPECT_THAT(rig[rig->added_wrench].force_W, IsNear(force, 1e-8));
     EXPECT_THAT(rig[rig->added_wrench].torque_W, IsNear((arm.cross(force) - inertia * alpha).eval(), 1e-8));
   }
+}
+
+/// Aliengo with an arm whose joints are under the key `joints`, with `drive` as further keys of each.
+struct ArmFile {
+  ArmFile(const std::string& joints, const Vec<3>& angles, const std::string& drive = "") {
+    const std::filesystem::path home = test::TemporaryPath("arm");
+    std::filesystem::create_directories(home);
+    std::ofstream(home / "aliengo.urdf") << test::WithArm(test::FileText(TENON_ROBOTS_DIR "/aliengo.urdf"));
+    const std::filesystem::path file = home / "aliengo.yaml";
+    std::ofstream(file) << test::FileText(TENON_ROBOTS_DIR "/aliengo.yaml") << joints << ":\n"
+                        << fmt::format("  - {{joint: arm_yaw, angle_rad: {}{}}}\n", angles[0], drive)
+                        << fmt::format("  - {{joint: arm_pitch, angle_rad: {}{}}}\n", angles[1], drive)
+                        << fmt::format("  - {{joint: arm_elbow, angle_rad: {}{}}}\n", angles[2], drive);
+    robot = LoadQuadruped(file.string());
+    arm = LoadMovingParts(YamlFile{file.string()});
+    std::filesystem::remove_all(home);
+  }
+  QuadrupedDescription robot;
+  MovingParts arm;
+};
+const std::string kLimp = ", stiffness_N_m_per_rad: 0, damping_N_m_s_per_rad: 0";
+
+/// Torques that hold the joints of the arm still make it a part of the trunk. The robot with the locked arm
+/// has Tenon's own equations of motion.
+TEST(AttachedBodiesTest, AnArmThatIsHeldIsAPartOfTheTrunk) {
+  const Vec<3> angles(0.4, -0.7, 1.1);
+  const ArmFile locked("locked_joints", angles), moves("actuated_joints", angles, kLimp);
+  EXPECT_TRUE(locked.arm.bodies.empty());
+  EXPECT_NEAR(moves.arm.at_rest.mass, 2.9, 1e-12);
+  EXPECT_NEAR(moves.robot.mass(), locked.robot.mass(), 1e-12);
+  RandomStream random(7);
+  QuadrupedPlantParams params{.robot = locked.robot, .initial = test::RandomState(random)};
+  params.payload = {2, {0.1, 0, 0.1}, 0.01 * Eigen::Matrix3d::Identity()};
+  const Vec<12> torque = test::RandomVector<12>(random, 20);
+  const ExternalForces external{ExternalForce{.body = 3, .force_W = {20, -10, 5}}};
+  Rig plain(params);
+  plain.Fix(plain->torque, torque).Fix(plain->external, external);
+  params.robot = moves.robot;
+  params.extend = Attach(moves.arm.bodies, moves.arm.at_rest);
+  Rig rig(params);
+  rig.Fix(rig->torque, torque).Fix(rig->external, external);
+  ASSERT_EQ(rig->additions.u.elements, "arm_yaw,arm_pitch,arm_elbow");
+  const Eigen::VectorXd free = rig.Derivative(rig->added_u);
+  Eigen::MatrixXd response(3, 3);
+  for (int i = 0; i < 3; ++i)
+    response.col(i) = rig.Fix(rig->added_forces, Eigen::VectorXd::Unit(3, i)).Derivative(rig->added_u) - free;
+  rig.Fix(rig->added_forces, -test::Solve(response, free));
+  EXPECT_THAT(rig.Derivative(rig->added_u), IsNear(Eigen::VectorXd::Zero(3), 1e-9));
+  EXPECT_THAT(test::Stacked(rig[rig->acceleration]), IsNear(test::Stacked(plain[plain->acceleration]), 1e-8));
+  EXPECT_THAT(rig[rig->added_wrench].force_W, IsNear(Vec<3>::Zero(), 1e-8));
+  EXPECT_THAT(rig[rig->added_wrench].torque_W, IsNear(Vec<3>::Zero(), 1e-8));
+  EXPECT_THAT(rig[rig->external_wrench].torque_W, IsNear(plain[plain->external_wrench].torque_W, 1e-10));
+}
+
+/// Without gravity, the CoM of robot and arm stays where it is while the arm moves. The CoM is that of the
+/// robot whose arm is locked at the present angles.
+TEST(AttachedBodiesTest, AnArmThatMovesKeepsTheCom) {
+  const auto com = [](const LeggedState& x, const Vec<3>& angles) {
+    QuadrupedBody whole(ArmFile("locked_joints", angles).robot);
+    whole.SetState(x);
+    return whole.Com();
+  };
+  const Vec<3> angles(0.4, -0.7, 1.1);
+  const ArmFile moves(
+      "actuated_joints", angles,
+      ", amplitude_rad: 0.5, period_s: 1, stiffness_N_m_per_rad: 30, damping_N_m_s_per_rad: 1");
+  QuadrupedPlantParams params{.robot = moves.robot, .initial = Standing(moves.robot)};
+  params.gravity = 0;
+  params.initial.p_WB[2] = 10;
+  params.extend = Attach(moves.arm.bodies, moves.arm.at_rest);
+  Rig rig(params);
+  rig.Fix(rig->torque, Vec<12>::Zero());
+  const Vec<3> before = com(rig[rig->state], angles);
+  rig.RunTo(0.3);
+  const Vec<3> reached = rig[rig->added_positions];
+  EXPECT_THAT((reached - angles).cwiseAbs().minCoeff(), ::testing::Gt(0.1));
+  EXPECT_GT((rig[rig->state].p_WB - params.initial.p_WB).norm(), 1e-3);
+  EXPECT_THAT(com(rig[rig->state], reached), IsNear(before, 1e-8));
+}
+
+TEST(AttachedBodiesTest, RefusesToReplaceMoreThanTheTrunk) {
+  QuadrupedPlantParams params = With({});
+  params.extend = Attach({}, {1000, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity()});
+  EXPECT_TRUE(Throws<ParameterError>([&] { Rig rig(params); }, "1000 kg"));
 }
 
 TEST(AttachedBodiesTest, RefusesBodiesThatMakeNoSense) {

@@ -3,6 +3,7 @@
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/plants/model/quadruped_test_arm.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
@@ -391,6 +392,47 @@ TEST(QuadrupedDescriptionTest, LockedJointsAreFixed) {
   EXPECT_THAT(files.Load().legs[0].foot_J, IsNear(Eigen::Vector3d(0.1 - 0.1, 0, -0.2), 1e-12));
   files.Change(&RobotFiles::yaml, "joint: wheel_joint", "joint: wheel_joitn");
   EXPECT_TRUE(Refused(files, "'wheel_joitn'", "'wheel_joint'"));
+}
+
+// Joints of an arm under `actuated_joints`. The tests of attached bodies test how it moves.
+TEST(QuadrupedDescriptionTest, RefusesActuatedJointsThatMakeNoSense) {
+  const auto with = [](const std::string& joints) {
+    RobotFiles files("aliengo");
+    files.urdf = test::WithArm(files.urdf);
+    files.yaml += "locked_joints: [{joint: arm_yaw, angle_rad: 0}, {joint: arm_pitch, angle_rad: 0}]\n" +
+                  ("actuated_joints: [" + joints + "]\n");
+    return files;
+  };
+  const std::string gains = "stiffness_N_m_per_rad: 50, damping_N_m_s_per_rad: 1",
+                    elbow = "{joint: arm_elbow, angle_rad: 1.5, " + gains;
+  EXPECT_NEAR(with(elbow + "}").Load().mass(), LoadQuadruped(kRobots + "/aliengo.yaml").mass() + 2.9, 1e-12);
+  EXPECT_TRUE(Refused(with(""), "'arm_elbow'", "'actuated_joints'"));
+  EXPECT_TRUE(
+      Refused(with("{joint: arm_elbo, " + gains + "}"), "'arm_elbo'", "'arm_elbow'", "'actuated_joints'"));
+  EXPECT_TRUE(Refused(with("{joint: gripper_mount, " + gains + "}"), "aliengo.urdf:", "'gripper_mount'",
+                      "'actuated_joints'"));
+  EXPECT_TRUE(
+      Refused(with(elbow + "}, " + elbow + "}"), "aliengo.yaml:", "actuated_joints.1.joint", "'arm_elbow'"));
+  EXPECT_TRUE(Refused(with("{joint: arm_yaw, " + gains + "}"), "actuated_joints.0.joint", "'arm_yaw'",
+                      "'locked_joints'"));
+  EXPECT_TRUE(
+      Refused(with(elbow + ", amplitude_rad: 0.6, period_s: 1}"), "'arm_elbow'", "amplitude_rad", "2 rad"));
+  EXPECT_TRUE(Refused(with(elbow + ", amplitude_rad: 0.3}"), "actuated_joints.0", "period_s"));
+  EXPECT_TRUE(Refused(with("{joint: arm_elbow, stiffness_N_m_per_rad: -1, damping_N_m_s_per_rad: 1}"),
+                      "actuated_joints.0.stiffness_N_m_per_rad"));
+  EXPECT_TRUE(Refused(with("{joint: arm_elbow, stiffness_N_m_per_rad: 1, damping_N_m_s_per_rad: -1}"),
+                      "actuated_joints.0.damping_N_m_s_per_rad"));
+  for (const std::string joint : {"front_left_knee", "tail"}) {
+    RobotFiles files = with(elbow + "}, {joint: " + joint + ", " + gains + "}");
+    files.Change(
+        &RobotFiles::urdf, "</robot>",
+        "<link name=\"tip\"/><joint name=\"tail\" type=\"continuous\"><parent link=\"front_left_foot\"/>"
+        "<child link=\"tip\"/><axis xyz=\"0 1 0\"/></joint></robot>");
+    EXPECT_TRUE(Refused(files, "aliengo.urdf:", "'" + joint + "'", "'actuated_joints'"));
+  }
+  RobotFiles files = with(elbow + "}");
+  files.Change(&RobotFiles::urdf, "0 1 -0.2\"/><limit effort=\"40\"", "0 1 -0.2\"/><limit effort=\"0\"");
+  EXPECT_TRUE(Refused(files, "aliengo.urdf:", "'arm_elbow'", "effort"));
 }
 
 // First moment and inertia about B's origin are additive.
