@@ -180,7 +180,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Derivative(const State& x, cons
 }
 
 template <int n>
-TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Step(StepMethod method, double h, const State& x,
+TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Step(int, StepMethod method, double h, const State& x,
                                                       const Input& u, State& next) const {
   const StepTableau& tableau = TableauOf(method);
   const Lanes start[3] = {*PacketAt(&x[0]), *PacketAt(&x[4]), *PacketAt(&x[8])};

@@ -78,7 +78,7 @@ class KinoCentroidalModel {
 
     explicit StepWorkspace(int cables) : wrench(wrench.RowsAtCompileTime, cables) {}
   };
-  void Step(StepMethod method, double h, const State& x, const Input& u, State& next) const;
+  void Step(int, StepMethod method, double h, const State& x, const Input& u, State& next) const;
   void LinearizeSteps(StepMethod method, int count, const double* h, const State* x, const Input* u,
                       Tangent* tangents, StepWorkspace& workspace) const;
 

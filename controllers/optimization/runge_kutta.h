@@ -73,7 +73,9 @@ class RungeKutta {
         K_(states, states + inputs),
         f_(states, inputs) {}
 
-  void Step(const System& system, StepMethod method, double h, const State& x, const Input& u, State& next) {
+  /// The step from node k of a horizon; all nodes are alike.
+  void Step(const System& system, int, StepMethod method, double h, const State& x, const Input& u,
+            State& next) {
     const StepTableau& tableau = TableauOf(method);
     next = x;
     for (int i = 0; i < tableau.stages; ++i) {
@@ -129,9 +131,10 @@ concept GivesJacobians = requires(const System& system, Eigen::Matrix<double, Sy
   system.Linearize(x, u, x, f);
 };
 
-/// A system that implements the steps of RungeKutta itself, for example several steps at once:
+/// A system that implements the steps of RungeKutta itself, for example several steps at once, or steps that
+/// differ from node to node:
 ///
-///     void Step(StepMethod, double h, const State& x, const Input& u, State& next) const;
+///     void Step(int k, StepMethod, double h, const State& x, const Input& u, State& next) const;
 ///     void LinearizeSteps(StepMethod, int count, const double* h, const State* x, const Input* u,
 ///                         Tangent* tangents, StepWorkspace&) const;
 ///     struct StepWorkspace { explicit StepWorkspace(int inputs); };
@@ -149,8 +152,9 @@ class RungeKutta<System> {
 
   RungeKutta(int, int inputs) : workspace_(inputs) {}
 
-  void Step(const System& system, StepMethod method, double h, const State& x, const Input& u, State& next) {
-    system.Step(method, h, x, u, next);
+  void Step(const System& system, int k, StepMethod method, double h, const State& x, const Input& u,
+            State& next) {
+    system.Step(k, method, h, x, u, next);
   }
   void Linearize(const System& system, StepMethod method, int count, const double* h, const State* x,
                  const Input* u, Tangent* tangents) {

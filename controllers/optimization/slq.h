@@ -86,6 +86,8 @@ class Slq {
   const Problem& problem() const { return problem_; }
   int num_steps() const { return static_cast<int>(steps_.size()); }
 
+  /// Changes h_0 [s], positive: a horizon whose nodes stay at fixed times while its start moves on.
+  void SetFirstStep(double h);
   /// Sets each node to x and u, without feedback.
   void SetPolicy(const State& x, const Input& u);
   /// Shifts the policy by `elapsed` [s]; the last node is repeated at the end.

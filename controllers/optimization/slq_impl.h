@@ -60,6 +60,13 @@ Slq<P>::Slq(P problem, const std::vector<double>& steps, const SlqOptions& optio
 }
 
 template <SlqProblem P>
+void Slq<P>::SetFirstStep(double h) {
+  const double change = h - steps_[0];
+  steps_[0] = h;
+  for (std::size_t k = 1; k < policy_.size(); ++k) policy_[k].time += change;
+}
+
+template <SlqProblem P>
 void Slq<P>::SetPolicy(const State& x, const Input& u) {
   for (Node& node : policy_) {
     node.x = x;
@@ -107,7 +114,7 @@ template <SlqProblem P>
   }
   Clamp(k, u);
   trajectory.cost += steps_[k] * problem_.StageCost(k, x, u);
-  step_.Step(problem_, options_.method, steps_[k], x, u, trajectory.x[k + 1]);
+  step_.Step(problem_, k, options_.method, steps_[k], x, u, trajectory.x[k + 1]);
 }
 
 template <SlqProblem P>

@@ -129,8 +129,8 @@ TYPED_TEST(KinoCentroidalModelTest, StepsAreThoseOfRungeKutta) {
   RungeKutta<Model> own(12, TestFixture::n);
   for (const StepMethod method : {StepMethod::kEuler, StepMethod::kMidpoint, StepMethod::kRungeKutta4}) {
     CentroidalState expected, next;
-    plain.Step({this->model}, method, 0.05, SomeState(), this->u, expected);
-    own.Step(this->model, method, 0.05, SomeState(), this->u, next);
+    plain.Step({this->model}, 0, method, 0.05, SomeState(), this->u, expected);
+    own.Step(this->model, 0, method, 0.05, SomeState(), this->u, next);
     EXPECT_THAT(next, IsNear(expected, 1e-14));
   }
 }
@@ -156,7 +156,7 @@ TYPED_TEST(KinoCentroidalModelTest, StepsHaveExactDerivatives) {
     for (int k = 0; k < kSteps; ++k) {
       const auto next = [&](const auto& z) -> Eigen::VectorXd {
         CentroidalState out;
-        step.Step(this->model, method, h[k], z.template head<12>(), z.template tail<n>(), out);
+        step.Step(this->model, k, method, h[k], z.template head<12>(), z.template tail<n>(), out);
         return out;
       };
       Eigen::Matrix<double, 12 + n, 1> z;
@@ -174,11 +174,11 @@ TEST(KinoCentroidalModel, IsNotFiniteOutsideItsRange) {
   const KinoCentroidalModel<4> model(RobotWith(4));
   const Eigen::Vector4d u(50, 60, 70, 80);
   CentroidalState x = SomeState(), next;
-  model.Step(StepMethod::kMidpoint, 0.01, x, u, next);
+  model.Step(0, StepMethod::kMidpoint, 0.01, x, u, next);
   EXPECT_TRUE(next.allFinite());
   for (const double angle : {1.1e6, -1e300, std::numeric_limits<double>::infinity()}) {
     x[11] = angle;
-    model.Step(StepMethod::kMidpoint, 0.01, x, u, next);
+    model.Step(0, StepMethod::kMidpoint, 0.01, x, u, next);
     EXPECT_FALSE(next.allFinite()) << angle;
   }
 }

@@ -37,7 +37,7 @@ double CostOf(const Problem& problem, const std::vector<double>& steps, typename
     const typename Problem::Input u = inputs.segment(m * k, m);
     cost += steps[k] * problem.StageCost(k, x, u);
     typename Problem::State next = x;
-    step.Step(problem, StepMethod::kRungeKutta4, steps[k], x, u, next);
+    step.Step(problem, static_cast<int>(k), StepMethod::kRungeKutta4, steps[k], x, u, next);
     x = next;
   }
   return cost + problem.TerminalCost(x);
