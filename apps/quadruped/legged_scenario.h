@@ -3,6 +3,7 @@
 #include <tenon/apps/common/log_scenario.h>
 #include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/quadruped/quadruped_hardware.h>
+#include <tenon/controllers/legged/planning/centroidal_mpc.h>
 #include <tenon/controllers/legged/planning/com_planner.h>
 #include <tenon/controllers/legged/planning/pacer.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
@@ -38,6 +39,7 @@ struct WalkScenario {
   YamlFile gaits{"standard"};  ///< a shipped table of gaits, a YAML file, or one of these with changes
   std::optional<PaceProperties>
       pace;  ///< adapts the timing of the gaits to the speed and limits the acceleration
+  std::optional<CentroidalMpcProperties> mpc;  ///< plans CoM, trunk and footholds by predictive control
   ComReference com_reference = ComPlannerParams().reference;  ///< planner of the CoM's path
   ZmpPlanParams zmp;                                          ///< parameters of ComReference::kZmpSpline
   StepProperties step;                                        ///< swing of the feet
@@ -57,6 +59,7 @@ struct WalkScenario {
     return {Required("path", &WalkScenario::path),
             {"gaits", &WalkScenario::gaits},
             {"pace", &WalkScenario::pace},
+            {"mpc", &WalkScenario::mpc},
             {"com_reference", &WalkScenario::com_reference},
             {"zmp", &WalkScenario::zmp},
             {"step", &WalkScenario::step},

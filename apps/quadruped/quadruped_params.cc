@@ -169,6 +169,8 @@ QuadrupedWalkParams TranslateWalk(const QuadrupedScenario& scenario, const WalkF
   if (!scenario.ropes.empty()) Blame("ropes", [&] { AddRopes(scenario.ropes, &params); });
   params.walk = walk.path;
   params.locomotion.pace = walk.pace;
+  params.locomotion.mpc = walk.mpc;
+  if (walk.mpc) Blame("walk.mpc", [&] { CentroidalMpcParams{.robot = model, .mpc = *walk.mpc}.Validate(); });
   params.locomotion.com_planner.reference = walk.com_reference;
   params.locomotion.com_planner.zmp = walk.zmp;
   params.locomotion.swing_planner.step = walk.step;

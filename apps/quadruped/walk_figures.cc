@@ -59,6 +59,7 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
 std::vector<const Source*> WalkFigures::Judged(const QuadrupedWalk& loop) {
   std::vector<const Source*> judged = Signals(loop);
   if (const Source* solves = Solves(loop)) judged.push_back(solves);
+  if (const Source* solves = MpcSolves(loop)) judged.push_back(solves);
   return judged;
 }
 
@@ -81,6 +82,10 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
     contact_[leg] = Column(names, loop_.locomotion.schedule, &ContactSchedule::legs, leg, &LegContact::state);
   solve_time_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::solve_time);
   failures_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::failures);
+  if (const auto* solves = MpcSolves(loop_)) {
+    mpc_time_ = Column(names, solves, &CentroidalMpcDiagnostics::solve_time);
+    mpc_failures_ = Column(names, solves, &CentroidalMpcDiagnostics::failures);
+  }
   estimate_.Begin(names);
 }
 
@@ -105,6 +110,10 @@ void WalkFigures::Row(std::span<const double> row) {
   if (solve_time_) {
     solve_times_.Add(row[*solve_time_]);
     failure_count_ = row[*failures_];
+  }
+  if (mpc_time_) {
+    mpc_times_.Add(row[*mpc_time_]);
+    mpc_failure_count_ = row[*mpc_failures_];
   }
   end_ = {row[position_[0]], row[position_[1]]};
   if (!begin_) begin_ = end_;
@@ -168,6 +177,11 @@ void WalkFigures::AddTo(Summary& summary) const {
   summary.Set("qp_time_median_us", Microseconds(solve_times_.Quantile(0.5)));
   summary.Set("qp_time_p99_us", Microseconds(solve_times_.Quantile(0.99)));
   summary.Set("qp_failures", failure_count_);
+  if (loop_.locomotion.mpc) {
+    summary.Set("mpc_time_median_us", Microseconds(mpc_times_.Quantile(0.5)));
+    summary.Set("mpc_time_p99_us", Microseconds(mpc_times_.Quantile(0.99)));
+    summary.Set("mpc_failures", mpc_failure_count_);
+  }
   estimate_.AddTo(summary);
 }
 

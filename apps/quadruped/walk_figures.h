@@ -44,7 +44,11 @@ class WalkFigures final : public LogSink {
   static const OutputPort<WholeBodyDiagnostics>* Solves(const QuadrupedWalk& loop) {
     return FindCurrent(loop.locomotion.whole_body.diagnostics);
   }
-  /// The signals that must be logged for the figures: Signals and Solves.
+  /// The same of the predictive controller; null without one.
+  static const OutputPort<CentroidalMpcDiagnostics>* MpcSolves(const QuadrupedWalk& loop) {
+    return loop.locomotion.mpc ? FindCurrent(loop.locomotion.mpc->diagnostics) : nullptr;
+  }
+  /// The signals that must be logged for the figures: Signals and the diagnostics of the solvers.
   static std::vector<const Source*> Judged(const QuadrupedWalk& loop);
 
   /// Figures are computed from `from` [s] on; `path` is judged from the start. Without an observer
@@ -76,7 +80,7 @@ class WalkFigures final : public LogSink {
   std::vector<std::size_t> external_force_, added_force_, estimated_force_, rope_force_;
   std::vector<std::size_t> com_, foot_, ground_force_, slip_, position_, attitude_, told_attitude_;
   std::array<std::size_t, kNumLegs> contact_{};
-  std::optional<std::size_t> solve_time_, failures_;
+  std::optional<std::size_t> solve_time_, failures_, mpc_time_, mpc_failures_;
 
   std::array<LegFigures, kNumLegs> legs_;
   double time_ = 0;                               // [s]
@@ -85,8 +89,8 @@ class WalkFigures final : public LogSink {
   Tally estimate_errors_;                         // [N]
   std::optional<std::array<double, 2>> begin_{};  // horizontal position of the trunk [m]
   std::array<double, 2> end_{};
-  TimeQuantiles solve_times_;
-  std::optional<double> failure_count_;
+  TimeQuantiles solve_times_, mpc_times_;
+  std::optional<double> failure_count_, mpc_failure_count_;
   EstimateFigures estimate_;
 };
 

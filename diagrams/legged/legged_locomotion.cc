@@ -7,7 +7,6 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
       ground_estimator(Add<GroundEstimator>("ground_estimator", params.ground)),
       com_planner(Add<ComPlanner>("com_planner", params.com_planner)),
       swing_planner(Add<SwingPlanner>("swing_planner", params.swing_planner)),
-      trunk_planner(Add<TrunkPlanner>("trunk_planner", params.trunk_planner)),
       whole_body(Add<WholeBodyController>("whole_body", params.whole_body)) {
   if (params.pace) {
     pacer = &Add<Pacer>("pacer", PacerParams{.robot = params.whole_body.robot,
@@ -40,11 +39,16 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
 
   Connect(state, whole_body.state);
   Connect(scheduler.schedule, whole_body.schedule);
-  Connect(com_planner.reference, trunk_planner.body);
-  Connect(scheduler.schedule, trunk_planner.schedule);
-  Connect(state, trunk_planner.state);
-  Connect(wrench, trunk_planner.wrench);
-  Connect(trunk_planner.reference, whole_body.body);
+  if (params.mpc) {
+    AddMpc(params);
+  } else {
+    trunk_planner = &Add<TrunkPlanner>("trunk_planner", params.trunk_planner);
+    Connect(com_planner.reference, trunk_planner->body);
+    Connect(scheduler.schedule, trunk_planner->schedule);
+    Connect(state, trunk_planner->state);
+    Connect(wrench, trunk_planner->wrench);
+    Connect(trunk_planner->reference, whole_body.body);
+  }
   Connect(swing_planner.feet, whole_body.feet);
   Connect(wrench, whole_body.wrench);
   Connect(known_wrench, swing_planner.known_wrench);
@@ -58,6 +62,22 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
   Connect(swing_planner.feet, feet);
   Connect(whole_body.plan, plan);
   Connect(ground_estimator.ground, ground);
+}
+
+void LeggedLocomotion::AddMpc(const LeggedLocomotionParams& params) {
+  CentroidalMpcParams of_mpc{.robot = params.whole_body.robot, .mpc = *params.mpc};
+  of_mpc.friction = params.whole_body.gains.qp.friction;
+  of_mpc.retarget_phase = params.swing_planner.step.retarget_phase;
+  mpc = &Add<CentroidalMpc>("mpc", of_mpc);
+  Connect(com_planner.reference, mpc->body);
+  Connect(com_planner.path, mpc->path);
+  Connect(scheduler.schedule, mpc->schedule);
+  Connect(state, mpc->state);
+  Connect(ground_estimator.ground, mpc->ground);
+  Connect(wrench, mpc->wrench);
+  Connect(known_wrench, mpc->known_wrench);
+  Connect(mpc->reference, whole_body.body);
+  Connect(mpc->footholds, swing_planner.planned);
 }
 
 }  // namespace tenon

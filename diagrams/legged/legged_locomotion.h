@@ -18,7 +18,9 @@ namespace tenon {
 /// feed the swing planner. `wrench` and `leg_forces` are estimates of an observer; if they are not connected,
 /// no disturbance is compensated. A `known_wrench`, such as that of ropes, feeds swing planner and whole-body
 /// controller. With LeggedLocomotionParams::pace, a Pacer adapts `command` and the timing
-/// of the scheduler to the speed. Each block can be replaced by one with the same ports.
+/// of the scheduler to the speed. With LeggedLocomotionParams::mpc, a CentroidalMpc takes the place of the
+/// trunk planner and gives the swing planner its footholds. Each block can be replaced by one with the same
+/// ports.
 class LeggedLocomotion final : public Subdiagram {
  public:
   explicit LeggedLocomotion(const LeggedLocomotionParams& params);
@@ -35,7 +37,8 @@ class LeggedLocomotion final : public Subdiagram {
   GroundEstimator& ground_estimator;
   ComPlanner& com_planner;
   SwingPlanner& swing_planner;
-  TrunkPlanner& trunk_planner;
+  TrunkPlanner* trunk_planner = nullptr;  ///< null with `mpc`
+  CentroidalMpc* mpc = nullptr;           ///< null without LeggedLocomotionParams::mpc
   WholeBodyController& whole_body;
 
   OutputPort<Vec<12>> torque{this, {"torque", "N m", kJointElements}};
@@ -44,6 +47,9 @@ class LeggedLocomotion final : public Subdiagram {
   OutputPort<FeetReference> feet{this, {"feet"}};
   OutputPort<WholeBodyPlan> plan{this, {"plan"}};
   OutputPort<GroundPlane> ground{this, {"ground"}};
+
+ private:
+  void AddMpc(const LeggedLocomotionParams& params);
 };
 
 }  // namespace tenon

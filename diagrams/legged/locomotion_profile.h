@@ -4,6 +4,7 @@
 #include <tenon/controllers/legged/observers/com_observer.h>
 #include <tenon/controllers/legged/observers/ground_estimator.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
+#include <tenon/controllers/legged/planning/centroidal_mpc.h>
 #include <tenon/controllers/legged/planning/com_planner.h>
 #include <tenon/controllers/legged/planning/foot_scheduler.h>
 #include <tenon/controllers/legged/planning/pacer.h>
@@ -56,6 +57,7 @@ struct LeggedLocomotionParams {
   ComPlannerParams com_planner;
   SwingPlannerParams swing_planner;
   TrunkPlannerParams trunk_planner;
+  std::optional<CentroidalMpcProperties> mpc;  ///< empty: a TrunkPlanner instead
   WholeBodyParams whole_body;
 };
 

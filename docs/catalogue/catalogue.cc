@@ -286,6 +286,8 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   entries.push_back(Make<SwingPlanner>("SwingPlanner", locomotion.swing_planner));
   entries.push_back(Make<TrunkPlanner>("TrunkPlanner", locomotion.trunk_planner));
   entries.push_back(
+      Make<CentroidalMpc>("CentroidalMpc", CentroidalMpcParams{.robot = locomotion.whole_body.robot}));
+  entries.push_back(
       WithNote(Make<WholeBodyController>("WholeBodyController", locomotion.whole_body),
                "Ends the run if the number of consecutive failed solves exceeds `max_failures_in_a_row`."));
   entries.push_back(

@@ -106,7 +106,7 @@ void Swing(benchmark::State& state) {
 }
 
 void Trunk(benchmark::State& state) {
-  Replay(state, Loop().locomotion.trunk_planner,
+  Replay(state, *Loop().locomotion.trunk_planner,
          [](Context& context, const TrunkPlanner& b, const test::TrotTick& tick) {
            context.Set(b.schedule, tick.schedule);
            context.Set(b.body, tick.body);

@@ -90,8 +90,8 @@ void SwingPlannerParams::Validate() const {
 void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& path,
                             const BodyReference& body, const LeggedState& state, const GroundPlane& ground,
                             const FootForces& foot_forces, const WrenchEstimate& wrench,
-                            const WrenchEstimate& known_wrench, const StepProperties& step, Memory& memory,
-                            Memory* plan) const {
+                            const WrenchEstimate& known_wrench, const FootholdPlan& planned,
+                            const StepProperties& step, Memory& memory, Memory* plan) const {
   const Eigen::Matrix3d R = state.R_WB();
   std::array<Eigen::Vector3d, kNumLegs> foot;
   for (std::size_t i = 0; i < kNumLegs; ++i)
@@ -130,8 +130,9 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
       const Eigen::Vector3d v_com = state.v_W + state.w_W.cross(R * stance.com_B);
       const Eigen::Vector2d v_error = (v_com - body.com_velocity_W).head<2>();
       leg.foothold.head<2>() = leg.blocked ? Eigen::Vector2d(leg.from.position + step.reflex.retreat * back)
-                                           : Foothold(i, schedule, below, ground.slope,
-                                                      step.velocity_feedback * v_error + memory.shift);
+                               : planned.planned ? Eigen::Vector2d(planned.position_W[i])
+                                                 : Foothold(i, schedule, below, ground.slope,
+                                                            step.velocity_feedback * v_error + memory.shift);
       leg.foothold[2] = leg.ground.HeightAt(leg.foothold.head<2>());
     } else if (Searches(before) && memory.started) {
       leg.searching += params.rate.period();

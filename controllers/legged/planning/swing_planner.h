@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/controllers/legged/planning/foothold_plan.h>
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/planar_point.h>
 #include <tenon/controllers/legged/planning/step_properties.h>
@@ -35,6 +36,7 @@ struct SwingPlannerParams {
 ///                foot_forces  measured ground forces in W [N]; no reflex if not connected
 ///                wrench       estimated external wrench, for wrench_shift; zero if not connected
 ///                known_wrench wrench of ropes, which displaces the nominal stance; zero if not connected
+///                planned      footholds of CentroidalMpc, instead of those below; none if not connected
 ///     parameter  step         StepProperties
 ///     ports out  feet         position, velocity, acceleration of all feet; sampled
 ///                footholds    next foothold of a swing foot, present one of a stance foot [m]; sampled
@@ -137,6 +139,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   InputPort<FootForces> foot_forces{this, {"foot_forces"}, FootForces()};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate()};
   InputPort<WrenchEstimate> known_wrench{this, {"known_wrench"}, WrenchEstimate()};
+  InputPort<FootholdPlan> planned{this, {"planned"}, FootholdPlan()};
   Parameter<StepProperties> step{
       this, {"step"}, params.step, "shape of the steps and choice of the footholds"};
   Scratch<Memory> memory{this, "memory", Memory()};
@@ -144,7 +147,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
       this,
       {"plan"},
       Sampled{params.rate},
-      Uses(schedule, path, body, state, ground, foot_forces, wrench, known_wrench, step, memory),
+      Uses(schedule, path, body, state, ground, foot_forces, wrench, known_wrench, planned, step, memory),
       &SwingPlanner::CalcPlan};
   OutputPort<FeetReference> feet{
       this, {"feet"}, Sampled{params.rate}, Uses(schedule, plan, step), &SwingPlanner::CalcFeet};
@@ -154,8 +157,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
  private:
   void CalcPlan(const ContactSchedule& schedule, const PlanarPath& path, const BodyReference& body,
                 const LeggedState& state, const GroundPlane& ground, const FootForces& foot_forces,
-                const WrenchEstimate& wrench, const WrenchEstimate& known_wrench, const StepProperties& step,
-                Memory& memory, Memory* plan) const;
+                const WrenchEstimate& wrench, const WrenchEstimate& known_wrench, const FootholdPlan& planned,
+                const StepProperties& step, Memory& memory, Memory* plan) const;
   FeetReference CalcFeet(const ContactSchedule& schedule, const Memory& plan,
                          const StepProperties& step) const;
   std::array<Vec<3>, kNumLegs> CalcFootholds(const Memory& plan) const;

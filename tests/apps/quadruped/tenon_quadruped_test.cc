@@ -113,6 +113,14 @@ TEST_F(TenonQuadrupedTest, FiguresWithoutDataAreNull) {
   ExpectNull({"foot_force_max_N"});
 }
 
+TEST_F(TenonQuadrupedTest, WalksByPredictiveControl) {
+  Run("pushed --duration 1");
+  EXPECT_THAT(Read(out / "signals.csv"), HasSubstr("loop.locomotion.body"));
+  EXPECT_THAT(Summary(), AllOf(HasSubstr("\"mpc_time_median_us\": "), HasSubstr("\"mpc_failures\": 0")));
+  ExpectRefused({{"pushed --set walk.mpc.step_s=0.025", "walk.mpc"},
+                 {"pushed --set walk.mpc.num_steps=1", "num_steps"}});
+}
+
 TEST_F(TenonQuadrupedTest, RefusesMoreThan100Faults) {
   std::string faults = "extends: stand\nfaults:\n";
   for (int i = 0; i < 101; ++i) faults += "  - {at: torque, kind: offset, size: 0}\n";

@@ -144,7 +144,7 @@ TEST(LeggedLocomotionTest, EachBlockCanBeReplacedByAFunction) {
       {.block = "trunk_planner",  // a trunk that is turned to the left
        .change =
            [](Loop& loop) {
-             loop.Insert<BodyReference>(loop.locomotion.trunk_planner.reference, [](BodyReference body) {
+             loop.Insert<BodyReference>(loop.locomotion.trunk_planner->reference, [](BodyReference body) {
                body.q_WB = QuaternionProduct(QuaternionFromRotationVector(Vec<3>(0, 0, 0.1)), body.q_WB);
                return body;
              });

@@ -1,0 +1,175 @@
+#include <tenon/controllers/legged/planning/centroidal_mpc.h>
+#include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/block_test.h>
+
+namespace tenon::centroidal_mpc_test {
+namespace {
+
+using test::DogBot;
+
+constexpr GaitTiming kTrot{.num_steps = 2, .step = {0, 1, 1, 0}, .stance = 0.05, .swing = 0.2};
+
+/// A robot at rest in its nominal stance, on its path.
+class Rig {
+ public:
+  explicit Rig(const CentroidalMpcProperties& mpc = {})
+      : rig_(CentroidalMpcParams{.robot = DogBot(), .mpc = mpc}) {
+    state = test::Standing(DogBot());
+    const NominalStance& stance = rig_->stance;
+    state.p_WB.head<2>() = -stance.com_B.head<2>();
+    body.com_W = {0, 0, stance.com_height};
+  }
+  /// Sets a trot, at this time after the lift-off of the front left and the rear right foot [s].
+  void Trot(double time) {
+    schedule.gait = Gait::kTrot;
+    schedule.timing = kTrot;
+    schedule.step_time = kTrot.stance + time;
+    for (std::size_t i = 0; i < kNumLegs; ++i) {
+      LegContact& leg = schedule.legs[i];
+      const bool swings = kTrot.step[i] == 0;
+      leg.state = swings ? ContactState::kSwing : ContactState::kStance;
+      leg.phase = swings ? time / kTrot.swing : 0.5;
+      leg.time_to_touchdown = kTrot.swing - time;
+      leg.time_to_lift_off = kTrot.step_duration() + (swings ? kTrot.step_duration() : 0) - time;
+    }
+  }
+  const CentroidalPlan& Tick() {
+    auto& block = rig_.system();
+    rig_.Fix(block.body, body).Fix(block.path, path).Fix(block.schedule, schedule).Fix(block.state, state);
+    return rig_.Fix(block.ground, GroundPlane()).Fix(block.wrench, wrench).Tick()[block.plan];
+  }
+  const NominalStance& stance() { return rig_->stance; }
+  TestRig<CentroidalMpc>& rig() { return rig_; }
+
+  BodyReference body;
+  PlanarPath path;
+  ContactSchedule schedule;
+  LeggedState state;
+  WrenchEstimate wrench;
+
+ private:
+  TestRig<CentroidalMpc> rig_;
+};
+
+TEST(CentroidalMpc, AtRestItStaysAtRest) {
+  Rig rig;
+  for (int k = 0; k < 5; ++k) rig.Tick();
+  const CentroidalPlan& plan = rig.Tick();
+  EXPECT_LT(plan.body.com_acceleration_W.norm(), 0.02);
+  EXPECT_LT(plan.body.alpha_W.norm(), 0.05);
+  EXPECT_EQ(plan.diagnostics.failures, 0);
+  Vec<3> sum = Vec<3>::Zero();
+  for (const Vec<3>& force : plan.force_W) sum += force;
+  EXPECT_NEAR(sum[2], DogBot().mass() * kGravity, 1);
+}
+
+TEST(CentroidalMpc, BrakesAMotionOffThePath) {
+  Rig rig;
+  rig.state.v_W = {0, 0.3, 0};
+  const CentroidalPlan& plan = rig.Tick();
+  EXPECT_LT(plan.body.com_acceleration_W[1], -0.5);
+  EXPECT_LT(std::abs(plan.body.com_acceleration_W[0]), 0.1);
+}
+
+// Two feet in the air: they are placed in the direction in which the robot moves off its path. The weight of
+// the angular momentum keeps it from braking by a rotation of the trunk.
+TEST(CentroidalMpc, FootholdsFollowAPush) {
+  double last = 0;
+  for (const double v : {0.0, 0.2, 0.4, 0.8}) {
+    Rig rig({.weights = {.angular_momentum = 1000}});
+    rig.Trot(0.02);
+    rig.state.v_W = {0, v, 0};
+    for (int k = 0; k < 5; ++k) rig.Tick();  // until the solver has converged
+    const CentroidalPlan& plan = rig.Tick();
+    ASSERT_TRUE(plan.footholds.planned);
+    const auto& footholds = plan.footholds.position_W;
+    const double off = (footholds[kFrontLeft] + footholds[kRearRight])[1] / 2;
+    if (v == 0) {
+      EXPECT_LT(std::abs(off), 2e-3);
+    } else {
+      EXPECT_GT(off, last + 0.02) << v;
+    }
+    last = off;
+  }
+}
+
+// Both swinging feet follow a motion to the left. The right one may not come closer to the middle than
+// least_width allows.
+TEST(CentroidalMpc, FeetStayOnTheirSide) {
+  const auto distance = [](double least_width) {
+    Rig rig({.least_width = least_width});
+    rig.Trot(0.02);
+    rig.state.v_W = {0, 0.4, 0};
+    rig.Tick();
+    const auto& footholds = rig.Tick().footholds.position_W;
+    return footholds[kFrontLeft][1] - footholds[kRearRight][1];
+  };
+  EXPECT_GT(distance(1), distance(0.3) + 0.02);
+}
+
+TEST(CentroidalMpc, LateInTheSwingTheFootholdIsKept) {
+  Rig rig;
+  rig.Trot(0.13);
+  const FootholdPlan before = rig.Tick().footholds;
+  rig.Trot(0.15);
+  rig.state.v_W = {0, 0.5, 0};
+  const FootholdPlan after = rig.Tick().footholds;
+  EXPECT_EQ(before.position_W[kFrontLeft], after.position_W[kFrontLeft]);
+}
+
+// Forces lie in the friction cone, and along each edge of the pyramid in it they are at most edge_force.
+TEST(CentroidalMpc, ForcesAreWithinTheConeAndTheirLimit) {
+  for (const double v : {0.5, 2.0, 5.0}) {
+    Rig rig({.edge_force = 0.2});
+    rig.state.v_W = {v, v / 2, -1};
+    const CentroidalPlan& plan = rig.Tick();
+    const double most = 4 * 0.2 * DogBot().mass() * kGravity;
+    for (const Vec<3>& force : plan.force_W) {
+      EXPECT_LE(force.head<2>().norm(), 0.6 * force[2] + 1e-9) << v;
+      EXPECT_LE(force[2], most + 1e-9) << v;
+    }
+  }
+}
+
+// A push that the plan knows accelerates the robot, as the whole-body controller compensates it in the
+// torques.
+TEST(CentroidalMpc, TheForecastCounts) {
+  for (const WrenchForecast forecast : {WrenchForecast::kNone, WrenchForecast::kHeld}) {
+    Rig rig({.forecast = forecast});
+    rig.wrench.force_W = {0, 30, 0};
+    const CentroidalPlan& plan = rig.Tick();
+    double force = 0;
+    for (const Vec<3>& f : plan.force_W) force += f[1];
+    if (forecast == WrenchForecast::kNone) {
+      EXPECT_NEAR(force, 0, 0.1);
+    } else {
+      EXPECT_LT(force, -30);  // it also leans against the push
+    }
+  }
+}
+
+TEST(CentroidalMpc, BetweenSolvesTheReferenceFollowsThePlan) {
+  Rig rig;
+  rig.state.v_W = {0.2, 0, 0};
+  rig.Tick();
+  auto& block = rig.rig().system();
+  const CentroidalPlan plan = rig.rig()[block.plan];
+  const BodyReference now = rig.rig()[block.reference];
+  EXPECT_EQ(now.com_W, plan.body.com_W);
+  EXPECT_LT((now.com_acceleration_W - plan.body.com_acceleration_W).norm(), 1e-12);
+  EXPECT_NEAR(now.com_velocity_W[0], 0.2, 1e-3);
+}
+
+TEST(CentroidalMpc, RefusesParametersThatMakeNoSense) {
+  const auto refuses = [](CentroidalMpcParams params, const char* key) {
+    params.robot = DogBot();
+    return Throws<ParameterError>([&] { TestRig<CentroidalMpc> rig(params); }, "'block'", key);
+  };
+  EXPECT_TRUE(refuses({.mpc = {.step = 0.025}}, "step"));
+  EXPECT_TRUE(refuses({.mpc = {.num_steps = 1}}, "num_steps"));
+  EXPECT_TRUE(refuses({.friction = 0}, "friction"));
+  EXPECT_TRUE(refuses({.gravity = 0}, "gravity"));
+}
+
+}  // namespace
+}  // namespace tenon::centroidal_mpc_test
