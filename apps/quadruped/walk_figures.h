@@ -44,7 +44,7 @@ class WalkFigures final : public LogSink {
   static const OutputPort<WholeBodyDiagnostics>* Solves(const QuadrupedWalk& loop) {
     return FindCurrent(loop.locomotion.whole_body.diagnostics);
   }
-  /// The same of the predictive controller; null without one.
+  /// The diagnostics of the predictive controller, with wall-clock times too; null without one.
   static const OutputPort<CentroidalMpcDiagnostics>* MpcSolves(const QuadrupedWalk& loop) {
     return loop.locomotion.mpc ? FindCurrent(loop.locomotion.mpc->diagnostics) : nullptr;
   }
