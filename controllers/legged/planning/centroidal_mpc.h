@@ -66,8 +66,8 @@ struct CentroidalMpcProperties {
   int num_steps = 20;  ///< steps of the horizon
   double step = 0.03;  ///< length of a step, a multiple of the period [s]
   CentroidalMpcWeights weights = {};
-  WrenchForecast forecast = WrenchForecast::kDecaying;
-  double decay = 0.1;        ///< time constant of the forecast `decaying` [s]
+  WrenchForecast forecast = WrenchForecast::kDecaying;  ///< the estimated wrench over the horizon
+  double decay = 0.1;                                   ///< time constant of the forecast `decaying` [s]
   double mean_time = 0.5;    ///< time constant of the low-pass filter that yields the wrench's mean [s]
   double edge_force = 0.75;  ///< largest force of a foot along each of the four edges of its pyramid [m g]
   bool footholds = true;     ///< whether the footholds are decision variables; else they are SwingPlanner's
