@@ -25,14 +25,8 @@ int RoleOf(const Problem::Node& node, std::size_t leg) {
 class LegCourse {
  public:
   LegCourse(const LegContact& leg, const GaitTiming& timing) : timing_(timing) {
-    if (timing.num_steps == 0) {
-      end_ = kNever;
-    } else if (leg.stance()) {
-      end_ = leg.time_to_lift_off;
-    } else {
-      begin_ = leg.time_to_touchdown;
-      end_ = begin_ + timing.leg_stance();
-    }
+    end_ = timing.cycle() > 0 ? leg.time_to_lift_off : kNever;
+    if (!leg.stance() && timing.cycle() > 0) begin_ = leg.time_to_touchdown;
   }
   double begin() const { return begin_; }  ///< of the present or next stance; 0 if the leg stands [s]
   double end() const { return end_; }      ///< [s]
@@ -105,7 +99,7 @@ SlqReport CentroidalWalkSolver::Solve(const Problem::State& x0, double first_ste
 
 void CentroidalMpcParams::Validate() const {
   const double periods = mpc.step / rate.period();
-  Demand(std::abs(periods - std::round(periods)) < 1e-6,
+  Demand(periods > 0.5 && std::abs(periods - std::round(periods)) < 1e-6,
          fmt::format("step = {} s is not a multiple of the period of {} s", mpc.step, rate.period()));
   Demand(friction > 0, fmt::format("friction = {} must be positive", friction));
   Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
@@ -212,7 +206,7 @@ void CentroidalMpc::SetReference(const BodyReference& body, const PlanarPath& pa
     for (std::size_t i = 0; i < kNumLegs; ++i) {
       const Eigen::Index u = 4 * static_cast<Eigen::Index>(i);
       const Eigen::Vector2d nominal = FootprintOnSlope(ground.slope, there.yaw) * stance.foot[i];
-      node.nominal[i] = nominal / h;
+      node.nominal[i] = (nominal + ground.ContactArm(params.robot.foot_radius).head<2>()) / h;
       node.height[i] = ground.HeightAt(there.position_W + nominal) / h;
       if (node.stands[i] > 0) {
         node.upper.segment<4>(u).setConstant(mpc.edge_force);
@@ -225,6 +219,7 @@ void CentroidalMpc::SetReference(const BodyReference& body, const PlanarPath& pa
         node.u.segment<2>(u) = (half_stance / h * there.velocity)
                                    .cwiseMax(node.lower.segment<2>(u))
                                    .cwiseMin(node.upper.segment<2>(u));
+        if (!mpc.footholds) node.lower.segment<2>(u) = node.upper.segment<2>(u) = node.u.segment<2>(u);
         node.R.segment<2>(u).setConstant(weights.foothold);
       }
     }
@@ -236,7 +231,7 @@ void CentroidalMpc::SetReference(const BodyReference& body, const PlanarPath& pa
 void CentroidalMpc::WarmStart(double time, long grid, const Eigen::Vector2d& origin, const Memory& memory,
                               CentroidalWalkSolver& solver) const {
   const int N = params.mpc.num_steps;
-  const long passed = memory.started ? grid - memory.grid : N;
+  const long passed = memory.started && grid >= memory.grid ? grid - memory.grid : N;
   Problem::State moved = Problem::State::Zero();  // of the origin
   moved.head<2>() = (origin - memory.origin) / stance.com_height;
   for (int leg = 0; leg < kNumLegs; ++leg) moved.segment<2>(kFeet + 2 * leg) = moved.head<2>();
@@ -302,8 +297,7 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
   std::array<bool, kNumLegs> fixed{};
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     const LegContact& leg = schedule.legs[i];
-    fixed[i] = leg.stance() || !mpc.footholds || leg.state != ContactState::kSwing ||
-               leg.phase > params.retarget_phase;
+    fixed[i] = leg.stance() || leg.state != ContactState::kSwing || leg.phase > params.retarget_phase;
   }
   Problem& problem = solver.problem();
   SetContacts(schedule, first_step, fixed, &problem);
@@ -315,6 +309,7 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
 
   Problem::State x0;
   const Eigen::Matrix3d R_ref = RotationFromQuaternion(body.q_WB);
+  // Without that of the swinging legs, whose motion the plan does not contain.
   const Eigen::Vector3d angular_momentum = dynamics.centroidal_inertia_W * state.w_W;
   x0.head<3>() << 0, 0, dynamics.com_W[2] / h;
   x0.segment<3>(3) = dynamics.com_velocity_W / speed;
@@ -324,17 +319,15 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     const bool stands = schedule.legs[i].stance();
     const Eigen::Vector3d contact = dynamics.feet[i].p_W + arm;
+    if (stands || !memory.started) memory.footholds.position_W[i] = dynamics.feet[i].p_W.head<2>();
     if (stands) {
-      memory.footholds.position_W[i] = dynamics.feet[i].p_W.head<2>();
       const double until = schedule.timing.num_steps == 0 ? kNever : schedule.legs[i].time_to_lift_off;
       double t = 0;
       for (int k = 0; k < N && t < until; t += k++ == 0 ? first_step : mpc.step)
         problem.nodes[static_cast<std::size_t>(k)].height[i] = contact[2] / h;
     }
     x0.segment<2>(kFeet + 2 * static_cast<Eigen::Index>(i)) =
-        ((stands ? Eigen::Vector2d(contact.head<2>()) : Eigen::Vector2d(memory.footholds.position_W[i])) -
-         origin) /
-        h;
+        (memory.footholds.position_W[i] + arm.head<2>() - origin) / h;
   }
 
   WarmStart(time, grid, origin, memory, solver);
@@ -352,7 +345,8 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
     for (int k = 0; k < N; ++k) {
       if (!problem.At(k).lands[i]) continue;
       memory.footholds.position_W[i] =
-          origin + h * solver.policy(k + 1).x.segment<2>(kFeet + 2 * static_cast<Eigen::Index>(i));
+          origin + h * solver.policy(k + 1).x.segment<2>(kFeet + 2 * static_cast<Eigen::Index>(i)) -
+          arm.head<2>();
       break;
     }
   }
@@ -369,6 +363,7 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
   };
   plan->free_fall = accelerations(node.load.head<3>() - Eigen::Vector3d::UnitZ(), node.load.tail<3>());
   Vec<6> mean = plan->free_fall;
+  const Eigen::Vector3d middle = x0.head<3>() + first_step / time_unit_ / 2 * x0.segment<3>(3);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     plan->push[i].setZero();
@@ -377,7 +372,7 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
     const Eigen::Vector3d f = problem.edges * u.segment<4>(4 * leg);
     const Eigen::Vector3d r(x0[kFeet + 2 * leg], x0[kFeet + 2 * leg + 1], node.height[i]);
     plan->force_W[i] = weight * f;
-    plan->push[i] = accelerations(f, (r - x0.head<3>()).cross(f));
+    plan->push[i] = accelerations(f, (r - middle).cross(f));
     mean += node.stands[i] * plan->push[i];
   }
   plan->start = time;

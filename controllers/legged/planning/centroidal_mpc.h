@@ -69,8 +69,9 @@ struct CentroidalMpcProperties {
   WrenchForecast forecast = WrenchForecast::kDecaying;  ///< the estimated wrench over the horizon
   double decay = 0.1;                                   ///< time constant of the forecast `decaying` [s]
   double mean_time = 0.5;    ///< time constant of the low-pass filter that yields the wrench's mean [s]
-  double edge_force = 0.75;  ///< largest force of a foot along each of the four edges of its pyramid [m g]
-  bool footholds = true;     ///< whether the footholds are decision variables; else they are SwingPlanner's
+  double edge_force = 0.75;  ///< largest force along each of the four edges, by its normal component [m g]
+  bool footholds =
+      true;  ///< whether footholds are decisions; else SwingPlanner's, expected at their nominal place
   double least_width = 0.3;  ///< least distance of a foothold from the line below the trunk, over the nominal
   int max_iterations = 3;    ///< largest number of iterations of SLQ per solve
   double tolerance = 1e-4;   ///< expected decrease of the cost, over 1 + cost, at which a solve ends
@@ -126,7 +127,7 @@ struct CentroidalPlan {
   std::array<Vec<3>, kNumLegs> force_W{};  ///< of the feet on the ground [N]
   std::array<Vec<6>, kNumLegs> push{};     ///< their accelerations of CoM and trunk [m/s^2, rad/s^2]
   Vec<6> free_fall = Vec<6>::Zero();       ///< the accelerations without feet [m/s^2, rad/s^2]
-  WrenchEstimate wrench;                   ///< in the forecast, at `start`
+  WrenchEstimate wrench;                   ///< estimated and known wrench, at `start`
   FootholdPlan footholds;
   CentroidalMpcDiagnostics diagnostics;
 
@@ -190,9 +191,9 @@ class CentroidalWalkSolver {
 ///
 /// **Problem.** CentroidalWalkProblem, with the contacts of the schedule at the ends of its steps. Friction
 /// cones, as pyramids of four sides inside them, the largest forces along their edges, the reach of a foot
-/// from its nominal place and its side of the trunk are hard constraints. The reference is the commanded path
-/// with the speed and height of `path` and `body`, the trunk parallel to the ground, and equal forces on all
-/// edges.
+/// from its nominal place, along and across the heading, and its side of the trunk are hard constraints. The
+/// reference is the commanded path with the speed and height of `path` and `body`, the trunk parallel to the
+/// ground, and equal forces on all edges.
 ///
 /// **Disturbance.** The wrench continues over the horizon as `forecast` says; a push that has just begun is
 /// expected to end soon, a steady one to last. It changes the planned motion only: the whole-body controller

@@ -142,6 +142,19 @@ Textbook RiccatiOf(const LinearProblem<3, 2>& problem, const std::vector<double>
   return out;
 }
 
+TEST(Slq, TheFirstStepCanChange) {
+  const auto problem = SomeLinearProblem();
+  std::vector<double> steps = kUneven;
+  Slq<LinearProblem<3, 2>> changed(problem, steps);
+  steps[0] = 0.005;
+  Slq<LinearProblem<3, 2>> fresh(problem, steps);
+  changed.SetFirstStep(0.005);
+  const Eigen::Vector3d x0(1, -2, 0.5);
+  EXPECT_EQ(changed.Solve(x0).cost, fresh.Solve(x0).cost);
+  for (std::size_t k = 0; k <= steps.size(); ++k)
+    EXPECT_NEAR(changed.policy()[k].time, fresh.policy()[k].time, 1e-15);
+}
+
 TEST(Slq, SolvesALinearQuadraticProblemInOneIteration) {
   const auto problem = SomeLinearProblem();
   Slq<LinearProblem<3, 2>> slq(problem, kUneven);

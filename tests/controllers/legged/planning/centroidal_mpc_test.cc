@@ -118,6 +118,9 @@ TEST(CentroidalMpc, LateInTheSwingTheFootholdIsKept) {
   rig.state.v_W = {0, 0.5, 0};
   const FootholdPlan after = rig.Solve().footholds;
   EXPECT_EQ(before.position_W[kFrontLeft], after.position_W[kFrontLeft]);
+  rig.Trot(0.135);
+  const FootholdPlan earlier = rig.Solve().footholds;
+  EXPECT_GT((before.position_W[kFrontLeft] - earlier.position_W[kFrontLeft]).norm(), 0.005);
 }
 
 // Forces lie in the friction cone, and along each edge of the pyramid in it they are at most edge_force.

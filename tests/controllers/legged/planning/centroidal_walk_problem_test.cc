@@ -38,10 +38,8 @@ Problem::Input SomeInput() {
   return u;
 }
 
-// The step against the closed form of the rigid body under constant forces at points that do not move: the
-// CoM on a parabola, the angular momentum by the moment about the moving CoM. Only its term of second order
-// in the acceleration, T^3 a x F / 6, is neglected, and a x F vanishes for the sum of the forces without a
-// load.
+// One step against 1000 short ones. The acceleration a = F - e_z displaces the CoM within the step, whose
+// moment T^3/6 a x F is neglected.
 TEST(CentroidalWalkProblem, StepsAreThoseOfARigidBody) {
   Problem problem = SomeStep();
   problem.nodes[0].load.setZero();
@@ -62,6 +60,50 @@ TEST(CentroidalWalkProblem, StepsAreThoseOfARigidBody) {
   for (const int leg : {0, 3}) force += problem.Force(0, leg, u);
   const Eigen::Vector3d neglected = T * T * T / 6 * Eigen::Vector3d::UnitZ().cross(force);
   EXPECT_LT((next.segment<3>(9) - fine.segment<3>(9) + neglected).norm(), 1e-6);
+}
+
+// A load and a landing: the load accelerates CoM and trunk, the foot lands below the CoM of the next node.
+TEST(CentroidalWalkProblem, LoadsAndLandings) {
+  const Problem problem = SomeStep();
+  const Problem::Node& node = problem.nodes[0];
+  const Problem::State x = SomeState();
+  Problem::Input u = Problem::Input::Zero();
+  u.segment<2>(4) << 0.04, -0.02;
+  Problem::State next;
+  const double T = 0.1;
+  problem.Step(0, StepMethod::kMidpoint, T, x, u, next);
+  const Eigen::Vector3d a(0.1, -0.2, 0.05 - 1), L = x.segment<3>(9), tau = node.load.tail<3>();
+  const Eigen::Vector3d turned = node.inverse_inertia * (L + T / 2 * tau) - Eigen::Vector3d(0, 0, 0.2);
+  EXPECT_LT((next.segment<3>(3) - x.segment<3>(3) - T * a).norm(), 1e-15);
+  EXPECT_LT((next.segment<3>(9) - L - T * tau).norm(), 1e-15);
+  EXPECT_LT((next.segment<3>(6) - x.segment<3>(6) - T * turned).norm(), 1e-15);
+  const Eigen::Vector2d landing = x.head<2>() + T * x.segment<2>(3) + Eigen::Vector2d(0.5, -0.3) +
+                                  Eigen::Rotation2Dd(0.3) * Eigen::Vector2d(0.04, -0.02);
+  EXPECT_LT((next.segment<2>(14) - landing).norm(), 1e-15);
+}
+
+// The costs are quadratic, so gradients and Hessians give differences exactly up to rounding.
+TEST(CentroidalWalkProblem, GradientsAreThoseOfTheCosts) {
+  Problem problem = SomeStep();
+  problem.Q = Problem::State::LinSpaced(0.1, 2);
+  problem.Q_f = Problem::State::LinSpaced(3, 1);
+  problem.final_divergence = 0.7;
+  problem.nodes[0].R = Problem::Input::LinSpaced(0.2, 1);
+  problem.nodes[1].x.setConstant(0.05);
+  const Problem::State x = SomeState();
+  const Problem::Input u = SomeInput();
+  Problem::State gx = Problem::State::Zero(), gf = gx;
+  Problem::Input gu = Problem::Input::Zero();
+  Problem::StateMatrix Hxx = Problem::StateMatrix::Zero(), Hf = Hxx;
+  Problem::InputMatrix Huu = Problem::InputMatrix::Zero();
+  problem.AddStageCost(0, x, u, 1, gx, gu, Hxx, Huu);
+  problem.AddTerminalCost(x, gf, Hf);
+  const Problem::State dx = Problem::State::LinSpaced(-0.3, 0.5);
+  const Problem::Input du = Problem::Input::LinSpaced(0.4, -0.2);
+  EXPECT_NEAR(problem.StageCost(0, x + dx, u + du) - problem.StageCost(0, x, u),
+              gx.dot(dx) + gu.dot(du) + dx.dot(Hxx * dx) / 2 + du.dot(Huu * du) / 2, 1e-12);
+  EXPECT_NEAR(problem.TerminalCost(x + dx) - problem.TerminalCost(x), gf.dot(dx) + dx.dot(Hf * dx) / 2,
+              1e-12);
 }
 
 TEST(CentroidalWalkProblem, DerivativesAreThoseOfDifferences) {
