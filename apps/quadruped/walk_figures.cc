@@ -82,10 +82,8 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
     contact_[leg] = Column(names, loop_.locomotion.schedule, &ContactSchedule::legs, leg, &LegContact::state);
   solve_time_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::solve_time);
   failures_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::failures);
-  if (const auto* solves = MpcSolves(loop_)) {
-    mpc_time_ = Column(names, solves, &CentroidalMpcDiagnostics::solve_time);
-    mpc_failures_ = Column(names, solves, &CentroidalMpcDiagnostics::failures);
-  }
+  mpc_time_ = Column(names, MpcSolves(loop_), &CentroidalMpcDiagnostics::solve_time);
+  mpc_failures_ = Column(names, MpcSolves(loop_), &CentroidalMpcDiagnostics::failures);
   estimate_.Begin(names);
 }
 

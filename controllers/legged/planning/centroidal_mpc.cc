@@ -1,4 +1,5 @@
 #include <tenon/controllers/legged/planning/centroidal_mpc.h>
+#include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/controllers/optimization/slq.h>
 #include <tenon/plants/signals/quaternion.h>
 
@@ -42,7 +43,7 @@ class LegCourse {
 
 /// The edges of a pyramid inside the friction cone, as columns with the normal component 1.
 Eigen::Matrix<double, 3, 4> FrictionEdges(const Eigen::Vector3d& n, double friction) {
-  const Eigen::Vector3d t = (Eigen::Vector3d::UnitX() - n[0] * n).normalized(), s = n.cross(t);
+  const Eigen::Vector3d t = FirstTangent(n), s = n.cross(t);
   Eigen::Matrix<double, 3, 4> edges;
   edges << n + friction * t, n - friction * t, n + friction * s, n - friction * s;
   return edges;
@@ -297,7 +298,7 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
   std::array<bool, kNumLegs> fixed{};
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     const LegContact& leg = schedule.legs[i];
-    fixed[i] = leg.stance() || leg.state != ContactState::kSwing || leg.phase > params.retarget_phase;
+    fixed[i] = leg.state != ContactState::kSwing || leg.phase > params.retarget_phase;
   }
   Problem& problem = solver.problem();
   SetContacts(schedule, first_step, fixed, &problem);
