@@ -44,7 +44,9 @@ std::vector<const Source*> GuideDogFigures::Signals(const GuideDog& loop) {
 
 std::vector<const Source*> GuideDogFigures::Judged(const GuideDog& loop) {
   std::vector<const Source*> judged = Signals(loop);
-  if (const Source* solves = WalkFigures::Solves(loop)) judged.push_back(solves);
+  for (const Source* solves : {static_cast<const Source*>(WalkFigures::Solves(loop)),
+                               static_cast<const Source*>(WalkFigures::MpcSolves(loop))})
+    if (solves != nullptr) judged.push_back(solves);
   return judged;
 }
 
