@@ -52,9 +52,9 @@ GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
   AdmittanceGains& admittance = params.admittance.gains;
   PersonParams& person = params.person;
   for (double* const force :
-       {&supervisor.threshold, &supervisor.release, &admittance.desired_tension, &admittance.mass,
-        &admittance.damping, &admittance.stiffness, &person.mass, &person.damping, &person.stiffness,
-        &person.felt_tension, &params.leash.stiffness})
+       {&supervisor.threshold, &supervisor.release, &supervisor.leash_stiffness, &admittance.desired_tension,
+        &admittance.mass, &admittance.damping, &admittance.stiffness, &admittance.yield_tension, &person.mass,
+        &person.damping, &person.stiffness, &person.felt_tension, &params.leash.stiffness})
     *force *= weight;
   for (PersonPhase& phase : person.phases) phase.force *= weight;
   params.leash.attachment_B *= length;

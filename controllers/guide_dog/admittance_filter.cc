@@ -24,9 +24,11 @@ AdmittanceFilter::Steps AdmittanceFilter::CalcSteps(const AdmittanceGains& gains
   return {step(0), step(gains.stiffness)};
 }
 
-AdmittanceMotion AdmittanceFilter::CalcMotion(const WalkCommand& command, const WrenchEstimate& wrench,
-                                              const LeggedState& state, const AdmittanceGains& gains,
-                                              const Steps& steps, AdmittanceMotion& memory) const {
+AdmittanceFilter::Memory AdmittanceFilter::CalcProgress(const WalkCommand& command,
+                                                        const WrenchEstimate& wrench,
+                                                        const LeggedState& state,
+                                                        const AdmittanceGains& gains, const Steps& steps,
+                                                        Memory& memory) const {
   const Eigen::Vector2d heading = state.R_WB().col(0).head<2>().normalized();
   const Eigen::Vector2d to_left(-heading[1], heading[0]);
   const Eigen::Vector2d force_W = wrench.force_W.head<2>();
@@ -36,32 +38,47 @@ AdmittanceMotion AdmittanceFilter::CalcMotion(const WalkCommand& command, const 
   AdmittanceMotion next;
   next.direction = ahead == force ? Eigen::Vector2d(1, 0) : (ahead - force).normalized();
   next.tension = -force.dot(next.direction);
-  next.walks = command.gait != Gait::kStand;
-  if (!next.walks) return memory = next;
+  const bool commanded = command.gait != Gait::kStand;
+  if (commanded) memory.gait = command.gait;
+  const double bearable =
+      memory.yields ? (gains.desired_tension + gains.yield_tension) / 2 : gains.yield_tension;
+  memory.yields =
+      !commanded && memory.gait != Gait::kStand && gains.yield_tension > 0 && -force[0] > bearable;
+  next.walks = commanded || memory.yields;
+  if (!next.walks) {
+    memory.adaptation = 0;
+    memory.motion = next;
+    return memory;
+  }
 
+  const AdmittanceMotion& last = memory.motion;
   const Eigen::Vector2d drive = (gains.desired_tension - next.tension) * next.direction;
-  const Eigen::Vector2d nominal(command.forward, command.left);
-  const Eigen::Vector3d along = steps.along * Eigen::Vector3d(0, memory.correction[0], drive[0]);
-  const Eigen::Vector3d across =
-      steps.across * Eigen::Vector3d(memory.offset, memory.correction[1], drive[1]);
+  const Eigen::Vector2d nominal =
+      commanded ? Eigen::Vector2d(command.forward + memory.adaptation, command.left) : Eigen::Vector2d(0, 0);
+  const Eigen::Vector3d along = steps.along * Eigen::Vector3d(0, last.correction[0], drive[0]);
+  const Eigen::Vector3d across = steps.across * Eigen::Vector3d(last.offset, last.correction[1], drive[1]);
   const Eigen::Vector2d wanted = nominal + Eigen::Vector2d(along[1], across[1]);
 
-  const Eigen::Vector2d lowest(gains.min_forward, -gains.max_left);
-  const Eigen::Vector2d highest(gains.max_forward, gains.max_left);
+  const Eigen::Vector2d lowest(commanded ? gains.min_forward : -gains.max_backward, -gains.max_left);
+  const Eigen::Vector2d highest(commanded ? gains.max_forward : 0, gains.max_left);
   const double period = params.rate.period();
   const Eigen::Array2d change = Eigen::Array2d::Constant(gains.acceleration * period);
   const Eigen::Array2d inside =
       wanted.array().max(lowest.cwiseMin(nominal).array()).min(highest.cwiseMax(nominal).array());
-  next.velocity = inside.max(memory.velocity.array() - change).min(memory.velocity.array() + change);
+  next.velocity = inside.max(last.velocity.array() - change).min(last.velocity.array() + change);
   next.correction = next.velocity - nominal;
-  next.offset = next.velocity[1] == wanted[1] ? across[0] : memory.offset + period * next.correction[1];
-  return memory = next;
+  next.offset = next.velocity[1] == wanted[1] ? across[0] : last.offset + period * next.correction[1];
+  if (next.velocity[0] == wanted[0])
+    memory.adaptation += period * gains.adaptation_rate * drive[0] / gains.damping;
+  memory.motion = next;
+  return memory;
 }
 
-WalkCommand AdmittanceFilter::CalcWalk(const WalkCommand& command, const AdmittanceMotion& motion) const {
+WalkCommand AdmittanceFilter::CalcWalk(const WalkCommand& command, const Memory& progress) const {
   WalkCommand walk = command;
-  walk.forward = motion.velocity[0];
-  walk.left = motion.velocity[1];
+  if (progress.yields) walk.gait = progress.gait;
+  walk.forward = progress.motion.velocity[0];
+  walk.left = progress.motion.velocity[1];
   return walk;
 }
 

@@ -21,6 +21,9 @@ struct AdmittanceGains {
   double max_forward = 0.2;     ///< maximum forward velocity due to the leash [m/s]
   double max_left = 0.05;       ///< maximum lateral velocity to either side [m/s]
   double acceleration = 0.5;    ///< maximum acceleration of the forward and lateral velocities [m/s^2]
+  double adaptation_rate = 0;   ///< rate at which the forward velocity adapts to the person's [1/s]
+  double yield_tension = 0;     ///< backward pull above which a standing robot steps back; 0: none [N]
+  double max_backward = 0.3;    ///< maximum backward velocity of a robot that steps back [m/s]
 
   static FieldList Fields() {
     using G = AdmittanceGains;
@@ -31,7 +34,10 @@ struct AdmittanceGains {
             Field("min_forward_m_per_s", &G::min_forward).AtLeast(0),
             Field("max_forward_m_per_s", &G::max_forward).Finite(),
             Field("max_left_m_per_s", &G::max_left).AtLeast(0),
-            Field("acceleration_m_per_s2", &G::acceleration).Positive()};
+            Field("acceleration_m_per_s2", &G::acceleration).Positive(),
+            Field("adaptation_rate_per_s", &G::adaptation_rate).AtLeast(0),
+            Field("yield_tension_N", &G::yield_tension).AtLeast(0),
+            Field("max_backward_m_per_s", &G::max_backward).AtLeast(0)};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -48,7 +54,7 @@ struct AdmittanceMotion {
   Vec<2> velocity = Vec<2>::Zero();    ///< corrected command, forward and left [m/s]
   Vec<2> correction = Vec<2>::Zero();  ///< x~', the correction of the command [m/s]
   double offset = 0;                   ///< x~ across the path, to the left [m]
-  bool walks = false;                  ///< the command has a gait
+  bool walks = false;                  ///< the robot walks: the command has a gait, or the robot yields
 
   static FieldList Fields() {
     using M = AdmittanceMotion;
@@ -79,12 +85,23 @@ struct AdmittanceMotion {
 ///                wrench   estimated external wrench
 ///                state    state of the robot; only the yaw is used
 ///     parameter  gains    AdmittanceGains
-///     ports out  motion   sampled
+///     ports out  progress motion and what is remembered; sampled
+///                motion   sampled
 ///                walk     the command with corrected velocities; sampled
 ///
 /// The forward velocity is limited to [min_forward, max_forward] and the left velocity to max_left, or to the
 /// command if it is beyond; both accelerations are limited by `acceleration`. The limits also apply to x~',
 /// which prevents windup. A command to stand passes at once and resets the filter.
+///
+/// **Adaptation.** At a person's pace, a damping D_a that keeps the loop with the leash stable lets the
+/// tension differ from f_d by D_a times the difference of the speeds. With the adaptation_rate r, the forward
+/// command gets the correction c with c' = r (f_d - T) e_x / D_a, which is held at the limits of the
+/// velocity.
+///
+/// **Yielding.** A robot that stops from a person's pace stretches the leash on its way to rest. If the leash
+/// pulls it backwards by more than yield_tension, it does not stand: it walks on in its last gait with the
+/// nominal velocity 0, by the same equation, at most with max_backward towards the person, until the pull is
+/// below the mean of f_d and yield_tension.
 ///
 /// The force is held between ticks and the equation is integrated exactly.
 class AdmittanceFilter final : public LeafSystem<AdmittanceFilterParams> {
@@ -104,20 +121,34 @@ class AdmittanceFilter final : public LeafSystem<AdmittanceFilterParams> {
   Shared<Steps> steps_{this, "steps", Uses(gains), &AdmittanceFilter::CalcSteps};
 
  public:
-  Scratch<AdmittanceMotion> memory{this, "memory", AdmittanceMotion()};
-  OutputPort<AdmittanceMotion> motion{this,
-                                      {"motion"},
-                                      Sampled{params.rate},
-                                      Uses(command, wrench, state, gains, steps_, memory),
-                                      &AdmittanceFilter::CalcMotion};
+  struct Memory {
+    AdmittanceMotion motion;
+    double adaptation = 0;     ///< c [m/s]
+    Gait gait = Gait::kStand;  ///< last gait of the command other than kStand
+    bool yields = false;
+
+    static FieldList Fields() {
+      return {{"motion", &Memory::motion},
+              {"adaptation", &Memory::adaptation, "m/s"},
+              {"gait", &Memory::gait},
+              {"yields", &Memory::yields}};
+    }
+  };
+  Scratch<Memory> memory{this, "memory", Memory()};
+  OutputPort<Memory> progress{this,
+                              {"progress"},
+                              Sampled{params.rate},
+                              Uses(command, wrench, state, gains, steps_, memory),
+                              &AdmittanceFilter::CalcProgress};
+  OutputPort<AdmittanceMotion> motion{
+      this, {"motion"}, Sampled{params.rate}, Uses(progress), [](const Memory& m) { return m.motion; }};
   OutputPort<WalkCommand> walk{
-      this, {"walk"}, Sampled{params.rate}, Uses(command, motion), &AdmittanceFilter::CalcWalk};
+      this, {"walk"}, Sampled{params.rate}, Uses(command, progress), &AdmittanceFilter::CalcWalk};
 
  private:
-  AdmittanceMotion CalcMotion(const WalkCommand& command, const WrenchEstimate& wrench,
-                              const LeggedState& state, const AdmittanceGains& gains, const Steps& steps,
-                              AdmittanceMotion& memory) const;
-  WalkCommand CalcWalk(const WalkCommand& command, const AdmittanceMotion& motion) const;
+  Memory CalcProgress(const WalkCommand& command, const WrenchEstimate& wrench, const LeggedState& state,
+                      const AdmittanceGains& gains, const Steps& steps, Memory& memory) const;
+  WalkCommand CalcWalk(const WalkCommand& command, const Memory& progress) const;
   Steps CalcSteps(const AdmittanceGains& gains) const;
 };
 

@@ -33,6 +33,9 @@ struct SupervisorGains {
   double turn_gain = 1;     ///< gain from the heading error to the yaw rate [1/s]
   double heading_tolerance = 0.02;  ///< heading error below which the robot counts as aligned [rad]
   double align_time = 0.3;          ///< time within heading_tolerance that ends a turn [s]
+  double leash_stiffness = 0;       ///< k, see Supervisor; 0 if the person's speed does not matter [N/m]
+  double stop_speed = 0.3;          ///< speed of the person below which a pull stops the robot [m/s]
+  double speed_filter = 0.1;        ///< time constant of the estimate of the person's speed [s]
 
   static FieldList Fields() {
     using G = SupervisorGains;
@@ -44,7 +47,10 @@ struct SupervisorGains {
             Field("turn_rate_rad_per_s", &G::turn_rate).Positive(),
             Field("turn_gain_per_s", &G::turn_gain).Positive(),
             Field("heading_tolerance_rad", &G::heading_tolerance).Positive(),
-            Field("align_time_s", &G::align_time).Positive()};
+            Field("align_time_s", &G::align_time).Positive(),
+            Field("leash_stiffness_N_per_m", &G::leash_stiffness).AtLeast(0),
+            Field("stop_speed_m_per_s", &G::stop_speed).Positive(),
+            Field("speed_filter_s", &G::speed_filter).Positive()};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -109,10 +115,11 @@ struct GuideStatus {
 ///
 ///     ports in   command   command without a person
 ///                wrench    estimated external wrench; only the horizontal force is used
-///                state     state of the robot; only the yaw is used
+///                state     state of the robot; yaw and velocity are used
 ///                obstacle  true if an obstacle is ahead; false if not connected
 ///     parameter  gains     SupervisorGains
-///     ports out  status    sampled
+///     ports out  progress  status and what is remembered; sampled
+///                status    sampled
 ///                walk      sampled
 ///
 /// While moving, the command passes unchanged; when stopped, the robot stands. A pull on the standing robot
@@ -128,6 +135,15 @@ struct GuideStatus {
 /// this time reaches stop_time or start_time, no earlier than `dwell` after the last change of mode, and only
 /// if the force has been below `release` for stop_time, accumulated alike, since the last pull. The direction
 /// of a pull is that of the mean force while the accumulated time is positive.
+///
+/// **Pace.** At a person's pace, a person who sets out or slows down pulls as hard as one who stops. A leash
+/// of the stiffness k that the person holds tells them apart: its tension T changes with k times the
+/// difference of the speeds of robot and person, so
+///
+///     v_person = F (v - T' / k),   F = 1 / (1 + speed_filter s),
+///
+/// with T and v along the heading. With leash_stiffness = k above 0, a pull on a moving robot only counts
+/// while v_person is below stop_speed.
 class Supervisor final : public LeafSystem<SupervisorParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -137,20 +153,40 @@ class Supervisor final : public LeafSystem<SupervisorParams> {
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<bool> obstacle{this, {"obstacle"}, false};
   Parameter<SupervisorGains> gains{this, {"gains"}, params.gains, "thresholds of pulls and gains of turns"};
-  Scratch<GuideStatus> memory{this, "memory", GuideStatus()};
-  OutputPort<GuideStatus> status{this,
-                                 {"status"},
-                                 Sampled{params.rate},
-                                 Uses(wrench, state, obstacle, gains, memory),
-                                 &Supervisor::CalcStatus};
+  struct Memory {
+    GuideStatus status;
+    bool started = false;
+    double tension = 0;       ///< filtered backward pull along the heading [N]
+    double speed = 0;         ///< filtered speed of the robot along the heading [m/s]
+    double person_speed = 0;  ///< v_person [m/s]
+
+    static FieldList Fields() {
+      return {{"status", &Memory::status},
+              {"started", &Memory::started},
+              {"tension", &Memory::tension, "N"},
+              {"speed", &Memory::speed, "m/s"},
+              {"person_speed", &Memory::person_speed, "m/s"}};
+    }
+  };
+  Scratch<Memory> memory{this, "memory", Memory()};
+  OutputPort<Memory> progress{this,
+                              {"progress"},
+                              Sampled{params.rate},
+                              Uses(wrench, state, obstacle, gains, memory),
+                              &Supervisor::CalcProgress};
+  OutputPort<GuideStatus> status{
+      this, {"status"}, Sampled{params.rate}, Uses(progress), [](const Memory& m) { return m.status; }};
   OutputPort<WalkCommand> walk{
       this, {"walk"}, Sampled{params.rate}, Uses(command, status), &Supervisor::CalcWalk};
 
  private:
-  GuideStatus CalcStatus(const WrenchEstimate& wrench, const LeggedState& state, const bool& obstacle,
-                         const SupervisorGains& gains, GuideStatus& memory) const;
+  Memory CalcProgress(const WrenchEstimate& wrench, const LeggedState& state, const bool& obstacle,
+                      const SupervisorGains& gains, Memory& memory) const;
   WalkCommand CalcWalk(const WalkCommand& command, const GuideStatus& status) const;
-  bool FeelsPull(const Eigen::Vector2d& force_W, const SupervisorGains& gains, GuideStatus* status) const;
+  void EstimatePerson(const Eigen::Vector2d& force_W, const LeggedState& state, const SupervisorGains& gains,
+                      Memory* memory) const;
+  bool FeelsPull(const Eigen::Vector2d& force_W, bool counts, const SupervisorGains& gains,
+                 GuideStatus* status) const;
 };
 
 }  // namespace tenon

@@ -31,18 +31,8 @@ void PersonParams::Validate() const {
   for (std::size_t i = 0; i < phases.size(); ++i) CheckPhase(i, phases[i]);
 }
 
-PersonIntent Person::CalcIntent(double time, const std::vector<PersonPhase>& phases, const PersonGoal& goal,
-                                const PersonMotion& motion) const {
-  if (goal.on) {
-    const Eigen::Vector2d way = goal.place - motion.wanted;
-    const double distance = way.norm();
-    PersonIntent intent;
-    intent.speed = std::min(goal.speed, distance / kArrival);
-    if (distance > 0) intent.direction_W = way / distance;
-    return intent;
-  }
-  // Tolerates the rounding of summed durations; ticks are exact multiples of the period.
-  double since = time + 1e-6 * params.rate.period();
+/// Intent of the phase at the time `since` after the first one.
+PersonIntent Person::Planned(double since, const std::vector<PersonPhase>& phases) {
   for (const PersonPhase& phase : phases) {
     if (since < phase.duration) {
       PersonIntent intent;
@@ -56,6 +46,27 @@ PersonIntent Person::CalcIntent(double time, const std::vector<PersonPhase>& pha
     since -= phase.duration;
   }
   return {};
+}
+
+PersonIntent Person::CalcIntent(double time, const std::vector<PersonPhase>& phases, const PersonGoal& goal,
+                                double acceleration, const PersonMotion& motion, const LeashState& leash,
+                                double felt_tension, double& last_speed) const {
+  if (goal.on) {
+    const Eigen::Vector2d way = goal.place - motion.wanted;
+    const double distance = way.norm();
+    PersonIntent intent;
+    intent.speed = std::min(goal.speed, distance / kArrival);
+    if (distance > 0) intent.direction_W = way / distance;
+    return intent;
+  }
+  // Tolerates the rounding of summed durations; ticks are exact multiples of the period.
+  PersonIntent intent = Planned(time + 1e-6 * params.rate.period(), phases);
+  if (acceleration == 0) return intent;
+  const double felt = intent.activity == Activity::kFollow ? std::min(1.0, leash.tension / felt_tension) : 1;
+  const double change = acceleration * params.rate.period();
+  intent.speed = std::clamp(felt * intent.speed, last_speed - change, last_speed + change);
+  last_speed = intent.speed;
+  return intent;
 }
 
 PersonMotion Person::CalcDerivative(const PersonMotion& motion, const PersonIntent& intent,

@@ -52,6 +52,7 @@ struct PersonParams {
   double damping = 420;             ///< damping C of the person's motion [N s/m]
   double stiffness = 630;           ///< stiffness K of the person's stance [N/m]
   double felt_tension = 5;          ///< tension of the leash at which the person follows at full speed [N]
+  double acceleration = 0;          ///< largest acceleration of the wanted speed; 0: any [m/s^2]
   double hand_height = 0.75;        ///< height of the hand above the ground [m]
   Vec<2> start = Vec<2>::Zero();    ///< initial position in W [m]
   std::vector<PersonPhase> phases;  ///< consecutive phases from t = 0; afterwards the person stands
@@ -62,6 +63,7 @@ struct PersonParams {
             Field("damping_N_s_per_m", &PersonParams::damping).Positive(),
             Field("stiffness_N_per_m", &PersonParams::stiffness).AtLeast(0),
             Field("felt_tension_N", &PersonParams::felt_tension).Positive(),
+            Field("acceleration_m_per_s2", &PersonParams::acceleration).AtLeast(0),
             Field("hand_height_m", &PersonParams::hand_height).AtLeast(0),
             Field("start_m", &PersonParams::start).Finite(),
             Required("phases", &PersonParams::phases),
@@ -121,13 +123,15 @@ struct PersonMotion {
 ///
 /// A person who walks yields to the leash by f / K and keeps the desired mean speed; the equilibrium of a
 /// person who pulls moves along. For kFollow, u has the horizontal direction of the leash and the desired
-/// speed, reduced below felt_tension: |u| = speed min(1, T / felt_tension), 0 for a slack leash.
+/// speed, reduced below felt_tension: |u| = speed min(1, T / felt_tension), 0 for a slack leash. With an
+/// `acceleration` above 0, the intended speed of a person who walks or follows changes at most at that rate,
+/// and a person whose leash is slack has to start anew.
 ///
 ///     ports in   leash     force on the hand is tension * direction
 ///     ports out  person    position, velocity, hand
 ///                intent    sampled
 ///                geometry  a body, its path over ground
-///     parameters mass [kg], damping [N s/m], stiffness [N/m], felt_tension [N]
+///     parameters mass [kg], damping [N s/m], stiffness [N/m], felt_tension [N], acceleration [m/s^2]
 ///                phases    list of PersonPhase
 ///                goal      destination that overrides the phases, with a deceleration in the last second
 ///
@@ -151,10 +155,19 @@ class Person final : public LeafSystem<PersonParams> {
                                  "tension of the leash at which the person follows at full speed"};
   Parameter<std::vector<PersonPhase>> phases{
       this, {"phases"}, params.phases, "consecutive phases from t = 0"};
+  Parameter<double> acceleration{this,
+                                 {"acceleration", "m/s^2"},
+                                 params.acceleration,
+                                 "largest acceleration of the wanted speed; 0: any"};
   Parameter<PersonGoal> goal{this, {"goal"}, PersonGoal{}, "destination that overrides the phases"};
   ContinuousState<PersonMotion> motion{this, {"motion"}, {params.start, Vec<2>::Zero(), params.start}};
+  Scratch<double> last_speed{this, "last_speed", 0.0};
   OutputPort<PersonIntent> intent{
-      this, {"intent"}, Sampled{params.rate}, Uses(time, phases, goal, motion), &Person::CalcIntent};
+      this,
+      {"intent"},
+      Sampled{params.rate},
+      Uses(time, phases, goal, acceleration, motion, leash, felt_tension, last_speed),
+      &Person::CalcIntent};
   TimeDerivative<PersonMotion> dmotion{
       motion, Uses(motion, intent, leash, mass, damping, stiffness, felt_tension), &Person::CalcDerivative};
   OutputPort<PersonState> person{this, {"person"}, Uses(motion), &Person::CalcPerson};
@@ -162,7 +175,9 @@ class Person final : public LeafSystem<PersonParams> {
 
  private:
   PersonIntent CalcIntent(double time, const std::vector<PersonPhase>& phases, const PersonGoal& goal,
-                          const PersonMotion& motion) const;
+                          double acceleration, const PersonMotion& motion, const LeashState& leash,
+                          double felt_tension, double& last_speed) const;
+  static PersonIntent Planned(double since, const std::vector<PersonPhase>& phases);
   PersonMotion CalcDerivative(const PersonMotion& motion, const PersonIntent& intent, const LeashState& leash,
                               double mass, double damping, double stiffness, double felt_tension) const;
   PersonState CalcPerson(const PersonMotion& motion) const;

@@ -63,6 +63,19 @@ TEST_F(GuideDogCasesTest, C3FromOtherSidesAndOverBlocks) {
   }
 }
 
+TEST_F(GuideDogCasesTest, AtAPersonsPace) {
+  const Case stops = RunCase("C1-pace");
+  EXPECT_NEAR(stops["tension_walking_mean_N"], 30, 3);
+  EXPECT_EQ(stops["slack_ratio"], 0);
+  EXPECT_LT(stops["stop_delay_s"], 4) << "it stops, and steps back towards the person";
+  const std::vector<double> time = test::Column(out, "time [s]");
+  const std::vector<double> mode = test::Column(out, "loop.supervisor.status.mode");
+  for (std::size_t row = 0; row < time.size(); ++row)
+    EXPECT_EQ(mode[row], time[row] < 24 ? 0 : time[row] < 25 ? mode[row] : 2) << "at " << time[row] << " s";
+  EXPECT_NEAR(RunCase("C2-pace")["tension_walking_mean_N"], 30, 3);
+  EXPECT_LT(RunCase("C3-pace")["heading_error_deg"], 5);
+}
+
 // A foot that hits the side of a block is held there by friction, and with seed 2 the robot falls unless the
 // step reflex frees the foot. With seed 5 the result depends on rounding.
 TEST_F(GuideDogCasesTest, TheStepReflexIsNeededForC3Blocks) {

@@ -204,6 +204,61 @@ TEST(AdmittanceFilterTest, StandsAtOnceAndStartsFromRest) {
   }
 }
 
+// In the steady state of M v' + D v = f_d - T the velocity grows by r (f_d - T) / D.
+TEST(AdmittanceFilterTest, AdaptsToThePersonsSpeed) {
+  AdmittanceGains gains = Unlimited();
+  gains.adaptation_rate = 0.25;
+  Filter filter(gains);
+  filter.Run(2);
+  filter.Force({-32, 0, 0});
+  const double at_2s = filter.Run(200).velocity[0], at_3s = filter.Run(100).velocity[0];
+  EXPECT_NEAR(at_3s - at_2s, -0.25 * 2 / gains.damping, 1e-5);
+  filter.Force({-30, 0, 0});
+  filter.Run(300);
+  const double kept = filter.walk().forward;
+  EXPECT_NEAR(kept, kForward - 0.25 * 3 * 2 / gains.damping, 2e-3);
+  filter.Command({});
+  filter.Tick();
+  filter.Command(kTrot);
+  EXPECT_NEAR(filter.Run(300).velocity[0], kForward, 1e-9) << "after a stop it begins anew";
+}
+
+TEST(AdmittanceFilterTest, DoesNotAdaptAtTheLimits) {
+  AdmittanceGains gains;
+  gains.adaptation_rate = 2;
+  Filter filter(gains);
+  filter.Force({-0.0, 0, 0});
+  filter.Run(1000);
+  EXPECT_EQ(filter.walk().forward, gains.max_forward);
+  filter.Force({-30, 0, 0});
+  EXPECT_NEAR(filter.Run(200).velocity[0], kForward, 0.05);
+}
+
+TEST(AdmittanceFilterTest, YieldsToAPullThatAStandingRobotShallNotBear) {
+  AdmittanceGains gains;
+  gains.yield_tension = 45;
+  Filter filter(gains);
+  filter.Run(100);
+  filter.Command({});
+  filter.Force({-44, 0, 0});
+  filter.Tick();
+  EXPECT_EQ(filter.walk().gait, Gait::kStand);
+  filter.Force({-60, 0, 0});
+  filter.Run(200);
+  EXPECT_EQ(filter.walk().gait, Gait::kTrot) << "the last gait";
+  EXPECT_EQ(filter.walk().forward, -gains.max_backward);
+  filter.Force({-38, 0, 0});
+  filter.Tick();
+  EXPECT_EQ(filter.walk().gait, Gait::kTrot);
+  filter.Force({-37, 0, 0});
+  filter.Tick();
+  EXPECT_EQ(filter.walk().gait, Gait::kStand);
+  EXPECT_EQ(filter.walk().forward, 0);
+  filter.Force({0, 60, 0});
+  filter.Run(100);
+  EXPECT_EQ(filter.walk().gait, Gait::kStand) << "a pull to the side is for the supervisor";
+}
+
 TEST(AdmittanceFilterTest, DoesNotAllocate) {
   Filter filter;
   filter.Run(2);

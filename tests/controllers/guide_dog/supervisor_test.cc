@@ -27,9 +27,10 @@ class Dog {
     force_ = force * Vec<3>(std::cos(yaw), std::sin(yaw), 0) + Vec<3>(0, 0, -60);
     Feel(force_);
   }
-  void Head(double yaw) {
+  void Head(double yaw, double speed = 0) {
     LeggedState state;
     state.q_WB = QuaternionFromRotationVector({0, 0, yaw});
+    state.v_W = speed * Vec<3>(std::cos(yaw), std::sin(yaw), 0);
     rig_.Fix(rig_->state, state);
   }
   void Obstacle(bool there) { rig_.Fix(rig_->obstacle, there); }
@@ -113,6 +114,41 @@ TEST(SupervisorTest, StopsWhenThePersonDoes) {
   EXPECT_EQ(dog.walk().gait, Gait::kStand);
   EXPECT_EQ(dog.walk().forward, 0);
   EXPECT_EQ(dog.walk().yaw_rate, 0);
+}
+
+// The robot walks at 0.8 m/s; the person slows down with 1.3 m/s^2, so that the tension rises above 50 N.
+TEST(SupervisorTest, TellsAPersonWhoSlowsDownFromOneWhoStops) {
+  const double yaw = Radians(60), stiffness = 200;
+  for (const double softer : {1.0, 1.5}) {  // the real leash, over the one that the supervisor knows
+    const auto mode_after = [&](const SupervisorGains& gains, double speed) {
+      Dog dog(gains);
+      dog.Head(yaw, 0.8);
+      double tension = 30, person = 0.8;
+      dog.Pull(tension, yaw + Radians(180));
+      dog.Run(2);
+      for (int n = 0; n < 90; ++n) {
+        person = std::max(speed, person - 0.013);
+        tension += 0.01 * stiffness / softer * (0.8 - person);
+        dog.Pull(tension, yaw + Radians(180));
+        dog.Tick();
+      }
+      EXPECT_GT(tension, 55);
+      return dog.status().mode;
+    };
+    EXPECT_EQ(mode_after({.leash_stiffness = stiffness}, 0), kStop) << softer;
+    EXPECT_EQ(mode_after({.leash_stiffness = stiffness}, 0.4), kMove) << softer;
+    EXPECT_EQ(mode_after({}, 0.4), kStop) << "without the person's speed";
+  }
+}
+
+TEST(SupervisorTest, EstimatesThePersonsSpeed) {
+  Dog dog({.leash_stiffness = 200, .speed_filter = 0.05});
+  dog.Head(0, 0.8);
+  for (int n = 0; n < 100; ++n) {
+    dog.Pull(10 + 0.3 * n, Radians(180));  // 30 N/s: the robot is faster by 0.15 m/s
+    dog.Tick();
+  }
+  EXPECT_NEAR(dog.rig()[dog.rig()->progress].person_speed, 0.65, 1e-6);
 }
 
 TEST(SupervisorTest, OnePullIsOneCommand) {

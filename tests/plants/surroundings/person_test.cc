@@ -116,6 +116,21 @@ TEST(PersonTest, GoesThroughItsPhasesThenStands) {
   }
 }
 
+TEST(PersonTest, AcceleratesOnATautLeash) {
+  PersonParams params = Params({{.activity = Activity::kFollow, .duration = 100, .speed = 0.8}});
+  params.acceleration = 2;
+  TestRig<Person> rig(params);
+  rig.Fix(rig->leash, Pull(10, {1, 0, 0}));
+  for (int n = 1; n <= 50; ++n)
+    EXPECT_NEAR(rig.Tick()[rig->intent].speed, std::min(0.8, 0.02 * n), 1e-12) << n;
+  rig.Fix(rig->leash, Pull(2.5, {1, 0, 0}));
+  for (int n = 1; n <= 30; ++n)
+    EXPECT_NEAR(rig.Tick()[rig->intent].speed, std::max(0.4, 0.8 - 0.02 * n), 1e-12) << n;
+  rig.Fix(rig->leash, Pull(0, {1, 0, 0}));
+  for (int n = 0; n < 30; ++n) rig.Tick();
+  EXPECT_EQ(rig[rig->intent].speed, 0) << "a slack leash leads nobody";
+}
+
 // A standing person on a taut leash to a fixed robot is an oscillator of both springs.
 TEST(PersonTest, OscillatesOnTheLeash) {
   DiagramBuilder builder;
