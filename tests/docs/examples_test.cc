@@ -38,6 +38,11 @@ TEST(ExamplesTest, TheProgramOfThePythonPageShips) {
               ::testing::HasSubstr("```python\n" + Read("docs/examples/python/payload.py") + "```"));
 }
 
+TEST(ExamplesTest, TheProgramOfThePredictiveTutorialShips) {
+  EXPECT_THAT(Read("docs/predictive_tutorial.md"),
+              ::testing::HasSubstr("```cpp\n" + Read("docs/examples/compose/predictive_walk.cc") + "```"));
+}
+
 /// The text without the blanks at the beginning of its lines.
 std::string WithoutIndentation(const std::string& text) {
   std::istringstream lines(text);
