@@ -70,13 +70,15 @@ FootReference Swing(const SwingPlanner::LegMemory& leg, const StepProperties& st
   return foot;
 }
 
-FootReference Search(const SwingPlanner::LegMemory& leg, const StepProperties& step) {
+/// Lowers a foot whose target moves with the velocity `drift_W`.
+FootReference Search(const SwingPlanner::LegMemory& leg, const StepProperties& step, const Vec<3>& drift_W) {
   const double v = step.touchdown_speed, depth = step.search_depth;
   const double decay = std::exp(-v * leg.searching / depth);
   FootReference foot;
   foot.p_W = leg.foothold;
   foot.p_W[2] -= depth * (1 - decay);
-  foot.v_W[2] = -v * decay;
+  foot.v_W = drift_W;
+  foot.v_W[2] -= v * decay;
   foot.a_W[2] = v * v / depth * decay;
   return foot;
 }
@@ -101,6 +103,9 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
   memory.shift += gain * (shift - memory.shift);
   PlanarPath below = BelowTheRobot(path, body, state, step);
   below.position_W += Displacement(known_wrench, ground.slope);
+  // The feet of a robot in the air move with their hips: held in place, they would fold the falling legs.
+  const bool flies = std::ranges::all_of(
+      schedule.legs, [](const LegContact& leg) { return leg.state == ContactState::kSearching; });
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     LegMemory& leg = memory.legs[i];
     const ContactState before = leg.state;
@@ -134,11 +139,13 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
                                                  : Foothold(i, schedule, below, ground.slope,
                                                             step.velocity_feedback * v_error + memory.shift);
       leg.foothold[2] = leg.ground.HeightAt(leg.foothold.head<2>());
-    } else if (Searches(before) && memory.started) {
-      leg.searching += params.rate.period();
     } else {
-      leg.searching = 0;
-      if (leg.state == ContactState::kSearching) leg.foothold = foot[i];
+      const bool goes_on = Searches(before) && memory.started;
+      leg.searching = goes_on ? leg.searching + params.rate.period() : 0;
+      if (!goes_on && leg.state == ContactState::kSearching) leg.foothold = foot[i];
+      leg.lift_off = leg.foothold;
+      if (goes_on && flies)
+        leg.foothold += params.rate.period() * (state.v_W + state.w_W.cross(leg.hip - state.p_WB));
     }
   }
   memory.started = true;
@@ -211,7 +218,8 @@ FeetReference SwingPlanner::CalcFeet(const ContactSchedule& schedule, const Memo
     if (leg.state == ContactState::kSwing) {
       foot = Swing(leg, step, schedule.legs[i].phase, schedule.timing.swing);
     } else if (Searches(leg.state)) {
-      foot = Search(leg, step);
+      // A searching foot has no lift-off: `lift_off` is where its target was one tick ago.
+      foot = Search(leg, step, (leg.foothold - leg.lift_off) / params.rate.period());
     } else {
       foot.p_W = leg.foothold;
       continue;

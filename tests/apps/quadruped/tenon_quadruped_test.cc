@@ -113,6 +113,10 @@ TEST_F(TenonQuadrupedTest, FiguresWithoutDataAreNull) {
   ExpectNull({"foot_force_max_N"});
 }
 
+TEST_F(TenonQuadrupedTest, LandsOnItsFeetAndWalks) {
+  Run("flat --duration 1.5 --set start_height_m=0.1");
+}
+
 TEST_F(TenonQuadrupedTest, WalksByPredictiveControl) {
   Run("pushed --duration 1");
   EXPECT_THAT(Read(out / "signals.csv"), HasSubstr("loop.locomotion.body"));

@@ -277,6 +277,27 @@ TEST(SwingPlannerTest, StanceFootThatSearchesGoesDownFromWhereItIs) {
   EXPECT_THAT(trot.Tick().p_W, IsNear(trot.Foot(kFrontLeft), 1e-12));
 }
 
+// If the feet stayed where they are in W, the legs of a falling robot would fold until it lands.
+TEST(SwingPlannerTest, FeetOfARobotInTheAirMoveWithIt) {
+  Trot robot;
+  robot.Tick();
+  for (LegContact& leg : robot.schedule.legs) leg.state = kSearching;
+  robot.state.v_W = {0.2, 0, -1};
+  const double depth = robot.Tick().p_W[2] - robot.Foot(kFrontLeft)[2];
+  for (int n = 0; n < 20; ++n) {
+    robot.state.p_WB += 1e-3 * robot.state.v_W;
+    const FootReference& foot = robot.Tick();
+    EXPECT_THAT(foot.p_W.head<2>(), IsNear(robot.Foot(kFrontLeft).head<2>(), 1e-12)) << n;
+    EXPECT_LT(foot.v_W[2], -1) << "searches for the ground";
+    EXPECT_NEAR(foot.v_W[0], 0.2, 1e-12);
+  }
+  EXPECT_GT(robot.Reference(kFrontLeft).p_W[2] - robot.Foot(kFrontLeft)[2], depth - 0.02);
+  robot.schedule.legs[kRearLeft].state = kStance;  // landed: the others search where they are
+  const Vec<3> before = robot.Tick().p_W;
+  EXPECT_THAT(robot.Tick().p_W.head<2>(), IsNear(before.head<2>(), 1e-12));
+  EXPECT_EQ(robot.Tick().v_W[0], 0);
+}
+
 TEST(SwingPlannerTest, SecondSearchBeginsAnew) {
   Trot trot;
   trot.Swing();
