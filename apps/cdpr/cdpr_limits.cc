@@ -94,9 +94,9 @@ void CdprLimits::CableRow(std::span<const double> row, const Eigen::Vector3d& p_
     const double distance = Distance(a, b, p_WB);
     distances_.Add(distance);
     if (distance >= cable_diameter_) continue;
-    const auto [apart, limit] = Beside(1e3 * distance, 1e3 * cable_diameter_);
+    const auto [apart, limit] = Beside(distance, cable_diameter_);
     breaches_.Add(row[0], "two cables touched",
-                  fmt::format("the axes of {} and {} were {} mm apart, less than {} mm", a, b, apart, limit));
+                  fmt::format("the axes of {} and {} were {} m apart, less than {} m", a, b, apart, limit));
   }
 }
 
@@ -143,7 +143,7 @@ void CdprLimits::FloorRow(std::span<const double> row, const Eigen::Vector3d& p_
   heights_.Add(lowest);
   if (lowest < 0)
     breaches_.Add(row[0], "platform, load or cables went through the floor",
-                  fmt::format("{} by {:.3g} mm", name, -1e3 * lowest));
+                  fmt::format("{} by {:.3g} m", name, -lowest));
 }
 
 void CdprLimits::AddTo(Summary& summary) const {

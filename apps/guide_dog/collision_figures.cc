@@ -97,8 +97,7 @@ void CollisionFigures::LeashRow(double time, const LeggedState& x, const Eigen::
 }
 
 void CollisionFigures::Collide(double time, const std::string& one, const std::string& other, double depth) {
-  breaches_.Add(time, one + " and " + other + " collided",
-                fmt::format("they overlap by {:.3g} mm", 1e3 * depth));
+  breaches_.Add(time, one + " and " + other + " collided", fmt::format("they overlap by {:.3g} m", depth));
 }
 
 void CollisionFigures::AddTo(Summary& summary) const {

@@ -68,9 +68,9 @@ void LimitFigures::FootRow(std::span<const double> row) {
     const double depth = row[depth_[leg]];
     if (depth > 0) depths_.Add(depth);
     if (depth <= foot_limit_) continue;
-    const auto [deep, limit] = Beside(1e3 * depth, 1e3 * foot_limit_);
+    const auto [deep, limit] = Beside(depth, foot_limit_);
     breaches_.Add(row[0], "a foot went into the ground",
-                  fmt::format("{} by {} mm, more than {} mm", kLegNames[leg], deep, limit));
+                  fmt::format("{} by {} m, more than {} m", kLegNames[leg], deep, limit));
   }
 }
 
@@ -86,9 +86,9 @@ void LimitFigures::ClearanceRow(std::span<const double> row) {
   const auto check = [&](const QuadrupedClearances::Gap& gap, const char* kind) {
     if (gap.distance >= -kPressedIn) return;
     const std::string other = gap.other < 0 ? "" : std::string(" and ") + NameOf(gap.other);
-    const auto [deep, limit] = Beside(-1e3 * gap.distance, 1e3 * kPressedIn);
+    const auto [deep, limit] = Beside(-gap.distance, kPressedIn);
     breaches_.Add(row[0], kind,
-                  fmt::format("{}{} by {} mm, more than {} mm", NameOf(gap.leg), other, deep, limit));
+                  fmt::format("{}{} by {} m, more than {} m", NameOf(gap.leg), other, deep, limit));
   };
   check(legs, "two legs collided");
   check(trunk, "a leg went into the trunk");

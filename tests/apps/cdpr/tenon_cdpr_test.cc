@@ -216,7 +216,8 @@ TEST_F(TenonCdprTest, ARunThatNoRobotPerformsIsNotFinished) {
   }
 }
 
-// A figure beyond its limit is printed with enough digits to differ from the limit: 4.9999 mm and 5 mm.
+// A figure beyond its limit is printed with enough digits to differ from the limit: 4.9999 mm and 5 mm. Both
+// are in m, as the figures are.
 TEST_F(TenonCdprTest, AFigureAndItsLimitAreToldApart) {
   const std::string flight = "waypoints --duration 5.5 --set log_rate_hz=10 ",
                     key = "\"cable_distance_min_m\": ";
@@ -230,11 +231,12 @@ TEST_F(TenonCdprTest, AFigureAndItsLimitAreToldApart) {
     double value = 0, limit = 0;
     const std::size_t at = text.find(from);
     ASSERT_NE(at, std::string::npos) << text;
-    ASSERT_EQ(std::sscanf(text.c_str() + at, format, &value, &limit), 2) << text.substr(at, 80);
+    char unit = 0;
+    ASSERT_EQ(std::sscanf(text.c_str() + at, format, &value, &limit, &unit), 3) << text.substr(at, 80);
     EXPECT_LT(value, limit);
   };
-  expect_less(" were ", " were %lf mm apart, less than %lf mm");
-  expect_less("cable_distance_min_m", "cable_distance_min_m %lf m (at least %lf)");
+  expect_less(" were ", " were %lf m apart, less than %lf %c");
+  expect_less("cable_distance_min_m", "cable_distance_min_m %lf m (at least %lf%c");
 }
 
 // The platform rests while it dwells, passes the other waypoints at the given speeds, and turns as given.
