@@ -20,6 +20,8 @@
 #error "Simbody's packaged libraries are built without NDEBUG: compile this file with -UNDEBUG"
 #endif
 
+#include <tenon/systems/framework/types/internal/held_exceptions.h>
+
 #include <concepts>
 
 namespace SimTK {
@@ -44,3 +46,14 @@ bool operator==(const Index& a, const Index& b) {
 #endif
 
 #include <Simbody.h>
+
+namespace tenon {
+
+/// Realizes the topology of a system. Simbody computes with the infinite mass of the ground there, which
+/// would trap in a program that calls feenableexcept.
+inline void RealizeTopology(SimTK::MultibodySystem& system) {
+  const internal::HeldExceptions held;
+  system.realizeTopology();
+}
+
+}  // namespace tenon

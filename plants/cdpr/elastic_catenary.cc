@@ -1,5 +1,6 @@
 #include <tenon/plants/cdpr/elastic_catenary.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/types/internal/held_exceptions.h>
 
 #include <Eigen/LU>
 #include <fmt/format.h>
@@ -50,6 +51,7 @@ struct Hanging {
 /// length (Jayaraman and Knudson, A curved element for the analysis of cable structures, Computers &
 /// Structures 14, 1981), and near the transition those of the tension (EA (w L)^2 / 24)^(1/3).
 Eigen::Vector2d Guess(double L, double w, double EA, double x, double z) {
+  const internal::HeldExceptions held;  // a vertical cable divides by x = 0
   const double distance = std::hypot(x, z);
   const double between = std::cbrt(EA * w * w * L * L / 24);
   const double strained = EA * (distance / L - 1);

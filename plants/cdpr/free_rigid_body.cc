@@ -50,7 +50,7 @@ struct FreeRigidBody::Model {
       : matter(system),
         body(matter.Ground(), SimTK::Transform(), SimTK::Body::Rigid(MakeMassProperties(mass, inertia_B)),
              SimTK::Transform()) {
-    system.realizeTopology();
+    RealizeTopology(system);
   }
   SimTK::MultibodySystem system;
   SimTK::SimbodyMatterSubsystem matter;

@@ -77,7 +77,7 @@ struct ExtendedQuadruped::Model : QuadrupedMultibody {
         rotor_inertia(robot.drive.rotor_inertia) {
     const std::scoped_lock lock(BuildMutex());
     extend(*this);
-    system.realizeTopology();
+    RealizeTopology(system);
     state = system.getDefaultState();
     system.realizeModel(state);
     system.realize(state, SimTK::Stage::Instance);

@@ -198,7 +198,7 @@ struct QuadrupedBody::Model {
         const LegDescription& of = robot.legs[static_cast<std::size_t>(leg)];
         return (~axes[BodyOf(leg, kJointsPerLeg - 1)] * ToSimbody(of.foot_J))[k];
       });
-    system.realizeTopology();
+    RealizeTopology(system);
     SimTK::State state = system.getDefaultState();
     system.realizeModel(state);
     for (std::size_t j = 0; j < kNumJoints; ++j) {

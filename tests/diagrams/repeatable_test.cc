@@ -3,6 +3,7 @@
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/primitives/integrator.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
@@ -11,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cfenv>
 #include <memory>
 #include <string>
 #include <thread>
@@ -82,6 +84,32 @@ TEST(RepeatableTest, ARestoredRunGoesOnBitForBit) {
       EXPECT_EQ(EndOf(restored, 0.6), EndOf(fresh, 0.6)) << name << ", saved at " << pause << " s";
     }
   }
+}
+
+/// Lets invalid operations, divisions by zero and overflows end the program by SIGFPE during its lifetime.
+class Traps {
+ public:
+  Traps() { feenableexcept(kTrapped); }
+  ~Traps() { fedisableexcept(kTrapped); }
+
+ private:
+  static constexpr int kTrapped = FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW;
+};
+
+TEST(RepeatableTest, NothingTrapsInAProgramThatEnablesTraps) {
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+  GTEST_SKIP() << "Clang, which compiles the library for sanitizers, may compute what the source does not";
+#endif
+#endif
+  const Traps traps;
+  for (const auto& [name, diagram, options] : Cases()) Simulator(*diagram, options).RunTo(0.6);
+  // Without ticks, nothing limits the steps.
+  DiagramBuilder builder;
+  auto& integrator = builder.Add<Integrator<>>("integrator", {.initial = 3});
+  builder.Connect(integrator.y, integrator.u);
+  const auto growth = builder.Build();
+  Simulator(*growth).RunTo(1);
 }
 
 }  // namespace

@@ -323,7 +323,7 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
       Retake(finish + std::max(kMinShrink, kSafety / std::sqrt(error)) * (t - finish));
       continue;
     }
-    arrived = solver.IsStopTime(flag) || t >= end - Tiny(end);
+    arrived = solver.IsStopTime(flag) || (std::isfinite(end) && t >= end - Tiny(end));
     finish = arrived ? end : t;
     if (solver.multistep()) {
       Count(solver.last_step());
