@@ -11,6 +11,9 @@ void AdmittanceGains::Validate() const {
   Demand(max_forward > min_forward,
          fmt::format("max_forward_m_per_s = {} must be above min_forward_m_per_s = {}", max_forward,
                      min_forward));
+  Demand(yield_tension == 0 || yield_tension > desired_tension,
+         fmt::format("yield_tension_N = {} must be 0 or above desired_tension_N = {}", yield_tension,
+                     desired_tension));
 }
 
 AdmittanceFilter::Steps AdmittanceFilter::CalcSteps(const AdmittanceGains& gains) const {
@@ -44,17 +47,18 @@ AdmittanceFilter::Memory AdmittanceFilter::CalcProgress(const WalkCommand& comma
       memory.yields ? (gains.desired_tension + gains.yield_tension) / 2 : gains.yield_tension;
   memory.yields =
       !commanded && memory.gait != Gait::kStand && gains.yield_tension > 0 && -force[0] > bearable;
+  if (!commanded) memory.adaptation = 0;
   next.walks = commanded || memory.yields;
   if (!next.walks) {
-    memory.adaptation = 0;
     memory.motion = next;
     return memory;
   }
 
   const AdmittanceMotion& last = memory.motion;
   const Eigen::Vector2d drive = (gains.desired_tension - next.tension) * next.direction;
-  const Eigen::Vector2d nominal =
-      commanded ? Eigen::Vector2d(command.forward + memory.adaptation, command.left) : Eigen::Vector2d(0, 0);
+  const Eigen::Vector2d asked =
+      commanded ? Eigen::Vector2d(command.forward, command.left) : Eigen::Vector2d(0, 0);
+  const Eigen::Vector2d nominal = asked + Eigen::Vector2d(memory.adaptation, 0);
   const Eigen::Vector3d along = steps.along * Eigen::Vector3d(0, last.correction[0], drive[0]);
   const Eigen::Vector3d across = steps.across * Eigen::Vector3d(last.offset, last.correction[1], drive[1]);
   const Eigen::Vector2d wanted = nominal + Eigen::Vector2d(along[1], across[1]);
@@ -64,11 +68,11 @@ AdmittanceFilter::Memory AdmittanceFilter::CalcProgress(const WalkCommand& comma
   const double period = params.rate.period();
   const Eigen::Array2d change = Eigen::Array2d::Constant(gains.acceleration * period);
   const Eigen::Array2d inside =
-      wanted.array().max(lowest.cwiseMin(nominal).array()).min(highest.cwiseMax(nominal).array());
+      wanted.array().max(lowest.cwiseMin(asked).array()).min(highest.cwiseMax(asked).array());
   next.velocity = inside.max(last.velocity.array() - change).min(last.velocity.array() + change);
   next.correction = next.velocity - nominal;
   next.offset = next.velocity[1] == wanted[1] ? across[0] : last.offset + period * next.correction[1];
-  if (next.velocity[0] == wanted[0])
+  if (commanded && next.velocity[0] == wanted[0])
     memory.adaptation += period * gains.adaptation_rate * drive[0] / gains.damping;
   memory.motion = next;
   return memory;

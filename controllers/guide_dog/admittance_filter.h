@@ -91,17 +91,17 @@ struct AdmittanceMotion {
 ///
 /// The forward velocity is limited to [min_forward, max_forward] and the left velocity to max_left, or to the
 /// command if it is beyond; both accelerations are limited by `acceleration`. The limits also apply to x~',
-/// which prevents windup. A command to stand passes at once and resets the filter.
+/// which prevents windup. A command to stand passes at once and resets the filter, unless the robot yields.
 ///
-/// **Adaptation.** At a person's pace, a damping D_a that keeps the loop with the leash stable lets the
-/// tension differ from f_d by D_a times the difference of the speeds. With the adaptation_rate r, the forward
-/// command gets the correction c with c' = r (f_d - T) e_x / D_a, which is held at the limits of the
-/// velocity.
+/// **Adaptation.** At a person's pace, a damping D_a that keeps the loop with the leash stable causes the
+/// tension to differ from f_d by D_a times the difference of the speeds. With the adaptation_rate r, the
+/// forward command gets the correction c with c' = r (f_d - T) e_x / D_a, which is held while a limit acts,
+/// and is 0 after a stop.
 ///
 /// **Yielding.** A robot that stops from a person's pace stretches the leash on its way to rest. If the leash
-/// pulls it backwards by more than yield_tension, it does not stand: it walks on in its last gait with the
-/// nominal velocity 0, by the same equation, at most with max_backward towards the person, until the pull is
-/// below the mean of f_d and yield_tension.
+/// pulls it backwards by more than yield_tension > f_d, it does not stand: it walks on in its last gait by
+/// the equation above with the nominal velocity 0, at most with max_backward towards the person, until the
+/// pull is below the mean of f_d and yield_tension.
 ///
 /// The force is held between ticks and the equation is integrated exactly.
 class AdmittanceFilter final : public LeafSystem<AdmittanceFilterParams> {

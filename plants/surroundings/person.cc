@@ -25,14 +25,33 @@ void CheckPhase(std::size_t i, const PersonPhase& phase) {
          fmt::format("phases.{} walks and has a force: give its speed_m_per_s alone", i));
 }
 
+/// u, the velocity at which a person of this intent walks.
+Eigen::Vector2d WantedVelocity(const PersonIntent& intent, const LeashState& leash, double felt_tension) {
+  const Eigen::Vector2d led = leash.direction_W.head<2>();
+  const double length = led.norm();
+  if (intent.activity == Activity::kFollow && length > 0)
+    return intent.speed * std::min(1.0, leash.tension / felt_tension) / length * led;
+  return intent.speed * intent.direction_W;
+}
+
 }  // namespace
 
 void PersonParams::Validate() const {
   for (std::size_t i = 0; i < phases.size(); ++i) CheckPhase(i, phases[i]);
 }
 
-/// Intent of the phase at the time `since` after the first one.
-PersonIntent Person::Planned(double since, const std::vector<PersonPhase>& phases) {
+PersonIntent Person::CalcIntent(double time, const std::vector<PersonPhase>& phases, const PersonGoal& goal,
+                                const PersonMotion& motion) const {
+  if (goal.on) {
+    const Eigen::Vector2d way = goal.place - motion.wanted;
+    const double distance = way.norm();
+    PersonIntent intent;
+    intent.speed = std::min(goal.speed, distance / kArrival);
+    if (distance > 0) intent.direction_W = way / distance;
+    return intent;
+  }
+  // Tolerates the rounding of summed durations; ticks are exact multiples of the period.
+  double since = time + 1e-6 * params.rate.period();
   for (const PersonPhase& phase : phases) {
     if (since < phase.duration) {
       PersonIntent intent;
@@ -48,29 +67,17 @@ PersonIntent Person::Planned(double since, const std::vector<PersonPhase>& phase
   return {};
 }
 
-PersonIntent Person::CalcIntent(double time, const std::vector<PersonPhase>& phases, const PersonGoal& goal,
-                                double acceleration, const PersonMotion& motion, const LeashState& leash,
-                                double felt_tension, double& last_speed) const {
-  if (goal.on) {
-    const Eigen::Vector2d way = goal.place - motion.wanted;
-    const double distance = way.norm();
-    PersonIntent intent;
-    intent.speed = std::min(goal.speed, distance / kArrival);
-    if (distance > 0) intent.direction_W = way / distance;
-    return intent;
-  }
-  // Tolerates the rounding of summed durations; ticks are exact multiples of the period.
-  PersonIntent intent = Planned(time + 1e-6 * params.rate.period(), phases);
-  if (acceleration == 0) return intent;
-  const double felt = intent.activity == Activity::kFollow ? std::min(1.0, leash.tension / felt_tension) : 1;
-  const double change = acceleration * params.rate.period();
-  intent.speed = std::clamp(felt * intent.speed, last_speed - change, last_speed + change);
-  last_speed = intent.speed;
-  return intent;
+Vec<2> Person::CalcVelocity(const PersonIntent& intent, double acceleration, const PersonMotion& motion,
+                            const LeashState& leash, double felt_tension, Vec<2>& last_velocity) const {
+  if (intent.activity == Activity::kPull) return last_velocity = motion.v;
+  const Eigen::Vector2d change = WantedVelocity(intent, leash, felt_tension) - last_velocity;
+  const double most = acceleration * params.rate.period(), size = change.norm();
+  return last_velocity += acceleration > 0 && size > most ? Vec<2>(most / size * change) : Vec<2>(change);
 }
 
 PersonMotion Person::CalcDerivative(const PersonMotion& motion, const PersonIntent& intent,
-                                    const LeashState& leash, double mass, double damping, double stiffness,
+                                    const Vec<2>& velocity, double acceleration, const LeashState& leash,
+                                    double mass, double damping, double stiffness,
                                     double felt_tension) const {
   const Eigen::Vector2d led = leash.direction_W.head<2>();
   const Eigen::Vector2d lean = motion.wanted - motion.x;
@@ -81,10 +88,7 @@ PersonMotion Person::CalcDerivative(const PersonMotion& motion, const PersonInte
     force += intent.force * intent.direction_W;
     rate.wanted = motion.v - stiffness / damping * lean;
   } else {
-    rate.wanted = intent.speed * intent.direction_W;
-    const double length = led.norm();
-    if (intent.activity == Activity::kFollow && length > 0)
-      rate.wanted = intent.speed * std::min(1.0, leash.tension / felt_tension) / length * led;
+    rate.wanted = acceleration > 0 ? velocity : Vec<2>(WantedVelocity(intent, leash, felt_tension));
     force += damping * rate.wanted + stiffness * lean;
   }
   rate.v = force / mass;

@@ -123,13 +123,14 @@ struct PersonMotion {
 ///
 /// A person who walks yields to the leash by f / K and keeps the desired mean speed; the equilibrium of a
 /// person who pulls moves along. For kFollow, u has the horizontal direction of the leash and the desired
-/// speed, reduced below felt_tension: |u| = speed min(1, T / felt_tension), 0 for a slack leash. With an
-/// `acceleration` above 0, the intended speed of a person who walks or follows changes at most at that rate,
-/// and a person whose leash is slack has to start anew.
+/// speed, reduced below felt_tension: |u| = speed min(1, T / felt_tension), 0 for a slack leash.
+/// With an `acceleration` above 0, u changes at most at that rate, in steps at the ticks, whatever the
+/// intent.
 ///
 ///     ports in   leash     force on the hand is tension * direction
 ///     ports out  person    position, velocity, hand
 ///                intent    sampled
+///                velocity  u, limited by `acceleration`; sampled
 ///                geometry  a body, its path over ground
 ///     parameters mass [kg], damping [N s/m], stiffness [N/m], felt_tension [N], acceleration [m/s^2]
 ///                phases    list of PersonPhase
@@ -161,25 +162,28 @@ class Person final : public LeafSystem<PersonParams> {
                                  "largest acceleration of the wanted speed; 0: any"};
   Parameter<PersonGoal> goal{this, {"goal"}, PersonGoal{}, "destination that overrides the phases"};
   ContinuousState<PersonMotion> motion{this, {"motion"}, {params.start, Vec<2>::Zero(), params.start}};
-  Scratch<double> last_speed{this, "last_speed", 0.0};
   OutputPort<PersonIntent> intent{
-      this,
-      {"intent"},
-      Sampled{params.rate},
-      Uses(time, phases, goal, acceleration, motion, leash, felt_tension, last_speed),
-      &Person::CalcIntent};
+      this, {"intent"}, Sampled{params.rate}, Uses(time, phases, goal, motion), &Person::CalcIntent};
+  Scratch<Vec<2>> last_velocity{this, "last_velocity", Vec<2>(0, 0)};
+  OutputPort<Vec<2>> velocity{this,
+                              {"velocity", "m/s"},
+                              Sampled{params.rate},
+                              Uses(intent, acceleration, motion, leash, felt_tension, last_velocity),
+                              &Person::CalcVelocity};
   TimeDerivative<PersonMotion> dmotion{
-      motion, Uses(motion, intent, leash, mass, damping, stiffness, felt_tension), &Person::CalcDerivative};
+      motion, Uses(motion, intent, velocity, acceleration, leash, mass, damping, stiffness, felt_tension),
+      &Person::CalcDerivative};
   OutputPort<PersonState> person{this, {"person"}, Uses(motion), &Person::CalcPerson};
   OutputPort<Geometry> geometry{this, {"geometry"}, MakeGeometry(), Uses(motion), &Person::CalcGeometry};
 
  private:
   PersonIntent CalcIntent(double time, const std::vector<PersonPhase>& phases, const PersonGoal& goal,
-                          double acceleration, const PersonMotion& motion, const LeashState& leash,
-                          double felt_tension, double& last_speed) const;
-  static PersonIntent Planned(double since, const std::vector<PersonPhase>& phases);
-  PersonMotion CalcDerivative(const PersonMotion& motion, const PersonIntent& intent, const LeashState& leash,
-                              double mass, double damping, double stiffness, double felt_tension) const;
+                          const PersonMotion& motion) const;
+  Vec<2> CalcVelocity(const PersonIntent& intent, double acceleration, const PersonMotion& motion,
+                      const LeashState& leash, double felt_tension, Vec<2>& last_velocity) const;
+  PersonMotion CalcDerivative(const PersonMotion& motion, const PersonIntent& intent, const Vec<2>& velocity,
+                              double acceleration, const LeashState& leash, double mass, double damping,
+                              double stiffness, double felt_tension) const;
   PersonState CalcPerson(const PersonMotion& motion) const;
   void CalcGeometry(const PersonMotion& motion, Geometry* geometry) const;
   static Geometry MakeGeometry();

@@ -1,8 +1,9 @@
-// Pushes Go2 at 1 m/s, with the shipped planners and with predictive control in the place of the trunk planner.
-
-#include "walk.h"
+// Pushes Go2 at 1 m/s, with the shipped planners and with predictive control in the place of the trunk
+// planner.
 
 #include <tenon/controllers/legged/planning/centroidal_mpc.h>
+
+#include "walk.h"
 
 namespace {
 
@@ -19,7 +20,8 @@ tenon::QuadrupedWalkParams PushedParams() {
 
 void UsePredictiveControl(tenon::DiagramBuilder& builder, tenon::QuadrupedWalk& loop) {
   tenon::LeggedLocomotion& walk = loop.locomotion;
-  auto& mpc = builder.Replace<tenon::CentroidalMpc>(*walk.trunk_planner, {.robot = walk.whole_body.params.robot});
+  auto& mpc =
+      builder.Replace<tenon::CentroidalMpc>(*walk.trunk_planner, {.robot = walk.whole_body.params.robot});
   builder.Connect(walk.com_planner.path, mpc.path);
   builder.Connect(walk.ground_estimator.ground, mpc.ground);
   builder.Connect(mpc.footholds, walk.swing_planner.planned);

@@ -234,7 +234,37 @@ TEST(AdmittanceFilterTest, DoesNotAdaptAtTheLimits) {
   EXPECT_NEAR(filter.Run(200).velocity[0], kForward, 0.05);
 }
 
-TEST(AdmittanceFilterTest, YieldsToAPullThatAStandingRobotShallNotBear) {
+TEST(AdmittanceFilterTest, KeepsTheLimitsWhateverItHasAdapted) {
+  AdmittanceGains gains;
+  gains.adaptation_rate = 1;
+  Filter filter(gains);
+  filter.Force({-29, 0, 0});
+  filter.Run(300);
+  filter.Command({.gait = Gait::kTrot, .forward = 0.19});
+  filter.Run(100);
+  EXPECT_EQ(filter.walk().forward, gains.max_forward);
+  filter.Force({-60, 0, 0});
+  filter.Run(500);
+  EXPECT_EQ(filter.walk().forward, gains.min_forward);
+}
+
+TEST(AdmittanceFilterTest, ForgetsWhatItHasAdaptedWhenItYields) {
+  AdmittanceGains gains = Unlimited();
+  gains.adaptation_rate = 0.5;
+  gains.yield_tension = 45;
+  Filter filter(gains);
+  filter.Force({-29, 0, 0});
+  filter.Run(300);
+  filter.Command({});
+  filter.Force({-60, 0, 0});
+  filter.Run(50);
+  EXPECT_EQ(filter.walk().gait, Gait::kTrot);
+  filter.Command(kTrot);
+  filter.Force({-30, 0, 0});
+  EXPECT_NEAR(filter.Run(300).velocity[0], kForward, 1e-6);
+}
+
+TEST(AdmittanceFilterTest, YieldsToAPullThatWouldTipAStandingRobot) {
   AdmittanceGains gains;
   gains.yield_tension = 45;
   Filter filter(gains);
@@ -260,9 +290,15 @@ TEST(AdmittanceFilterTest, YieldsToAPullThatAStandingRobotShallNotBear) {
 }
 
 TEST(AdmittanceFilterTest, DoesNotAllocate) {
-  Filter filter;
+  AdmittanceGains gains;
+  gains.adaptation_rate = 0.5;
+  gains.yield_tension = 45;
+  Filter filter(gains);
   filter.Run(2);
   EXPECT_EQ(AllocationsOf([&] { filter.Run(100); }), 0);
+  filter.Command({});
+  filter.Force({-60, 0, 0});
+  EXPECT_EQ(AllocationsOf([&] { filter.Run(100); }), 0) << "while it yields";
 }
 
 TEST(AdmittanceFilterTest, RefusesNonsense) {
@@ -274,6 +310,9 @@ TEST(AdmittanceFilterTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<AdmittanceFilter>({{.max_forward = 0.01}}, "max_forward", "min_forward"));
   EXPECT_TRUE(Refuses<AdmittanceFilter>({{.max_left = NAN}}, "max_left"));
   EXPECT_TRUE(Refuses<AdmittanceFilter>({{.acceleration = 0}}, "acceleration"));
+  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.adaptation_rate = -1}}, "adaptation_rate"));
+  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.yield_tension = 29}}, "yield_tension", "desired_tension"));
+  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.max_backward = -0.1}}, "max_backward"));
 }
 
 TEST(AdmittanceFilterTest, GainsAreSetInARun) {

@@ -119,7 +119,7 @@ TEST(SupervisorTest, StopsWhenThePersonDoes) {
 // The robot walks at 0.8 m/s; the person slows down with 1.3 m/s^2, so that the tension rises above 50 N.
 TEST(SupervisorTest, TellsAPersonWhoSlowsDownFromOneWhoStops) {
   const double yaw = Radians(60), stiffness = 200;
-  for (const double softer : {1.0, 1.5}) {  // the real leash, over the one that the supervisor knows
+  for (const double softer : {1.0, 1.5, 1 / 1.2}) {  // the leash that the supervisor knows, over the real one
     const auto mode_after = [&](const SupervisorGains& gains, double speed) {
       Dog dog(gains);
       dog.Head(yaw, 0.8);
@@ -340,6 +340,9 @@ TEST(SupervisorTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<Supervisor>({{.turn_gain = -2}}, "turn_gain"));
   EXPECT_TRUE(Refuses<Supervisor>({{.heading_tolerance = 0}}, "heading_tolerance"));
   EXPECT_TRUE(Refuses<Supervisor>({{.align_time = 0}}, "align_time"));
+  EXPECT_TRUE(Refuses<Supervisor>({{.leash_stiffness = -1}}, "leash_stiffness"));
+  EXPECT_TRUE(Refuses<Supervisor>({{.stop_speed = 0}}, "stop_speed"));
+  EXPECT_TRUE(Refuses<Supervisor>({{.speed_filter = 0}}, "speed_filter"));
 }
 
 TEST(SupervisorTest, ASquatGoesOnInAllModes) {

@@ -116,19 +116,37 @@ TEST(PersonTest, GoesThroughItsPhasesThenStands) {
   }
 }
 
-TEST(PersonTest, AcceleratesOnATautLeash) {
-  PersonParams params = Params({{.activity = Activity::kFollow, .duration = 100, .speed = 0.8}});
+TEST(PersonTest, AcceleratesWithinItsLimit) {
+  PersonParams params =
+      Params({{.activity = Activity::kFollow, .duration = 1.5, .speed = 0.8},
+              {.activity = Activity::kWalk, .duration = 0.5, .speed = 0.4, .direction = 1.5}});
   params.acceleration = 2;
   TestRig<Person> rig(params);
+  const auto velocity = [&] { return rig.Tick()[rig->velocity]; };
   rig.Fix(rig->leash, Pull(10, {1, 0, 0}));
   for (int n = 1; n <= 50; ++n)
-    EXPECT_NEAR(rig.Tick()[rig->intent].speed, std::min(0.8, 0.02 * n), 1e-12) << n;
+    EXPECT_THAT(velocity(), IsNear(Vec<2>(std::min(0.8, 0.02 * n), 0), 1e-12)) << n;
   rig.Fix(rig->leash, Pull(2.5, {1, 0, 0}));
-  for (int n = 1; n <= 30; ++n)
-    EXPECT_NEAR(rig.Tick()[rig->intent].speed, std::max(0.4, 0.8 - 0.02 * n), 1e-12) << n;
+  for (int n = 1; n <= 50; ++n)
+    EXPECT_THAT(velocity(), IsNear(Vec<2>(std::max(0.4, 0.8 - 0.02 * n), 0), 1e-12))
+        << n << ": half of the felt tension";
   rig.Fix(rig->leash, Pull(0, {1, 0, 0}));
-  for (int n = 0; n < 30; ++n) rig.Tick();
-  EXPECT_EQ(rig[rig->intent].speed, 0) << "a slack leash leads nobody";
+  for (int n = 0; n < 50; ++n) velocity();
+  EXPECT_EQ(rig[rig->velocity], Vec<2>(0, 0)) << "a slack leash leads nobody";
+  EXPECT_EQ(rig[rig->intent].speed, 0.8);
+  Vec<2> last = Vec<2>::Zero();
+  for (int n = 0; n < 80; ++n) {
+    const Vec<2> now = velocity();
+    EXPECT_LT((now - last).norm(), 0.02 + 1e-12) << n;
+    if (n == 40) EXPECT_THAT(now, IsNear(Vec<2>(0.4 * std::cos(1.5), 0.4 * std::sin(1.5)), 1e-12));
+    last = now;
+  }
+  EXPECT_EQ(last, Vec<2>(0, 0)) << "and stands at the end, no faster";
+  // The motion follows this velocity.
+  params.phases = {{.activity = Activity::kFollow, .duration = 100, .speed = 0.8}};
+  TestRig<Person> led(params);
+  led.Fix(led->leash, Pull(10, {1, 0, 0})).RunTo(0.3);
+  EXPECT_NEAR(led[led->motion].wanted[0] - params.start[0], 0.5 * 2 * 0.3 * 0.3, 0.02 * 0.3);
 }
 
 // A standing person on a taut leash to a fixed robot is an oscillator of both springs.
@@ -181,6 +199,7 @@ TEST(PersonTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness_N_per_m"));
   EXPECT_TRUE(refuses([](auto& p) { p.felt_tension = 0; }, "felt_tension_N"));
   EXPECT_TRUE(refuses([](auto& p) { p.hand_height = -1; }, "hand_height_m"));
+  EXPECT_TRUE(refuses([](auto& p) { p.acceleration = -1; }, "acceleration_m_per_s2"));
   EXPECT_TRUE(refuses([](auto& p) { p.start[1] = NAN; }, "start"));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[1].duration = 0; }, "phases.1.duration"));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[0].speed = -0.1; }, "phases.0"));
