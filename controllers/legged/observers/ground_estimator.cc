@@ -8,6 +8,7 @@ namespace tenon {
 namespace {
 
 constexpr double kAnyHeight = 1e3;  // standard deviation of the height before the first foothold [m]
+constexpr int kPasses = 3;          // after three, the slope changes by less than 1e-6
 
 Eigen::Matrix3d Unpacked(const Vec<6>& c) {
   Eigen::Matrix3d P;
@@ -43,14 +44,9 @@ void Correct(const Vec<3>& foothold_W, const GroundBelief& belief, double roughn
   memory.covariance = Packed(P);
 }
 
-}  // namespace
-
-void GroundEstimatorParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-}
-
-GroundPlane GroundEstimator::CalcGround(const LeggedState& state, const ContactSchedule& schedule,
-                                        const GroundBelief& belief, Memory& memory) const {
+/// Corrects the plane at the feet that have landed since the last call, and sets the output.
+void Measure(const QuadrupedDescription& robot, const LeggedState& state, const ContactSchedule& schedule,
+             const GroundBelief& belief, GroundEstimator::Memory& memory) {
   const double roughness = memory.started ? belief.roughness : belief.start_roughness;
   if (!memory.started) {
     const double slope = belief.start_slope * belief.start_slope;
@@ -63,8 +59,8 @@ GroundPlane GroundEstimator::CalcGround(const LeggedState& state, const ContactS
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     const bool stands = schedule.legs[i].stance();
     if (stands) {
-      const Vec<3> contact = state.p_WB + R * params.robot.FootPosition(static_cast<int>(i), state.q) +
-                             memory.plane.ContactArm(params.robot.foot_radius);
+      const Vec<3> contact = state.p_WB + R * robot.FootPosition(static_cast<int>(i), state.q) +
+                             memory.plane.ContactArm(robot.foot_radius);
       if (!memory.stood[i]) Correct(contact, belief, roughness, memory);
       sum += contact;
       ++count;
@@ -76,6 +72,29 @@ GroundPlane GroundEstimator::CalcGround(const LeggedState& state, const ContactS
   const double square = memory.plane.slope.squaredNorm();
   memory.told.slope =
       square > doubt ? Vec<2>((1 - doubt / square) * memory.plane.slope) : Vec<2>(Vec<2>::Zero());
+}
+
+}  // namespace
+
+void GroundEstimatorParams::Validate() const {
+  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+}
+
+GroundPlane GroundEstimator::CalcGround(const LeggedState& state, const ContactSchedule& schedule,
+                                        const GroundBelief& belief, Memory& memory) const {
+  const bool first = !memory.started;
+  Measure(params.robot, state, schedule, belief, memory);
+  // On a slope, the first footholds are measured anew: their contact points depend on the slope, and the
+  // plane does not wander between feet that stand at the same time.
+  if (first && !memory.told.slope.isZero(0)) {
+    GroundBelief still = belief;
+    still.level_walk = still.slope_walk = 0;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      memory.started = false;
+      memory.stood.fill(false);
+      Measure(params.robot, state, schedule, still, memory);
+    }
+  }
   return memory.told;
 }
 

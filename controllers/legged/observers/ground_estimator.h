@@ -52,7 +52,8 @@ struct GroundEstimatorParams {
 /// (1 - (doubt sigma / |s|)^2)+ s, with the filter's standard deviation sigma of s (a James-Stein shrinkage):
 /// a slope that is estimated wrongly on blocks would make touchdowns late or early at every step. The output
 /// plane has this slope and passes through the centroid of the stance feet; it stays constant while no foot
-/// stands.
+/// stands. If the first footholds tell a slope, they are measured once more without h and s wandering, since
+/// they stand at the same time, and with the contact points on that slope.
 ///
 ///     | port     | kind            | type            |
 ///     | state    | input           | LeggedState     |
