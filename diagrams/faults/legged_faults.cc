@@ -14,6 +14,7 @@ constexpr const char* kNoEstimator =
     "the controller reads the true state; set walk.state to estimated, or choose the place state";
 constexpr const char* kNoFootSensors =
     "the feet have no sensors; set sensors.foot_force.mounted to world or shank, or choose torque_sensor";
+constexpr const char* kNoRopes = "the robot has no ropes; give ropes, or choose another place";
 
 /// The places of one diagram at which faults can occur.
 struct Places {
@@ -25,6 +26,7 @@ struct Places {
   FaultPoint<ImuMeasurement> imu{kOnlyWalks};
   FaultPoint<LeggedState> state{kOnlyWalks};
   FaultPoint<WrenchEstimate> wrench{kOnlyWalks};
+  FaultPoint<CableVector> rope{kNoRopes};
   FaultPoint<bool> obstacle{kOnlyGuideDogs};
   FaultChain<JointLocks> locks{world->plant.locks};
 };
@@ -53,6 +55,9 @@ Places PlacesOfWalk(QuadrupedWalk& loop, std::vector<InputPort<LeggedState>*> st
     }
     foot_force = {world.foot_forces, std::move(readers), world.foot_sensor.params.rate};
   }
+  FaultPoint<CableVector> rope(kNoRopes);
+  if (loop.ropes != nullptr)
+    rope = {loop.winches->y, {&loop.ropes->command}, rate, loop.winches->params.initial};
   state_readers.insert(state_readers.begin(), {&loop.locomotion.state, &loop.observer.state});
   wrench_readers.insert(wrench_readers.begin(), &loop.locomotion.wrench);
   return {
@@ -63,7 +68,8 @@ Places PlacesOfWalk(QuadrupedWalk& loop, std::vector<InputPort<LeggedState>*> st
       .foot_force = std::move(foot_force),
       .imu = {world.inertial, std::move(imu_readers), world.imu.params.rate},
       .state = {loop.state, std::move(state_readers), rate},
-      .wrench = {loop.observer.wrench, std::move(wrench_readers), rate}};
+      .wrench = {loop.observer.wrench, std::move(wrench_readers), rate},
+      .rope = std::move(rope)};
 }
 
 bool BreaksJoint(const LeggedFault& fault) {
@@ -83,13 +89,24 @@ void InsertJointLock(FaultInserter& inserter, const Fault& fault, const std::str
   inserter.signals.push_back(&lock.acting);
 }
 
+/// The loss of a whole signal, as which a broken part acts.
+Fault LossOf(Fault broken) {
+  broken.kind = FaultKind::kLoss;
+  broken.size = 1;
+  return broken;
+}
+
 /// Sets the torque of the joints to zero.
 void InsertBrokenJoint(FaultInserter& inserter, const Fault& fault, const std::string& name, Places& places) {
   JointsOf(fault, places);
-  Fault loss = fault;
-  loss.kind = FaultKind::kLoss;
-  loss.size = 1;
-  places.torque.Insert(inserter, loss, name);
+  places.torque.Insert(inserter, LossOf(fault), name);
+}
+
+/// Sets the tension of the ropes to zero.
+void InsertBrokenRope(FaultInserter& inserter, const Fault& fault, const std::string& name, Places& places) {
+  DemandKind(fault, {FaultKind::kBroken});
+  Demand(!fault.duration_s, "duration_s: a broken rope stays broken; remove duration_s");
+  places.rope.Insert(inserter, LossOf(fault), name);
 }
 
 void InsertFault(FaultInserter& inserter, const LeggedFault& fault, const std::string& name, Places& places) {
@@ -110,6 +127,8 @@ void InsertFault(FaultInserter& inserter, const LeggedFault& fault, const std::s
       return places.state.Insert(inserter, fault, name);
     case LeggedFaultPlace::kWrench:
       return places.wrench.Insert(inserter, fault, name);
+    case LeggedFaultPlace::kRope:
+      return InsertBrokenRope(inserter, fault, name, places);
     case LeggedFaultPlace::kObstacle:
       return places.obstacle.Insert(inserter, fault, name);
   }

@@ -21,14 +21,20 @@ enum class LeggedFaultPlace {
   kImu,           ///< ImuMeasurement, to the observers or the state estimator
   kState,         ///< LeggedState that the controller and the observers read
   kWrench,        ///< WrenchEstimate of the observers, to the controller
+  kRope,          ///< the ropes: broken
   kObstacle,      ///< output of the guide dog's obstacle detector
 };
 constexpr auto EnumNames(LeggedFaultPlace) {
   using enum LeggedFaultPlace;
-  return std::array{Named{kTorque, "torque"},        Named{kJoint, "joint"},
-                    Named{kEncoders, "encoders"},    Named{kTorqueSensor, "torque_sensor"},
-                    Named{kFootForce, "foot_force"}, Named{kImu, "imu"},
-                    Named{kState, "state"},          Named{kWrench, "wrench"},
+  return std::array{Named{kTorque, "torque"},
+                    Named{kJoint, "joint"},
+                    Named{kEncoders, "encoders"},
+                    Named{kTorqueSensor, "torque_sensor"},
+                    Named{kFootForce, "foot_force"},
+                    Named{kImu, "imu"},
+                    Named{kState, "state"},
+                    Named{kWrench, "wrench"},
+                    Named{kRope, "rope"},
                     Named{kObstacle, "obstacle"}};
 }
 using LeggedFault = FaultAt<LeggedFaultPlace>;
