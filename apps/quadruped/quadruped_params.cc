@@ -166,7 +166,8 @@ QuadrupedWalkParams TranslateWalk(const QuadrupedScenario& scenario, const WalkF
   const QuadrupedWorldParams world = MakeWorldParams(scenario, files, WholeBodyParams().rate);
   const QuadrupedDescription model = MakeModel(walk, files.robot, world.plant.robot.drive, scenario.seed);
   QuadrupedWalkParams params = MakeQuadrupedWalk(world, model, files.profile, files.gaits);
-  if (!scenario.ropes.empty()) Blame("ropes", [&] { AddRopes(scenario.ropes, &params); });
+  if (!scenario.ropes.empty())
+    Blame("ropes", [&] { AddRopes(scenario.ropes, &params, scenario.start_height_m); });
   params.walk = walk.path;
   params.locomotion.pace = walk.pace;
   params.locomotion.mpc = walk.mpc;

@@ -25,20 +25,24 @@ QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot) {
                            LoadGaits({"standard"}, scale));
 }
 
-void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params) {
+void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params, double height) {
   QuadrupedPlantParams& plant = params->world.plant;
   const Terrain::Surface ground = Terrain(plant.terrain).At(0, 0);
   const Vec<2> uphill = -ground.normal_W.head<2>();
   const GroundPlane plane{.p_W = {0, 0, ground.height}, .slope = uphill / ground.normal_W[2]};
   const double com_height = NominalStance(plant.robot).com_height;
   plant.initial = StandingOn(plant.robot, plane, 0, com_height * ground.normal_W[2] * uphill);
+  plant.initial.p_WB[2] += height;
   for (const Rope& rope : ropes)
     Demand(
         !(rope.anchor_W - plant.initial.p_WB - plant.initial.R_WB() * rope.attachment_B).isZero(1e-3),
         fmt::format("the anchor of the rope '{}' coincides with its attachment: move it away from the robot",
                     rope.name));
+  ContactSchedule schedule;
+  if (height > 0)
+    for (LegContact& leg : schedule.legs) leg.state = ContactState::kSearching;
   const RopeTensions tensions({.robot = params->locomotion.whole_body.robot, .ropes = ropes});
-  params->ropes = {.ropes = ropes, .initial_tension = tensions.CommandAt(plant.initial, plane)};
+  params->ropes = {.ropes = ropes, .initial_tension = tensions.CommandAt(plant.initial, plane, schedule)};
 }
 
 QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
@@ -96,7 +100,9 @@ const OutputPort<FootForces>& QuadrupedWalk::AddFootForces(const QuadrupedWorldP
 
 void QuadrupedWalk::ConnectRopes(const QuadrupedRopesParams& params) {
   tensions = &Add<RopeTensions>(
-      "tensions", RopeTensionsParams{.robot = locomotion.whole_body.params.robot, .ropes = params.ropes});
+      "tensions", RopeTensionsParams{.robot = locomotion.whole_body.params.robot,
+                                     .ropes = params.ropes,
+                                     .friction = locomotion.whole_body.params.gains.qp.friction});
   winches = &Add<HeldLag<CableVector>>("winches",
                                        HeldLagParams<CableVector>{.time_constant = params.winch_lag,
                                                                   .initial = params.initial_tension,
@@ -106,6 +112,9 @@ void QuadrupedWalk::ConnectRopes(const QuadrupedRopesParams& params) {
   ropes = &Add<Ropes>("ropes", RopesParams{params.ropes});
   Connect(state, tensions->state);
   Connect(locomotion.ground, tensions->ground);
+  Connect(locomotion.schedule, tensions->schedule);
+  Connect(locomotion.body, tensions->body);
+  Connect(observer.wrench, tensions->external);
   Connect(ropes->tension, tensions->tension);
   Connect(tensions->command, winches->u);
   Connect(winches->y, ropes->command);

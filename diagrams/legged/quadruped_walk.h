@@ -46,8 +46,9 @@ QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot);
 
 /// Adds ropes to the robot of `params`, which stands on a plane at the start. The ropes then carry the
 /// weight's component along the slope, and the centre of the feet is below the CoM along the plane's normal.
-/// Throws ParameterError.
-void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params);
+/// If the robot starts with its feet at a `height` [m] above the plane, it hangs by the ropes. Throws
+/// ParameterError.
+void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params, double height = 0);
 
 /// A quadruped that walks a commanded path on its terrain (Morlando 2023, section 2.5).
 ///
