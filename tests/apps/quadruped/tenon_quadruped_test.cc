@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <sstream>
 #include <vector>
@@ -282,6 +283,37 @@ TEST_F(TenonQuadrupedTest, WalksUpASlopeOnRopes) {
   }
 }
 
+// The reference begins where the robot stands, although the estimated ground is that below its feet, up the
+// slope.
+TEST_F(TenonQuadrupedTest, StartsOnItsReferenceOnASlope) {
+  Run("E1 --duration 0.02 --set log_rate_hz=1000");
+  EXPECT_LT(std::abs(Column(out, "loop.errors.errors.com.z [m]")[0]), 2e-3);
+}
+
+TEST_F(TenonQuadrupedTest, WalksDownAndAcrossASlopeOnRopes) {
+  for (const char* scenario : {"E2-down", "E2-side", "E3"}) {
+    Run(fmt::format("{} --duration 1.5", scenario));
+    EXPECT_THAT(Summary(), HasSubstr("\"finished\": true")) << scenario;
+  }
+}
+
+// The ropes are attached close to the CoM, so that the one that is left does not turn the robot.
+TEST_F(TenonQuadrupedTest, StaysOnTheSlopeIfARopeBreaks) {
+  Run("E4 --duration 2.5 --set faults.0.start_s=1 --set ropes.0.attachment_m=[0,0.02,0] "
+      "--set ropes.1.attachment_m=[0,-0.02,0]");
+  EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
+  EXPECT_EQ(Column(out, "loop.ropes.tension.left [N]").back(), 0);
+  EXPECT_GT(Column(out, "loop.ropes.tension.right [N]").back(), 100);
+}
+
+TEST_F(TenonQuadrupedTest, LandsOnItsFeetFromItsRopes) {
+  Run("E5 --duration 0.6");
+  EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
+  EXPECT_GT(Column(out, "loop.ropes.tension.rear_left [N]").front(), 50);
+  EXPECT_LT(Column(out, "loop.ropes.tension.rear_left [N]").back(), 5);
+  EXPECT_EQ(Column(out, "loop.locomotion.schedule.legs.front_left.state").back(), 0) << "stance";
+}
+
 TEST_F(TenonQuadrupedTest, RefusesBadSettings) {
   ExpectSettingsRefused("stand", {"robot.foot_radius_m=-1",
                                   "robot.foot_radius_m=1e9",
@@ -344,6 +376,10 @@ TEST_F(TenonQuadrupedTest, RefusesSettingsThatDoNotFitTogether) {
        {"E1 --set ropes.0.tension_min_N=1e3", ": ropes.0.tension_min_N: "},
        {"E1 --set ropes.0.length_m=1", ": ropes.0.length_m: "},
        {"E1 --set ropes.1.name=left", ": ropes: "},
+       {"E1 --set 'faults=[{at: rope, kind: stuck}]'", ": faults.0.at: "},
+       {"E1 --set 'faults=[{at: rope, kind: broken, duration_s: 1}]'", ": faults.0.at: "},
+       {"E1 --set 'faults=[{at: rope, kind: broken, elements: [front]}]'", ": faults.0.at: "},
+       {"flat --set 'faults=[{at: rope, kind: broken}]'", ": faults.0.at: "},
        {Write("coincide.yaml",
               "extends: flat\nropes: [{name: a, anchor_m: [0, 0, 0.430153], attachment_m: [0, 0, 0], "
               "tension_max_N: 9}]\n"),

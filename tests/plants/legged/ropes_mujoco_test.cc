@@ -100,12 +100,12 @@ LeggedState RunMuJoCo(const QuadrupedPlantParams& params, const std::vector<Rope
   const test::MuJoCoModel model = test::LoadMuJoCo(Mjcf(params.robot, ropes));
   const test::MuJoCoData data(mj_makeData(model.get()));
   model->opt.integrator = mjINT_RK4;
-  model->opt.timestep = 3e-4;
+  model->opt.timestep = 1e-4;
   const LeggedState& x = params.initial;
   Eigen::Map<Eigen::VectorXd>(data->qpos, 19) << x.p_WB, x.q_WB, x.q;
   Eigen::Map<Eigen::VectorXd>(data->qvel, 18) << x.v_W, x.R_WB().transpose() * x.w_W, x.qd;
   Eigen::Map<Eigen::VectorXd>(data->ctrl, 4) = kTension;
-  for (int n = 0; n < 1000; ++n) mj_step(model.get(), data.get());
+  for (int n = 0; n < 3000; ++n) mj_step(model.get(), data.get());
   LeggedState end;
   end.p_WB = Eigen::Map<Eigen::Vector3d>(data->qpos);
   end.q_WB = Eigen::Map<Eigen::Vector4d>(data->qpos + 3);
