@@ -69,6 +69,12 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   }
   outputs.AddTo(simulator);
   signals.insert(signals.end(), faults.begin(), faults.end());
+  const CdprPlant& plant = loop.world.plant;
+  if (!plant.additions.u.elements.empty()) {
+    signals.push_back(&plant.added_positions);
+    signals.push_back(&plant.added_speeds);
+  }
+  if (plant.params.extend) signals.push_back(&plant.added_wrench);
   std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry, &loop.reference.geometry};
   if (loop.world.gusts != nullptr) signals.push_back(&loop.world.gusts->wrench);
   if (loop.world.hanging_load != nullptr) {

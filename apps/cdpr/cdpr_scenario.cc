@@ -3,6 +3,7 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/notes.h>
+#include <tenon/plants/multibody/attached_bodies.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
@@ -231,6 +232,7 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   params.payload.payload = {scenario.payload.mass_kg, scenario.payload.position_m};
   params.payload.attach_s = scenario.payload.attach_s;
   params.payload.release_s = scenario.payload.release_s;
+  if (!scenario.attached.empty()) params.extend = AttachToPlatform(scenario.attached);
   for (const GustScenario& gust : scenario.gusts)
     params.gusts.gusts.push_back({gust.force_N, gust.start_s, gust.duration_s});
   if (scenario.hanging_load) {

@@ -9,6 +9,7 @@
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/faults/cdpr_faults.h>
 #include <tenon/diagrams/recommended_options.h>
+#include <tenon/plants/model/attached_body.h>
 #include <tenon/systems/framework/types/fields.h>
 
 #include <Eigen/Core>
@@ -259,6 +260,7 @@ struct CdprScenario {
   Eigen::Vector3d start_offset_m{0, 0, 0};  ///< initial offset of the platform from the path
   Eigen::Vector3d start_turn_rad{0, 0, 0};  ///< initial offset of roll, pitch and yaw
   PayloadScenario payload;
+  std::vector<AttachedBody> attached;  ///< bodies on joints, missing from the controller's model
   std::vector<GustScenario> gusts;
   std::optional<HangingLoadScenario> hanging_load;
   NoiseScenario noise;
@@ -297,6 +299,7 @@ struct CdprScenario {
             Field("start_offset_m", &CdprScenario::start_offset_m).In(Places()),
             {"start_turn_rad", &CdprScenario::start_turn_rad},
             {"payload", &CdprScenario::payload},
+            {"attached", &CdprScenario::attached},
             {"gusts", &CdprScenario::gusts},
             {"hanging_load", &CdprScenario::hanging_load},
             {"noise", &CdprScenario::noise},

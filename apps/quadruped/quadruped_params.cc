@@ -1,6 +1,7 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/plants/model/robot_scale.h>
+#include <tenon/plants/multibody/attached_bodies.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/sensors/sensor_noise.h>
 #include <tenon/systems/framework/block/random_stream.h>
@@ -176,6 +177,7 @@ QuadrupedWalkParams TranslateWalk(const QuadrupedScenario& scenario, const WalkF
   params.locomotion.com_planner.zmp = walk.zmp;
   params.locomotion.swing_planner.step = walk.step;
   if (walk.friction) params.locomotion.whole_body.gains.qp.friction = *walk.friction;
+  params.known_additions = scenario.known_additions;
   if (scenario.observer) params.observer.kind = *scenario.observer;
   if (walk.state == StateSource::kEstimated)
     params.estimator = MakeEstimator(files.hardware, model, params.world.plant, scenario.seed);

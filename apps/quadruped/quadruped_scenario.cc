@@ -40,6 +40,7 @@ FieldList QuadrupedScenario::Fields() {
        {"ropes", &S::ropes},
        {"payload", &S::payload},
        {"attached", &S::attached},
+       {"known_additions", &S::known_additions},
        {"sweep", &S::sweep},
        {"compare", &S::compare},
        Field("log_rate_hz", &S::log_rate_hz).In(Rates())});

@@ -5,7 +5,7 @@
 #include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
-#include <tenon/plants/legged/attached_bodies.h>
+#include <tenon/plants/model/attached_body.h>
 #include <tenon/plants/model/rope.h>
 #include <tenon/systems/framework/types/fields.h>
 
@@ -104,6 +104,9 @@ struct QuadrupedScenario : LeggedScenario {
   std::vector<Rope> ropes;  ///< ropes from winches on the trunk to anchors in the world, see docs/limbs.md
   TrunkLoadScenario payload;
   std::vector<AttachedBody> attached;  ///< bodies on joints, missing from the controller's model
+  /// Whether the walking controller measures the wrench of attached bodies and actuated joints on the robot,
+  /// as by a force sensor under the base of an arm.
+  bool known_additions = false;
   std::optional<SweepScenario> sweep;  ///< variation of start and direction of the first force
   std::vector<ObserverKind> compare;   ///< observers that --compare runs; empty: all observers
   double log_rate_hz = 200;            ///< sample rate of signals.csv

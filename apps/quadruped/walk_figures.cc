@@ -70,7 +70,7 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   ground_force_ = Columns(names, errors, &WalkingErrors::ground_force);
   const QuadrupedPlant& plant = loop_.world.plant;
   external_force_ = Columns(names, FindCurrent(plant.external_wrench), &WrenchEstimate::force_W);
-  if (plant.params.extend)
+  if (plant.params.extend && loop_.known_additions == nullptr)
     added_force_ = Columns(names, FindCurrent(plant.added_wrench), &WrenchEstimate::force_W);
   estimated_force_ = Columns(names, loop_.observer.wrench, &WrenchEstimate::force_W);
   if (loop_.tensions) rope_force_ = Columns(names, loop_.tensions->wrench, &WrenchEstimate::force_W);

@@ -4,6 +4,7 @@
 #include <tenon/controllers/cdpr/cdpr_mpc.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/controllers/cdpr/load_estimator.h>
+#include <tenon/plants/cdpr/extended_platform.h>
 #include <tenon/plants/cdpr/gusts.h>
 #include <tenon/plants/cdpr/hanging_load.h>
 #include <tenon/plants/cdpr/payload_schedule.h>
@@ -48,6 +49,7 @@ struct CdprLoopParams {
   CdprEstimatorParams estimator;
   Vec<3> start_offset = Vec<3>::Zero();  ///< offset of the platform from the start of the path [m]
   Vec<3> start_turn = Vec<3>::Zero();    ///< offset of the initial roll, pitch, yaw [rad]
+  ExtendCdpr extend;                     ///< adds to the platform in Simbody; the controller does not know it
   PayloadScheduleParams payload;
   GustsParams gusts;
   std::optional<HangingLoadParams> hanging_load;  ///< a load that swings under the platform

@@ -15,6 +15,7 @@ CdprPlantParams AtRest(const CdprLoopParams& loop) {
   const CdprReference start = loop.path->At(0);
   CdprPlantParams params;
   params.robot = loop.robot;
+  params.extend = loop.extend;
   params.p_WB = start.position + loop.start_offset;
   params.euler = start.euler + loop.start_turn;
   params.initial_tension = start.tension;

@@ -3,7 +3,6 @@
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/plants/model/standing.h>
-#include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <fmt/core.h>
@@ -60,7 +59,7 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
   Connect(observer.wrench, locomotion.wrench);
   Connect(observer.leg_forces, locomotion.leg_forces);
   Connect(locomotion.torque, world.torque);
-  if (params.ropes) ConnectRopes(*params.ropes);
+  ConnectKnownWrench(params);
   ConnectObserver(foot_forces);
   ConnectEvaluation();
 }
@@ -98,7 +97,8 @@ const OutputPort<FootForces>& QuadrupedWalk::AddFootForces(const QuadrupedWorldP
   return foot_force_estimate->forces;
 }
 
-void QuadrupedWalk::ConnectRopes(const QuadrupedRopesParams& params) {
+/// Adds ropes and returns the wrench of their measured tensions.
+const OutputPort<WrenchEstimate>& QuadrupedWalk::AddRopes(const QuadrupedRopesParams& params) {
   tensions = &Add<RopeTensions>(
       "tensions", RopeTensionsParams{.robot = locomotion.whole_body.params.robot,
                                      .ropes = params.ropes,
@@ -120,8 +120,27 @@ void QuadrupedWalk::ConnectRopes(const QuadrupedRopesParams& params) {
   Connect(winches->y, ropes->command);
   Connect(world.state, ropes->robot);
   Connect(ropes->force, world.pull);
-  Connect(tensions->wrench, locomotion.known_wrench);
-  Connect(tensions->wrench, observer.known_wrench);
+  return tensions->wrench;
+}
+
+void QuadrupedWalk::ConnectKnownWrench(const QuadrupedWalkParams& params) {
+  const OutputPort<WrenchEstimate>* known = params.ropes ? &AddRopes(*params.ropes) : nullptr;
+  if (params.known_additions) {
+    const Rate rate = locomotion.whole_body.params.rate;
+    known_additions =
+        &Add<UnitDelay<WrenchEstimate>>("known_additions", UnitDelayParams<WrenchEstimate>{.rate = rate});
+    Connect(world.plant.added_wrench, known_additions->u);
+    if (known == nullptr)
+      known = &known_additions->y;
+    else
+      known = &AddFunction("known_wrench", Sampled{rate}, Uses(*known, known_additions->y),
+                           [](const WrenchEstimate& a, const WrenchEstimate& b) -> WrenchEstimate {
+                             return {a.force_W + b.force_W, a.torque_W + b.torque_W};
+                           });
+  }
+  if (known == nullptr) return;
+  Connect(*known, locomotion.known_wrench);
+  Connect(*known, observer.known_wrench);
 }
 
 void QuadrupedWalk::ConnectObserver(const OutputPort<FootForces>& foot_forces) {

@@ -10,6 +10,7 @@
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/plants/legged/ropes.h>
 #include <tenon/systems/primitives/held_lag.h>
+#include <tenon/systems/primitives/unit_delay.h>
 
 #include <optional>
 
@@ -33,6 +34,7 @@ struct QuadrupedWalkParams {
   DisturbanceObserverParams observer;
   std::optional<LeggedStateEstimatorParams> estimator;  ///< empty: the controller reads the true state
   std::optional<QuadrupedRopesParams> ropes;            ///< empty: no ropes
+  bool known_additions = false;  ///< the controller measures the wrench of additions to the robot
 };
 
 /// Parameters of a walk in `world` whose controller and observers have a `model` of the robot, which may
@@ -62,7 +64,9 @@ void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params, doubl
 /// reads the estimated ground plane of the last tick.
 ///
 /// With ropes, `tensions` commands the `winches` of the `ropes`, which pull at world.pull, and locomotion and
-/// observer know the wrench of the measured tensions.
+/// observer know the wrench of the measured tensions. With `known_additions` they also know world.plant's
+/// `added_wrench`, one tick late and without errors, as a force sensor under the base of an arm measures it.
+/// The observer then estimates the other disturbances alone.
 class QuadrupedWalk : public Subdiagram {
  public:
   explicit QuadrupedWalk(const QuadrupedWalkParams& params);
@@ -73,18 +77,20 @@ class QuadrupedWalk : public Subdiagram {
   DisturbanceObserver& observer;
   TrackingError& errors;
   WalkView& view;
-  LeggedStateEstimator* estimator = nullptr;         ///< null without an estimator
-  FootForceEstimate* foot_force_estimate = nullptr;  ///< null unless the foot sensors are in the shanks
-  FootForcesOfLegs* foot_forces_of_legs = nullptr;   ///< null unless the feet have no sensors
-  RopeTensions* tensions = nullptr;                  ///< null without ropes
-  HeldLag<CableVector>* winches = nullptr;           ///< null without ropes
-  Ropes* ropes = nullptr;                            ///< null without ropes
-  const OutputPort<LeggedState>& state;              ///< the state that the controller reads
+  LeggedStateEstimator* estimator = nullptr;             ///< null without an estimator
+  FootForceEstimate* foot_force_estimate = nullptr;      ///< null unless the foot sensors are in the shanks
+  FootForcesOfLegs* foot_forces_of_legs = nullptr;       ///< null unless the feet have no sensors
+  UnitDelay<WrenchEstimate>* known_additions = nullptr;  ///< their wrench; null unless it is known
+  RopeTensions* tensions = nullptr;                      ///< null without ropes
+  HeldLag<CableVector>* winches = nullptr;               ///< null without ropes
+  Ropes* ropes = nullptr;                                ///< null without ropes
+  const OutputPort<LeggedState>& state;                  ///< the state that the controller reads
 
  private:
   const OutputPort<LeggedState>& AddEstimator(const std::optional<LeggedStateEstimatorParams>& params);
   const OutputPort<FootForces>& AddFootForces(const QuadrupedWorldParams& params);
-  void ConnectRopes(const QuadrupedRopesParams& params);
+  const OutputPort<WrenchEstimate>& AddRopes(const QuadrupedRopesParams& params);
+  void ConnectKnownWrench(const QuadrupedWalkParams& params);
   void ConnectObserver(const OutputPort<FootForces>& foot_forces);
   void ConnectEvaluation();
 };

@@ -1,4 +1,6 @@
 #include <tenon/plants/cdpr/cdpr_plant.h>
+#include <tenon/plants/model/cross_matrix.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
 
@@ -17,6 +19,18 @@ void CheckFinite(const char* name, const Vec<3>& v) {
   if (!v.allFinite())
     throw ParameterError(
         fmt::format("{} is ({}, {}, {}); give three finite numbers", name, v[0], v[1], v[2]));
+}
+
+PlatformWrench Sum(const PlatformWrench& a, const PlatformWrench& b) {
+  return {a.force_W + b.force_W, a.torque_W + b.torque_W};
+}
+
+/// Spatial inertia of a mass at r about the origin, angular before linear.
+Eigen::Matrix<double, 6, 6> PointMassInertia(double mass, const Vec<3>& r) {
+  Eigen::Matrix<double, 6, 6> inertia;
+  const Eigen::Matrix3d moment = mass * CrossMatrix(r);
+  inertia << PointInertia(mass, r), moment, -moment, mass * Eigen::Matrix3d::Identity();
+  return inertia;
 }
 
 }  // namespace
@@ -159,9 +173,32 @@ void CdprPlant::CalcBody(const PlatformState& x, const CableForces& cables, cons
                          const PlatformWrench& wrench, FreeRigidBody* out) const {
   if (payload.mass < 0)
     throw RunError(fmt::format("the payload's mass is {} kg; give 0 for none, or more", payload.mass));
-  const PlatformWrench total{cables.wrench.force_W + wrench.force_W,
-                             cables.wrench.torque_W + wrench.torque_W};
-  out->Calc(x, total, payload, params.gravity);
+  if (!params.extend) out->Calc(x, Sum(cables.wrench, wrench), payload, params.gravity);
+}
+
+void CdprPlant::CalcExtended(double time, const PlatformState& x, const Eigen::VectorXd& q,
+                             const Eigen::VectorXd& u, const Eigen::VectorXd& z,
+                             const Eigen::VectorXd& position_references,
+                             const Eigen::VectorXd& speed_references, ExtendedRobot* out) const {
+  if (out->exists()) out->SetState(time, {x}, q, u, z, position_references, speed_references);
+}
+
+void CdprPlant::CalcRates(const PlatformState& x, const CableForces& cables, const Payload& payload,
+                          const PlatformWrench& wrench, const FreeRigidBody& body,
+                          const ExtendedRobot& extended, const Eigen::VectorXd& added_forces,
+                          PlatformRates* out) const {
+  out->quaternion = QuaternionRate(x.q_WB, x.w_W);
+  if (!extended.exists()) {
+    out->platform = body.acceleration();
+    return;
+  }
+  const PlatformWrench total = Sum(cables.wrench, wrench);
+  const Vec<3> r = x.R_WB() * payload.p_B;
+  const Vec<3> load = -payload.mass * (x.w_W.cross(x.w_W.cross(r)) + Vec<3>(0, 0, params.gravity));
+  const PointForce forces[] = {{0, x.p_WB, total.force_W, total.torque_W}, {0, x.p_WB + r, load}};
+  Eigen::VectorXd acceleration;
+  extended.CalcRates({}, forces, added_forces, PointMassInertia(payload.mass, r), &acceleration, out);
+  out->platform = {acceleration.tail<3>(), acceleration.head<3>()};
 }
 
 PlatformState CdprPlant::CalcPlatform(const PlatformState& x) const {
@@ -175,22 +212,52 @@ Vec<3> CdprPlant::CalcEuler(const PlatformState& x) const {
 }
 
 CdprEnergy CdprPlant::CalcEnergy(const PlatformState& x, const CableForces& cables, const FreeRigidBody& body,
-                                 const Payload& payload) const {
+                                 const Payload& payload, const ExtendedRobot& extended) const {
   const double payload_height = x.p_WB[2] + (x.R_WB() * payload.p_B)[2];
+  if (extended.exists()) {
+    const Vec<3> velocity = x.v_W + x.w_W.cross(x.R_WB() * payload.p_B);
+    return {.kinetic = extended.KineticEnergy() + payload.mass / 2 * velocity.squaredNorm(),
+            .potential = extended.PotentialEnergy() + params.gravity * payload.mass * payload_height +
+                         cables.potential,
+            .elastic = cables.energy};
+  }
   return {.kinetic = body.kinetic_energy(),
           .potential = params.gravity * (params.robot.mass * x.p_WB[2] + payload.mass * payload_height) +
                        cables.potential,
           .elastic = cables.energy};
 }
 
-void CdprPlant::CalcGeometry(const PlatformState& x, const CableForces& cables, const Payload& payload,
-                             const PlatformWrench& wrench, Geometry* out) const {
-  MoveCdprGeometry(params.robot, x, cables.signals.tension, cables.statics, payload, wrench, out);
+Geometry CdprPlant::MakeGeometry() const {
+  Geometry shapes = MakeCdprGeometry(params.robot);
+  shapes.insert(shapes.end(), additions.shapes.begin(), additions.shapes.end());
+  return shapes;
 }
 
-PlatformState CdprPlant::CalcPlatformRate(const PlatformState& x, const FreeRigidBody& body) const {
-  return {x.v_W, body.quaternion_rate() + kNormRate * (1 - x.q_WB.squaredNorm()) * x.q_WB,
-          body.acceleration().a_W, body.acceleration().alpha_W};
+void CdprPlant::CalcGeometry(const PlatformState& x, const CableForces& cables, const Payload& payload,
+                             const PlatformWrench& wrench, const ExtendedRobot& extended,
+                             Geometry* out) const {
+  MoveCdprGeometry(params.robot, x, cables.signals.tension, cables.statics, payload, wrench, out);
+  if (extended.exists()) extended.MoveShapes(out->size() - additions.shapes.size(), out);
+}
+
+PlatformWrench CdprPlant::CalcAddedWrench(const PlatformState& x, const CableForces& cables,
+                                          const Payload& payload, const PlatformWrench& wrench,
+                                          const ExtendedRobot& extended, const PlatformRates& rates) const {
+  if (!extended.exists()) return {};
+  const auto& [a, alpha] = rates.platform;
+  Eigen::VectorXd acceleration(6);
+  acceleration << alpha, a;
+  const Vec<3> g(0, 0, -params.gravity), r = x.R_WB() * payload.p_B;
+  const Vec<3> load = payload.mass * (a + alpha.cross(r) + x.w_W.cross(x.w_W.cross(r)) - g);
+  const PlatformWrench rate = extended.MomentumRate(acceleration, x.p_WB),
+                       others = Sum(cables.wrench, wrench);
+  return {rate.force_W - params.robot.mass * g + load - others.force_W,
+          rate.torque_W + r.cross(load) - others.torque_W};
+}
+
+PlatformState CdprPlant::CalcPlatformRate(const PlatformState& x, const PlatformRates& rates) const {
+  return {x.v_W, rates.quaternion + kNormRate * (1 - x.q_WB.squaredNorm()) * x.q_WB, rates.platform.a_W,
+          rates.platform.alpha_W};
 }
 
 void CdprPlant::CalcRestLengthRate(const CableForces& cables, const Eigen::VectorXd& motor_tension,

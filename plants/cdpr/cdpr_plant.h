@@ -2,6 +2,7 @@
 
 #include <tenon/plants/cdpr/cable_statics.h>
 #include <tenon/plants/cdpr/cdpr_geometry.h>
+#include <tenon/plants/cdpr/extended_platform.h>
 #include <tenon/plants/cdpr/free_rigid_body.h>
 #include <tenon/plants/cdpr/winch.h>
 #include <tenon/plants/model/gravity.h>
@@ -24,27 +25,36 @@ struct CdprPlantParams {
   CableVector homed_length{};  ///< initial measured lengths [m]; empty: from attachments to anchors
   double gravity = kGravity;   ///< [m/s^2]
   bool lock_winches = false;   ///< locks the drums, so that rest lengths are constant
+  ExtendCdpr extend;           ///< adds to the platform in Simbody, see CdprPlant; nothing by default
 
   /// Throws ParameterError, also if the robot's description is not valid.
   void Validate() const;
 };
 
-/// A cable-driven parallel robot: a platform on Simbody, 4 or more elastic cables, one winch each.
+/// A cable-driven parallel robot: a rigid platform, 4 or more elastic cables, one winch each.
 ///
 ///     ports in   command       commanded tension of each winch [N]; negative values count as 0
 ///                payload       point mass on the platform (optional)
 ///                wrench        external wrench about the CoM (optional)
 ///                faults        winches that stick, cables that are broken, see cable_fault.h (optional)
+///                added_forces  generalised forces on added joints [N m, N] (optional)
+///                added_position_references, added_speed_references
+///                              of the drives of added joints, see AttachedBody (optional; NaN: those of the
+///                              drive's own parameters) [rad, m; rad/s, m/s]
 ///     ports out  platform      pose (unit quaternion) and velocity
 ///                euler         roll, pitch, yaw [rad]
 ///                acceleration  of the CoM [m/s^2], angular [rad/s^2]
 ///                cables        length, rate, tension, rest length
 ///                energy        kinetic, potential, elastic [J]
 ///                geometry      for drawing
+///                added_positions, added_speeds
+///                              coordinates and speeds of added joints [rad, m; rad/s, m/s]
+///                added_wrench  wrench of the additions on the platform, about its CoM
 ///     states     platform_state
 ///                rest_length    l0, paid out [m]
 ///                motor_tension  T_m, motor's tension at the drum [N]
 ///                reel_speed     of the drum in torque mode, dl0/dt on the start's radius; else unused [m/s]
+///                added_q, added_u, added_z  of the additions
 ///
 /// **Platform** (Morlando 2023, eqs. (3.7) and (3.8), there for constant L):
 ///
@@ -78,12 +88,27 @@ struct CdprPlantParams {
 /// do not: an added mass has the velocity of its point of attachment. Use a sampled source, so that the
 /// signal changes at ticks and no integration step contains the change.
 ///
+/// **Additions.** The function `extend` adds bodies, joints, forces, constraints and contacts to the platform
+/// in Simbody; robot_multibody.h is the guide, cdpr_multibody.h names the body, and attached_bodies.h adds
+/// bodies from parameters. Simbody's forward dynamics then take the place of the equations under
+/// **Platform**; those of cables, winches and faults stay. The coordinates, speeds and auxiliary variables of
+/// the additions are the states added_q, added_u and added_z. `energy` includes the additions, `added_wrench`
+/// is
+///
+///     f = m a - m g - sum_i T_i e_i - f_ext,   t = I alpha + w x I w - sum_i (R_WB r_i) x T_i e_i - tau_ext,
+///
+/// with the payload as a part of the platform; it is 0 without additions. The initial tensions do not carry
+/// the additions, whose weight the cables take up from the start on. Controllers do not know the additions,
+/// and the limits of CdprMonitor do not include them. Without `extend`, the closed form of free_rigid_body.h,
+/// which is faster, computes the accelerations, and these states are empty.
+///
 /// At the start the cables have the tension `initial_tension`, straight l0 = l / (1 + T / EA), and so have
 /// the motors. The constructor throws ParameterError where CalcRestLength throws. Not modelled: speed limits
 /// of the winches.
 ///
 /// Throws RunError where CalcCableStatics() does, if a drum is empty, if the command does not have one entry
-/// per cable, if the faults have neither one entry per cable nor none, and if the payload's mass is negative.
+/// per cable, if the faults have neither one entry per cable nor none, if the payload's mass is negative, and
+/// if the number of added forces or references is wrong.
 class CdprPlant final : public LeafSystem<CdprPlantParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -106,42 +131,80 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   };
   const Start start = StartOf(params);
 
+ private:
+  const ExtendedRobot additions_ =
+      ExtendedPlatform(params.robot, params.gravity, params.extend, InitialPlatform(params));
+
+ public:
+  /// Names, units and initial values of the added states; empty without additions.
+  const ExtendedRobot::Additions& additions = additions_.additions();
+
   InputPort<CableVector> command{this, {"command", "N"}};
   InputPort<Payload> payload{this, {"payload"}, Payload{}};
   InputPort<PlatformWrench> wrench{this, {"wrench"}, PlatformWrench{}};
   InputPort<CableFaults> faults{this, {"faults"}, CableFaults{}};
+  InputPort<Eigen::VectorXd> added_forces{this,
+                                          {"added_forces", additions.force_units, additions.u.elements},
+                                          Eigen::VectorXd::Zero(additions.u.initial.size())};
+  InputPort<Eigen::VectorXd> added_position_references{
+      this,
+      {"added_position_references", additions.reference.units, additions.reference.elements},
+      additions.reference.initial};
+  InputPort<Eigen::VectorXd> added_speed_references{
+      this,
+      {"added_speed_references", additions.reference_speed_units, additions.reference.elements},
+      Eigen::VectorXd::Zero(additions.reference.initial.size())};
 
   ContinuousState<PlatformState> platform_state{this, {"platform_state"}, InitialPlatform(params)};
   ContinuousState<Eigen::VectorXd> rest_length{this, {"rest_length", "m"}, start.rest_length};
   ContinuousState<Eigen::VectorXd> motor_tension{this, {"motor_tension", "N"}, params.initial_tension};
   ContinuousState<Eigen::VectorXd> reel_speed{
       this, {"reel_speed", "m/s"}, Eigen::VectorXd::Zero(params.robot.num_cables())};
+  ContinuousState<Eigen::VectorXd> added_q{
+      this, {"added_q", additions.q.units, additions.q.elements}, additions.q.initial};
+  ContinuousState<Eigen::VectorXd> added_u{
+      this, {"added_u", additions.u.units, additions.u.elements}, additions.u.initial};
+  ContinuousState<Eigen::VectorXd> added_z{this, {"added_z", "", additions.z.elements}, additions.z.initial};
 
   Shared<CableForces> cable_forces{this, "cable_forces", NoForces(params.robot.num_cables()),
                                    Uses(platform_state, rest_length, motor_tension, reel_speed, faults),
                                    &CdprPlant::CalcCableForces};
   Shared<FreeRigidBody> body{this, "body", FreeRigidBody(params.robot.mass, params.robot.inertia_B),
                              Uses(platform_state, cable_forces, payload, wrench), &CdprPlant::CalcBody};
+  Shared<ExtendedRobot> extended{this, "extended", additions_,
+                                 Uses(time, platform_state, added_q, added_u, added_z,
+                                      added_position_references, added_speed_references),
+                                 &CdprPlant::CalcExtended};
+  Shared<PlatformRates> rates{
+      this, "rates", Uses(platform_state, cable_forces, payload, wrench, body, extended, added_forces),
+      &CdprPlant::CalcRates};
 
   OutputPort<PlatformState> platform{this, {"platform"}, Uses(platform_state), &CdprPlant::CalcPlatform};
   OutputPort<Vec<3>> euler{
       this, {"euler", "rad", "roll, pitch, yaw"}, Uses(platform_state), &CdprPlant::CalcEuler};
   OutputPort<PlatformAcceleration> acceleration{
-      this, {"acceleration"}, Uses(body), &CdprPlant::CalcAcceleration};
+      this, {"acceleration"}, Uses(rates), &CdprPlant::CalcAcceleration};
   OutputPort<CableSignals> cables{this,
                                   {"cables"},
                                   CableSignals::Zero(params.robot.num_cables()),
                                   Uses(cable_forces),
                                   &CdprPlant::CalcCables};
   OutputPort<CdprEnergy> energy{
-      this, {"energy"}, Uses(platform_state, cable_forces, body, payload), &CdprPlant::CalcEnergy};
+      this, {"energy"}, Uses(platform_state, cable_forces, body, payload, extended), &CdprPlant::CalcEnergy};
   OutputPort<Geometry> geometry{this,
                                 {"geometry"},
-                                MakeCdprGeometry(params.robot),
-                                Uses(platform, cable_forces, payload, wrench),
+                                MakeGeometry(),
+                                Uses(platform, cable_forces, payload, wrench, extended),
                                 &CdprPlant::CalcGeometry};
+  OutputPort<Eigen::VectorXd> added_positions{this, {"added_positions"}, added_q};
+  OutputPort<Eigen::VectorXd> added_speeds{this, {"added_speeds"}, added_u};
+  OutputPort<PlatformWrench> added_wrench{
+      this,
+      {"added_wrench"},
+      Uses(platform_state, cable_forces, payload, wrench, extended, rates),
+      &CdprPlant::CalcAddedWrench};
 
-  TimeDerivative<PlatformState> platform_rate{platform_state, Uses(platform_state, body),
+  TimeDerivative<PlatformState> platform_rate{platform_state, Uses(platform_state, rates),
                                               &CdprPlant::CalcPlatformRate};
   TimeDerivative<Eigen::VectorXd> rest_length_rate{
       rest_length, Uses(cable_forces, motor_tension, reel_speed, faults), &CdprPlant::CalcRestLengthRate};
@@ -149,6 +212,12 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
                                                      &CdprPlant::CalcMotorTensionRate};
   TimeDerivative<Eigen::VectorXd> reel_acceleration{
       reel_speed, Uses(cable_forces, motor_tension, reel_speed, faults), &CdprPlant::CalcReelAcceleration};
+  TimeDerivative<Eigen::VectorXd> added_q_rate{
+      added_q, Uses(rates), [](const PlatformRates& rates, Eigen::VectorXd* out) { *out = rates.q; }};
+  TimeDerivative<Eigen::VectorXd> added_u_rate{
+      added_u, Uses(rates), [](const PlatformRates& rates, Eigen::VectorXd* out) { *out = rates.u; }};
+  TimeDerivative<Eigen::VectorXd> added_z_rate{
+      added_z, Uses(rates), [](const PlatformRates& rates, Eigen::VectorXd* out) { *out = rates.z; }};
 
  private:
   static PlatformState InitialPlatform(const CdprPlantParams& params);
@@ -162,15 +231,25 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
                        const CableFaults& faults, CableForces* out) const;
   void CalcBody(const PlatformState& x, const CableForces& cables, const Payload& payload,
                 const PlatformWrench& wrench, FreeRigidBody* out) const;
+  void CalcExtended(double time, const PlatformState& x, const Eigen::VectorXd& q, const Eigen::VectorXd& u,
+                    const Eigen::VectorXd& z, const Eigen::VectorXd& position_references,
+                    const Eigen::VectorXd& speed_references, ExtendedRobot* out) const;
+  void CalcRates(const PlatformState& x, const CableForces& cables, const Payload& payload,
+                 const PlatformWrench& wrench, const FreeRigidBody& body, const ExtendedRobot& extended,
+                 const Eigen::VectorXd& added_forces, PlatformRates* out) const;
   PlatformState CalcPlatform(const PlatformState& x) const;
   Vec<3> CalcEuler(const PlatformState& x) const;
-  PlatformAcceleration CalcAcceleration(const FreeRigidBody& body) const { return body.acceleration(); }
+  PlatformAcceleration CalcAcceleration(const PlatformRates& rates) const { return rates.platform; }
   void CalcCables(const CableForces& cables, CableSignals* out) const { *out = cables.signals; }
   CdprEnergy CalcEnergy(const PlatformState& x, const CableForces& cables, const FreeRigidBody& body,
-                        const Payload& payload) const;
+                        const Payload& payload, const ExtendedRobot& extended) const;
+  Geometry MakeGeometry() const;
   void CalcGeometry(const PlatformState& x, const CableForces& cables, const Payload& payload,
-                    const PlatformWrench& wrench, Geometry* out) const;
-  PlatformState CalcPlatformRate(const PlatformState& x, const FreeRigidBody& body) const;
+                    const PlatformWrench& wrench, const ExtendedRobot& extended, Geometry* out) const;
+  PlatformWrench CalcAddedWrench(const PlatformState& x, const CableForces& cables, const Payload& payload,
+                                 const PlatformWrench& wrench, const ExtendedRobot& extended,
+                                 const PlatformRates& rates) const;
+  PlatformState CalcPlatformRate(const PlatformState& x, const PlatformRates& rates) const;
   void CalcRestLengthRate(const CableForces& cables, const Eigen::VectorXd& motor_tension,
                           const Eigen::VectorXd& reel_speed, const CableFaults& faults,
                           Eigen::VectorXd* rate) const;

@@ -85,7 +85,6 @@ FreeRigidBody::FreeRigidBody(const FreeRigidBody& other)
     : model_(other.model_),
       work_(other.work_ == nullptr ? nullptr : std::make_unique<Work>(*model_, *other.work_)),
       acceleration_(other.acceleration_),
-      quaternion_rate_(other.quaternion_rate_),
       kinetic_energy_(other.kinetic_energy_) {}
 
 FreeRigidBody& FreeRigidBody::operator=(const FreeRigidBody& other) {
@@ -93,7 +92,6 @@ FreeRigidBody& FreeRigidBody::operator=(const FreeRigidBody& other) {
   model_ = std::move(copy.model_);
   work_ = std::move(copy.work_);
   acceleration_ = copy.acceleration_;
-  quaternion_rate_ = copy.quaternion_rate_;
   kinetic_energy_ = copy.kinetic_energy_;
   return *this;
 }
@@ -109,7 +107,6 @@ void FreeRigidBody::Calc(const PlatformState& x, const PlatformWrench& wrench, c
   for (int i = 0; i < 3; ++i) q[4 + i] = x.p_WB[i];
   // Realizes only what is read below: whole stages of the System take four times as long.
   model_->matter.realizePositionKinematics(state);
-  quaternion_rate_ = QuaternionRate(x.q_WB, x.w_W);
 
   const SimTK::SpatialInertia& body = *work_->inertia;
   Matrix6 inertia = ToEigen(body);

@@ -40,8 +40,6 @@ class FreeRigidBody {
   void Calc(const PlatformState& x, const PlatformWrench& wrench, const Payload& payload, double gravity);
 
   const PlatformAcceleration& acceleration() const { return acceleration_; }
-  /// d q_WB / dt, which does not change the length of the quaternion.
-  const Vec<4>& quaternion_rate() const { return quaternion_rate_; }
   /// Kinetic energy of body and point mass [J].
   double kinetic_energy() const { return kinetic_energy_; }
 
@@ -51,7 +49,6 @@ class FreeRigidBody {
   std::shared_ptr<const Model> model_;
   std::unique_ptr<Work> work_;
   PlatformAcceleration acceleration_;
-  Vec<4> quaternion_rate_ = Vec<4>::Zero();
   double kinetic_energy_ = 0;
 };
 

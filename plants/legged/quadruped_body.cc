@@ -1,7 +1,7 @@
 #include <tenon/plants/legged/internal/per_leg.h>
-#include <tenon/plants/legged/internal/simbody_conversions.h>
 #include <tenon/plants/legged/quadruped_body.h>
 #include <tenon/plants/model/cross_matrix.h>
+#include <tenon/plants/multibody/internal/simbody_conversions.h>
 #include <tenon/plants/simbody.h>
 
 #include <Eigen/Cholesky>

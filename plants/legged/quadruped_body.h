@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/legged/foot_contact.h>
+#include <tenon/plants/multibody/point_force.h>
 #include <tenon/plants/signals/legged_signals.h>
 
 #include <Eigen/Core>
@@ -9,14 +10,6 @@
 #include <span>
 
 namespace tenon {
-
-/// Force and torque on a point of a quadruped, given in W.
-struct PointForce {
-  int body;                          ///< 0 the trunk, 1 + j the body that joint j moves
-  Vec<3> p_W;                        ///< [m]
-  Vec<3> force_W;                    ///< [N]
-  Vec<3> torque_W = Vec<3>::Zero();  ///< [N m]
-};
 
 /// The bodies of a quadruped as a Simbody model: a Free mobilizer for the trunk and twelve Pins.
 ///

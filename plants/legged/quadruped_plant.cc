@@ -92,8 +92,10 @@ Vec<12> QuadrupedPlant::CalcJointTorque(const LeggedState& x, const Vec<12>& com
 
 void QuadrupedPlant::CalcExtended(double t, const LeggedState& x, const Eigen::VectorXd& q,
                                   const Eigen::VectorXd& u, const Eigen::VectorXd& z,
-                                  ExtendedQuadruped* out) const {
-  if (out->exists()) out->SetState(t, x, q, u, z);
+                                  const Eigen::VectorXd& position_references,
+                                  const Eigen::VectorXd& speed_references, ExtendedQuadruped* out) const {
+  if (out->exists())
+    out->SetState(t, ExtendedQuadruped::MotionOf(x), q, u, z, position_references, speed_references);
 }
 
 void QuadrupedPlant::CalcRates(const LeggedState& x, const QuadrupedBody& body, const FootContacts& contacts,
@@ -122,11 +124,6 @@ void QuadrupedPlant::CalcRates(const LeggedState& x, const QuadrupedBody& body, 
     out->robot = body.Acceleration(torque, {forces.data(), count}, params.gravity);
     return;
   }
-  if (added_forces.size() != additions.u.initial.size())
-    throw RunError(
-        fmt::format("the added forces have {} entries but the added joints have {} speeds: {}; give "
-                    "one force each",
-                    added_forces.size(), additions.u.initial.size(), additions.u.elements));
   extended.CalcRates(torque, {forces.data(), count}, added_forces, out);
 }
 

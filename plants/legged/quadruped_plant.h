@@ -61,6 +61,9 @@ struct LeggedEnergy {
 ///                external         up to eight forces and torques on the robot; none if not connected
 ///                locks            locked joints, see joint_lock.h; none if not connected
 ///                added_forces     generalised forces on added joints [N m, N]; 0 if not connected
+///                added_position_references, added_speed_references
+///                                 of the drives of added joints, see AttachedBody; NaN or not connected:
+///                                 those of the drive's own parameters [rad, m; rad/s, m/s]
 ///     ports out  state            pose and velocity of the trunk, joint angles and speeds
 ///                acceleration     of B's origin and of the joints, for an IMU
 ///                foot_forces      ground force on each foot [N]
@@ -76,11 +79,12 @@ struct LeggedEnergy {
 ///                added_wrench     wrench of the additions on the robot, in W about the CoM without payload
 ///
 /// **Additions.** The function `extend` adds bodies, joints, forces, constraints and contacts to the robot in
-/// Simbody; quadruped_multibody.h is the guide, docs/examples/compose/swinging_load.cc a complete program,
-/// and attached_bodies.h adds bodies from parameters. Simbody then computes all accelerations, and the
-/// coordinates, speeds and auxiliary variables of the additions are the states added_q, added_u and added_z.
-/// `energy` includes the additions. `external_wrench` does not, and controllers know the robot alone.
-/// `added_wrench` comes from the balance of momentum of the robot's own bodies, including the payload,
+/// Simbody; robot_multibody.h is the guide and quadruped_multibody.h names the bodies,
+/// docs/examples/compose/swinging_load.cc a complete program, and attached_bodies.h adds bodies from
+/// parameters. Simbody then computes all accelerations, and the coordinates, speeds and auxiliary variables
+/// of the additions are the states added_q, added_u and added_z. `energy` includes the additions.
+/// `external_wrench` does not, and controllers know the robot alone. `added_wrench` comes from the balance of
+/// momentum of the robot's own bodies, including the payload,
 ///
 ///     f = p' - m g - (forces of ground and `external`),   t likewise about the CoM,
 ///
@@ -114,7 +118,8 @@ struct LeggedEnergy {
 /// of its speed over z_max, and its friction depends on the error of the bristle: at 1 m/s it is 0.3 % too
 /// small. z_max has a lower bound, so ground may be arbitrarily slippery.
 ///
-/// Throws RunError for an external force on an invalid body, and if the number of added forces is wrong.
+/// Throws RunError for an external force on an invalid body, and if the number of added forces or references
+/// is wrong.
 class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -134,6 +139,14 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   InputPort<Eigen::VectorXd> added_forces{this,
                                           {"added_forces", additions.force_units, additions.u.elements},
                                           Eigen::VectorXd::Zero(additions.u.initial.size())};
+  InputPort<Eigen::VectorXd> added_position_references{
+      this,
+      {"added_position_references", additions.reference.units, additions.reference.elements},
+      additions.reference.initial};
+  InputPort<Eigen::VectorXd> added_speed_references{
+      this,
+      {"added_speed_references", additions.reference_speed_units, additions.reference.elements},
+      Eigen::VectorXd::Zero(additions.reference.initial.size())};
 
   ContinuousState<LeggedState> motion{this, {"motion"}, params.initial};
   ContinuousState<FootBristles> bristles{this, {"bristles"}};
@@ -146,9 +159,10 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   Shared<QuadrupedBody> body{this, "body", QuadrupedBody(loaded_), Uses(motion), &QuadrupedPlant::CalcBody};
   Shared<FootContacts> contacts{this, "contacts", Uses(body, bristles), &QuadrupedPlant::CalcContacts};
 
-  Shared<ExtendedQuadruped> extended{this, "extended", additions_,
-                                     Uses(time, motion, added_q, added_u, added_z),
-                                     &QuadrupedPlant::CalcExtended};
+  Shared<ExtendedQuadruped> extended{
+      this, "extended", additions_,
+      Uses(time, motion, added_q, added_u, added_z, added_position_references, added_speed_references),
+      &QuadrupedPlant::CalcExtended};
 
   OutputPort<LeggedState> state{this, {"state"}, Uses(motion), &QuadrupedPlant::CalcState};
   OutputPort<Vec<12>> joint_torque{
@@ -198,7 +212,8 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   LeggedState CalcState(const LeggedState& x) const;
   Vec<12> CalcJointTorque(const LeggedState& x, const Vec<12>& command) const;
   void CalcExtended(double t, const LeggedState& x, const Eigen::VectorXd& q, const Eigen::VectorXd& u,
-                    const Eigen::VectorXd& z, ExtendedQuadruped* out) const;
+                    const Eigen::VectorXd& z, const Eigen::VectorXd& position_references,
+                    const Eigen::VectorXd& speed_references, ExtendedQuadruped* out) const;
   void CalcRates(const LeggedState& x, const QuadrupedBody& body, const FootContacts& contacts,
                  const Vec<12>& joint_torque, const ExternalForces& external, const JointLocks& locks,
                  const ExtendedQuadruped& extended, const Eigen::VectorXd& added_forces,

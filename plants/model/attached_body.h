@@ -27,7 +27,7 @@ constexpr auto EnumNames(AttachedJoint) {
 }
 
 /// A rigid body on a joint: a swinging load, a backpack on springs, a link of a tail or an arm. See Attach in
-/// plants/legged/attached_bodies.h.
+/// plants/multibody/attached_bodies.h.
 ///
 /// The body's frame is at the joint, with axes parallel to those of the body that carries it if the joint's
 /// coordinate is 0. A spring and a damper act on the joint's coordinate q, an angle [rad] or a displacement
@@ -35,11 +35,12 @@ constexpr auto EnumNames(AttachedJoint) {
 ///
 ///     f = k (r - q) - d q',   r = rest + amplitude sin(frequency t),   |f| <= limit.
 ///
-/// With an amplitude, this is a drive under joint PD control. On a ball joint, q is the rotation vector, r is
-/// 0, and the angular velocity takes the place of q'.
+/// With an amplitude, this is a drive under joint PD control. The plant's inputs added_position_references
+/// and added_speed_references replace r, and add d times the reference's speed to f. On a ball joint, q is
+/// the rotation vector, r is 0, and the angular velocity takes the place of q'.
 struct AttachedBody {
-  std::string name;                                    ///< name of joint and body
-  std::string on = "trunk";                            ///< trunk, a joint of a leg, or an earlier body
+  std::string name;  ///< name of joint and body
+  std::string on;    ///< trunk or platform (default), a joint of a leg, or an earlier body
   AttachedJoint joint = AttachedJoint::kPin;           ///< weld, pin, slider or ball
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< joint in the frame of the carrying body [m]
   Eigen::Vector3d axis = Eigen::Vector3d::UnitY();     ///< axis of a pin or slider, of any length

@@ -2,6 +2,7 @@
 
 #include <tenon/tests/apps/run_app.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iomanip>
@@ -65,6 +66,17 @@ TEST_F(TenonCdprTest, FliesARobotOfTwelveCables) {
     EXPECT_THAT(Column(out, "loop.plant.cables.tension.11 [N]"), Each(Gt(0)));
     EXPECT_THAT(Read(out / "report.html"), HasSubstr("cable 11"));
   }
+}
+
+// The load estimator finds the weight of the arm, 12.8 N.
+TEST_F(TenonCdprTest, FliesWithASwingingArm) {
+  Run("D1-arm --duration 2");
+  EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
+  const std::vector<double> angle = Column(out, "loop.plant.added_positions.forearm [rad]");
+  EXPECT_NEAR(angle.front(), 0.5, 1e-9);
+  EXPECT_GT(*std::ranges::max_element(angle), 0.7);
+  EXPECT_NEAR(Column(out, "loop.plant.added_wrench.force_W.z [N]").back(), -1.3 * 9.81, 2);
+  EXPECT_THAT(Read(out / "report.html"), HasSubstr("upper_arm"));
 }
 
 // Sagging cables, pulleys, drums of several layers and differential winches change the tensions.

@@ -70,6 +70,16 @@ TEST_F(TenonQuadrupedTest, WalksWithAnArmThatMoves) {
   EXPECT_LT(summary.at("force_estimate_error_rms_N").get<double>(), 5) << "the arm weighs 29 N";
 }
 
+// The observer leaves the known arm of 43 N to the controller.
+TEST_F(TenonQuadrupedTest, WalksWithAKnownArm) {
+  Run("A1-arm --duration 1.5 --set 'forces=[]' --set known_additions=true --set observer=com");
+  const nlohmann::json summary = nlohmann::json::parse(Summary());
+  EXPECT_LT(summary.at("force_estimate_error_rms_N").get<double>(), 3);
+  EXPECT_LT(summary.at("com_error_max_m").get<double>(), 0.01);
+  std::vector<double> force = Column(out, "loop.observer.wrench.force_W.z [N]");
+  EXPECT_NEAR(force[force.size() / 2], 0, 5);
+}
+
 TEST_F(TenonQuadrupedTest, ComparesObserversAndSweepsPhases) {
   Run("A2 --compare --duration 0.6");
   for (const char* name : {"hybrid", "focchi", "ndo_m", "ndo_inverse"})

@@ -53,18 +53,6 @@ TEST(FreeRigidBodyTest, ObeysNewtonAndEuler) {
   }
 }
 
-TEST(FreeRigidBodyTest, MultipliesQuaternionsForTheirRate) {
-  RandomStream random(2);
-  FreeRigidBody body(kMass, Inertia());
-  for (int i = 0; i < 20; ++i) {
-    PlatformState x = RandomPlatform(random);
-    x.q_WB *= random.Uniform(0.5, 2);
-    body.Calc(x, {}, {}, 0);
-    const Vec<4> half(0, x.w_W[0] / 2, x.w_W[1] / 2, x.w_W[2] / 2);
-    EXPECT_THAT(body.quaternion_rate(), IsNear(QuaternionProduct(half, x.q_WB), 1e-13));
-  }
-}
-
 TEST(FreeRigidBodyTest, SumsKineticEnergy) {
   RandomStream random(3);
   FreeRigidBody body(kMass, Inertia());
@@ -95,7 +83,6 @@ TEST(FreeRigidBodyTest, DependsOnItsArgumentsAlone) {
   for (const FreeRigidBody* other : {&used, &copy}) {
     EXPECT_EQ(other->acceleration().a_W, fresh.acceleration().a_W);
     EXPECT_EQ(other->acceleration().alpha_W, fresh.acceleration().alpha_W);
-    EXPECT_EQ(other->quaternion_rate(), fresh.quaternion_rate());
     EXPECT_EQ(other->kinetic_energy(), fresh.kinetic_energy());
   }
 }

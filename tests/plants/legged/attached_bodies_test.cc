@@ -1,7 +1,7 @@
 // Bodies attached to a quadruped by parameters: springs at rest, drives, balance, errors.
 
-#include <tenon/plants/legged/attached_bodies.h>
 #include <tenon/plants/legged/quadruped_plant.h>
+#include <tenon/plants/multibody/attached_bodies.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/quadruped_test_arm.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
@@ -90,6 +90,7 @@ TEST(AttachedBodiesTest, ABallJointReturnsToItsRest) {
 TEST(AttachedBodiesTest, ADriveFollowsItsSine) {
   AttachedBody upper = Ball("upper", AttachedJoint::kWeld), fore = Ball("fore", AttachedJoint::kPin);
   upper.position = {0, 0, 0.1};
+  upper.stiffness = 9;  // means nothing at a weld
   fore.on = "upper";
   fore.mass = 0.1;
   fore.centre = {0, 0, 0.1};
@@ -109,6 +110,31 @@ TEST(AttachedBodiesTest, ADriveFollowsItsSine) {
   EXPECT_EQ(rig[rig->added_positions][0], 0.3);
   rig.RunTo(1);
   EXPECT_NEAR(rig[rig->added_positions][0], 0.3 + 0.5 * std::sin(2.0), 0.05);
+}
+
+/// Connected references replace those of the parameters joint by joint, and speeds act through the damping.
+TEST(AttachedBodiesTest, ADriveFollowsConnectedReferences) {
+  AttachedBody one = Ball("one", AttachedJoint::kSlider), other = one,
+               limp = Ball("limp", AttachedJoint::kPin);
+  one.stiffness = 300;
+  one.damping = 20;
+  one.rest = 0.1;
+  other.name = "other";
+  other.stiffness = 500;
+  other.axis = {0, 0, 1};
+  QuadrupedPlantParams params = With({one, limp, other});
+  params.gravity = 0;
+  params.initial.p_WB[2] = 10;
+  Rig rig(params);
+  rig.Fix(rig->torque, Vec<12>::Zero());
+  EXPECT_EQ(rig->additions.reference.elements, "one,other");
+  EXPECT_EQ(rig->additions.reference_speed_units, "m/s,m/s");
+  rig.Fix(rig->added_position_references, Eigen::Vector2d(0.3, NAN))
+      .Fix(rig->added_speed_references, Eigen::Vector2d(2, 0));
+  const double force = 300 * 0.2 + 20 * 2;
+  EXPECT_NEAR(rig.Derivative(rig->added_u)[0] + rig[rig->acceleration].a_W[1], force / 2, 1e-9);
+  EXPECT_NEAR(rig.Derivative(rig->added_u)[2] + rig[rig->acceleration].a_W[2], 0, 1e-9);
+  EXPECT_NEAR(rig[rig->energy].potential, 300 / 2.0 * 0.2 * 0.2, 1e-9);
 }
 
 /// By Newton and Euler for the load: f = m (g - a) and, about the robot's CoM, t = r x f - I alpha. A weld is

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/multibody/extended_robot.h>
+#include <tenon/plants/signals/cdpr_signals.h>
+
+#include <functional>
+
+namespace tenon {
+
+class CdprMultibody;
+
+/// Adds to a cable robot's multibody system, see cdpr_multibody.h.
+using ExtendCdpr = std::function<void(CdprMultibody&)>;
+
+/// Acceleration and d q_WB / dt of a platform, and rates of the added states.
+struct PlatformRates : AddedRates {
+  PlatformAcceleration platform;
+  Vec<4> quaternion = Vec<4>::Zero();
+};
+
+/// The platform of a cable robot with additions; no robot if `extend` is empty. Throws ParameterError as
+/// ExtendedRobot does.
+ExtendedRobot ExtendedPlatform(const CdprDescription& robot, double gravity, const ExtendCdpr& extend,
+                               const PlatformState& initial);
+
+}  // namespace tenon
