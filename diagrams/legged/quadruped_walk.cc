@@ -129,7 +129,7 @@ void QuadrupedWalk::ConnectKnownWrench(const QuadrupedWalkParams& params) {
     const Rate rate = locomotion.whole_body.params.rate;
     known_additions =
         &Add<UnitDelay<WrenchEstimate>>("known_additions", UnitDelayParams<WrenchEstimate>{.rate = rate});
-    Connect(world.plant.added_wrench, known_additions->u);
+    Connect(world.added_wrench, known_additions->u);
     if (known == nullptr)
       known = &known_additions->y;
     else

@@ -75,6 +75,7 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
   Connect(plant.state, state);
   Connect(plant.foot_forces, ground_forces);
   Connect(plant.external_torque, external_torque);
+  Connect(plant.added_wrench, added_wrench);
   const OutputPort<ImuMeasurement>* unit = &imu.measurement;
   if (hardware.imu_errors) {
     auto& errors = Add<ImuErrors>("imu_errors", *hardware.imu_errors);

@@ -84,6 +84,7 @@ QuadrupedWorldParams MakeQuadrupedWorld(const QuadrupedDescription& robot, const
 ///     ports out  state            true state
 ///                ground_forces    true ground forces on the feet
 ///                external_torque  true joint torques of disturbing forces on the legs [N m]
+///                added_wrench     true wrench of additions on the robot, see QuadrupedPlant
 ///                joints           measurement of the encoders
 ///                measured_torque  measured joint torques [N m]
 ///                foot_forces      measured foot forces, in W or in the axes of the shanks (FootSensing)
@@ -109,6 +110,7 @@ class QuadrupedWorld final : public Subdiagram {
   OutputPort<LeggedState> state{this, {"state"}};
   OutputPort<FootForces> ground_forces{this, {"ground_forces"}};
   OutputPort<Vec<12>> external_torque{this, {"external_torque", "N m", kJointElements}};
+  OutputPort<WrenchEstimate> added_wrench{this, {"added_wrench"}};
   OutputPort<JointMotion> joints{this, {"joints"}};
   OutputPort<Vec<12>> measured_torque{this, {"measured_torque", "N m", kJointElements}};
   OutputPort<FootForces> foot_forces{this, {"foot_forces"}};
