@@ -49,7 +49,7 @@ struct CdprLoopParams {
   CdprEstimatorParams estimator;
   Vec<3> start_offset = Vec<3>::Zero();  ///< offset of the platform from the start of the path [m]
   Vec<3> start_turn = Vec<3>::Zero();    ///< offset of the initial roll, pitch, yaw [rad]
-  ExtendCdpr extend;                     ///< adds to the platform in Simbody; the controller does not know it
+  ExtendCdpr extend = {};                ///< adds to the platform in Simbody; the controller does not know it
   PayloadScheduleParams payload;
   GustsParams gusts;
   std::optional<HangingLoadParams> hanging_load;  ///< a load that swings under the platform

@@ -25,7 +25,7 @@ struct CdprPlantParams {
   CableVector homed_length{};  ///< initial measured lengths [m]; empty: from attachments to anchors
   double gravity = kGravity;   ///< [m/s^2]
   bool lock_winches = false;   ///< locks the drums, so that rest lengths are constant
-  ExtendCdpr extend;           ///< adds to the platform in Simbody, see CdprPlant; nothing by default
+  ExtendCdpr extend = {};      ///< adds to the platform in Simbody, see CdprPlant; nothing by default
 
   /// Throws ParameterError, also if the robot's description is not valid.
   void Validate() const;

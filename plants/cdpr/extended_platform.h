@@ -17,7 +17,11 @@ using ExtendCdpr = std::function<void(CdprMultibody&)>;
 struct PlatformRates : AddedRates {
   PlatformAcceleration platform;
   Vec<4> quaternion = Vec<4>::Zero();
+  // With ExtendedRobot a multiple of 16 bytes: what a plant adds to a context shall not move the alignment of
+  // other values, on which the last digits of Eigen's sums depend.
+  double unused = 0;
 };
+static_assert((sizeof(PlatformRates) + sizeof(ExtendedRobot)) % 16 == 0);
 
 /// The platform of a cable robot with additions; no robot if `extend` is empty. Throws ParameterError as
 /// ExtendedRobot does.
