@@ -66,7 +66,7 @@ TEST_F(GuideDogCasesTest, C3FromOtherSidesAndOverBlocks) {
 TEST_F(GuideDogCasesTest, AtAPersonsPace) {
   const Case stops = RunCase("C1-pace");
   EXPECT_NEAR(stops["tension_walking_mean_N"], 30, 3);
-  EXPECT_EQ(stops["slack_ratio"], 0);
+  EXPECT_LT(stops["slack_ratio"], 0.05) << "until the robot first leads";
   EXPECT_LT(stops["stop_delay_s"], 4) << "it stops, and steps back towards the person";
   const std::vector<double> time = test::Column(out, "time [s]");
   const std::vector<double> mode = test::Column(out, "loop.supervisor.status.mode");
