@@ -43,11 +43,7 @@ std::vector<const Source*> GuideDogFigures::Signals(const GuideDog& loop) {
 }
 
 std::vector<const Source*> GuideDogFigures::Judged(const GuideDog& loop) {
-  std::vector<const Source*> judged = Signals(loop);
-  for (const Source* solves : {static_cast<const Source*>(WalkFigures::Solves(loop)),
-                               static_cast<const Source*>(WalkFigures::MpcSolves(loop))})
-    if (solves != nullptr) judged.push_back(solves);
-  return judged;
+  return WalkFigures::WithSolvers(Signals(loop), loop);
 }
 
 std::vector<const OutputPort<Geometry>*> GuideDogFigures::Shapes(const GuideDog& loop) {

@@ -57,10 +57,14 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
 }
 
 std::vector<const Source*> WalkFigures::Judged(const QuadrupedWalk& loop) {
-  std::vector<const Source*> judged = Signals(loop);
-  if (const Source* solves = Solves(loop)) judged.push_back(solves);
-  if (const Source* solves = MpcSolves(loop)) judged.push_back(solves);
-  return judged;
+  return WithSolvers(Signals(loop), loop);
+}
+
+std::vector<const Source*> WalkFigures::WithSolvers(std::vector<const Source*> signals,
+                                                    const QuadrupedWalk& loop) {
+  if (const Source* solves = Solves(loop)) signals.push_back(solves);
+  if (const Source* solves = MpcSolves(loop)) signals.push_back(solves);
+  return signals;
 }
 
 void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {

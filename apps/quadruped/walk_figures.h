@@ -50,6 +50,9 @@ class WalkFigures final : public LogSink {
   }
   /// The signals that must be logged for the figures: Signals and the diagnostics of the solvers.
   static std::vector<const Source*> Judged(const QuadrupedWalk& loop);
+  /// `signals` and the diagnostics of the solvers that the loop has.
+  static std::vector<const Source*> WithSolvers(std::vector<const Source*> signals,
+                                                const QuadrupedWalk& loop);
 
   /// Figures are computed from `from` [s] on; `path` is judged from the start. Without an observer
   /// (`observes` is false) there are no figures of its estimate.

@@ -64,7 +64,8 @@ void CutCables(Rig& rig) {
   rig.Fix(rig->faults, {0 * all, all}).Fix(rig->command, 0 * all);
 }
 
-/// The same plant without additions, with additions that add nothing, and with its payload as a body.
+/// Compares a plant without additions with one to which nothing is added, and with one whose payload is a
+/// body.
 TEST(CdprMultibodyTest, AgreesWithTheClosedForm) {
   const Payload payload{3, {0.1, -0.2, 0.15}};
   AttachedBody point = Ball("point", AttachedJoint::kWeld, 1e-9);
