@@ -59,16 +59,57 @@ void RopeTensions::CalcLimbs(const LeggedState& state, Limbs* limbs) const {
   limbs->inertia_W = dynamics.centroidal_inertia_W;
 }
 
+/// Adds the last tick to the time for which each rope has lacked tension. A lost rope stays lost.
+void RopeTensions::Watch(const CableVector& tension, Plan* memory) const {
+  const double least = kLeastPull * model_.mass() * model_.gravity();
+  for (Eigen::Index i = 0; i < tension.size(); ++i) {
+    if (memory->missing[i] >= kLostTime) continue;
+    const bool pulls = memory->command[i] < least || tension[i] >= kLostRatio * memory->command[i];
+    memory->missing[i] = pulls ? 0 : memory->missing[i] + params.rate.period();
+  }
+}
+
 /// Lost ropes, and those that the robot does not have, are bounded by zero.
-RopeTensions::Bounds RopeTensions::BoundsOf(const Watch& watch) const {
+RopeTensions::Bounds RopeTensions::BoundsOf(const Plan& memory) const {
   Bounds bounds{Vec<kMaxRopes>::Zero(), Vec<kMaxRopes>::Zero()};
   for (std::size_t i = 0; i < params.ropes.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    if (watch.missing[k] >= kLostTime) continue;
+    if (memory.missing[k] >= kLostTime) continue;
     bounds.lower[k] = params.ropes[i].tension_min;
     bounds.upper[k] = params.ropes[i].tension_max;
   }
   return bounds;
+}
+
+RopeTensions::Support RopeTensions::SupportOf(const GroundPlane& ground,
+                                              const ContactSchedule& schedule) const {
+  Support support;
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    const ContactState state = schedule.legs[i].state;
+    support.feet[i] = state == ContactState::kStance || state == ContactState::kSwing;
+    support.count += support.feet[i];
+  }
+  support.normal = ground.Normal();
+  support.t_1 = FirstTangent(support.normal);
+  support.t_2 = support.normal.cross(support.t_1);
+  support.contact = ground.ContactArm(params.robot.foot_radius);
+  return support;
+}
+
+/// The wrench w that ropes and feet are to exert.
+Vec<6> RopeTensions::WrenchOf(const Limbs& limbs, const BodyReference& body, const WrenchEstimate& external,
+                              bool hangs) const {
+  Vec<6> wrench;
+  wrench << model_.mass() * (body.com_acceleration_W + model_.gravity() * Vec<3>::UnitZ()) - external.force_W,
+      -external.torque_W;
+  if (!hangs) return wrench;
+  const Eigen::AngleAxisd turn(RotationFromQuaternion(body.q_WB) *
+                               RotationFromQuaternion(limbs.q_WB).transpose());
+  wrench.head<3>() += model_.mass() * (kStiffness * (body.com_W - limbs.com_W) +
+                                       kDamping * (body.com_velocity_W - limbs.com_velocity_W));
+  wrench.tail<3>() +=
+      limbs.inertia_W * (kStiffness * turn.angle() * turn.axis() + kDamping * (body.w_W - limbs.w_W));
+  return wrench;
 }
 
 Vec<kMaxRopes> RopeTensions::Nominal(const UnitWrenches& ropes, const Vec<3>& normal, const Bounds& bounds,
@@ -86,40 +127,11 @@ Vec<kMaxRopes> RopeTensions::Nominal(const UnitWrenches& ropes, const Vec<3>& no
   return solver.x();
 }
 
-void RopeTensions::CalcCommand(const Limbs& limbs, const GroundPlane& ground, const ContactSchedule& schedule,
-                               const BodyReference& body, const WrenchEstimate& external,
-                               const CableVector& tension, double share, Watch& watch, Solvers& solvers,
-                               CableVector* command) const {
-  CheckNumCables(static_cast<int>(params.ropes.size()), tension.size(), "RopeTensions");
-  const Eigen::Index n = tension.size();
-  const double weight = model_.mass() * model_.gravity();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const bool pulls = watch.command[i] < kLeastPull * weight || tension[i] >= kLostRatio * watch.command[i];
-    if (watch.missing[i] < kLostTime) watch.missing[i] = pulls ? 0 : watch.missing[i] + params.rate.period();
-  }
-  const Bounds bounds = BoundsOf(watch);
-  const Vec<3> normal = ground.Normal(), contact = ground.ContactArm(params.robot.foot_radius);
-  const Vec<3> t_1 = FirstTangent(normal), t_2 = normal.cross(t_1);
-  const Vec<kMaxRopes> nominal = Nominal(limbs.ropes, normal, bounds, share, solvers.nominal);
-  Vec<6> wrench;
-  wrench << model_.mass() * body.com_acceleration_W + weight * Vec<3>::UnitZ() - external.force_W,
-      -external.torque_W;
-  const auto stands = [&](int leg) {
-    const ContactState state = schedule.legs[static_cast<std::size_t>(leg)].state;
-    return state == ContactState::kStance || state == ContactState::kSwing;
-  };
-  int count = 0;
-  for (int leg = 0; leg < kNumLegs; ++leg) count += stands(leg);
-  if (count == 0) {
-    const Eigen::AngleAxisd turn(RotationFromQuaternion(body.q_WB) *
-                                 RotationFromQuaternion(limbs.q_WB).transpose());
-    wrench.head<3>() += model_.mass() * (kStiffness * (body.com_W - limbs.com_W) +
-                                         kDamping * (body.com_velocity_W - limbs.com_velocity_W));
-    wrench.tail<3>() +=
-        limbs.inertia_W * (kStiffness * turn.angle() * turn.axis() + kDamping * (body.w_W - limbs.w_W));
-  }
-
-  // The variables are the tensions, then the forces of the feet along (n, t_1, t_2).
+/// Solves the program of ropes and feet, whose variables are the tensions, then the forces of the feet along
+/// (n, t_1, t_2), and returns the tensions.
+Vec<kMaxRopes> RopeTensions::Distribute(const Limbs& limbs, const Support& support, const Vec<6>& wrench,
+                                        const Vec<kMaxRopes>& nominal, const Bounds& bounds, double share,
+                                        DualActiveSet& solver) const {
   Eigen::Matrix<double, 6, kVariables> limb = Eigen::Matrix<double, 6, kVariables>::Zero();
   Eigen::Matrix<double, kVariables, 1> weights, wanted;
   weights.head<kMaxRopes>().setConstant(kOfTension);
@@ -132,19 +144,21 @@ void RopeTensions::CalcCommand(const Limbs& limbs, const GroundPlane& ground, co
   b << bounds.lower, -bounds.upper, Eigen::Matrix<double, 4 * kNumLegs, 1>::Constant(-1);
   limb.leftCols<kMaxRopes>() = limbs.ropes;
   Eigen::Matrix3d axes;
-  axes << normal, t_1, t_2;
+  axes << support.normal, support.t_1, support.t_2;
   // The shares of one foot in the wanted force, and in what the nominal tensions leave of it.
-  const Vec<3> force = wrench.head<3>() / std::max(count, 1);
-  const Vec<3> loads = force - limbs.ropes.topRows<3>() * nominal / std::max(count, 1);
+  const int count = std::max(support.count, 1);
+  const Vec<3> force = wrench.head<3>() / count;
+  const Vec<3> loads = force - limbs.ropes.topRows<3>() * nominal / count;
   const double side = params.friction * std::numbers::sqrt2 / 2;
   for (int leg = 0; leg < kNumLegs; ++leg) {
+    const auto i = static_cast<std::size_t>(leg);
     const int column = kMaxRopes + 3 * leg, row = 2 * kMaxRopes + 4 * leg;
     weights.segment<3>(column) << kOfLoad, kOfFriction, kOfFriction;
-    if (!stands(leg)) continue;  // its force is zero because it costs and has no effect
+    if (!support.feet[i]) continue;  // its force is zero because it costs and has no effect
     limb.block<3, 3>(0, column) = axes;
-    limb.block<3, 3>(3, column) = CrossMatrix(limbs.feet[static_cast<std::size_t>(leg)] + contact) * axes;
-    wanted.segment<3>(column) << loads.dot(normal), (1 - share) * force.dot(t_1),
-        (1 - share) * force.dot(t_2);
+    limb.block<3, 3>(3, column) = CrossMatrix(limbs.feet[i] + support.contact) * axes;
+    wanted.segment<3>(column) << loads.dot(support.normal), (1 - share) * force.dot(support.t_1),
+        (1 - share) * force.dot(support.t_2);
     b.segment<4>(row).setZero();
     A.block<4, 3>(row, column) << side, 1, 0, side, -1, 0, side, 0, 1, side, 0, -1;
   }
@@ -154,8 +168,30 @@ void RopeTensions::CalcCommand(const Limbs& limbs, const GroundPlane& ground, co
   H.diagonal() += weights;
   const Eigen::Matrix<double, kVariables, 1> g =
       -(weighted.transpose() * wrench) - weights.cwiseProduct(wanted);
-  Checked(solvers.joint.Solve({H, g, ConstraintMatrix(0, kVariables), Eigen::VectorXd(0), A, b}));
-  for (Eigen::Index i = 0; i < n; ++i) watch.command[i] = (*command)[i] = solvers.joint.x()[i];
+  Checked(solver.Solve({H, g, ConstraintMatrix(0, kVariables), Eigen::VectorXd(0), A, b}));
+  return solver.x().head<kMaxRopes>();
+}
+
+void RopeTensions::CalcPlan(const Limbs& limbs, const GroundPlane& ground, const ContactSchedule& schedule,
+                            const BodyReference& body, const WrenchEstimate& external,
+                            const CableVector& tension, double share, Plan& memory, Solvers& solvers,
+                            Plan* plan) const {
+  CheckNumCables(static_cast<int>(params.ropes.size()), tension.size(), "RopeTensions");
+  Watch(tension, &memory);
+  const Bounds bounds = BoundsOf(memory);
+  const Support support = SupportOf(ground, schedule);
+  const Vec<6> wrench = WrenchOf(limbs, body, external, support.count == 0);
+  const Vec<kMaxRopes> nominal = Nominal(limbs.ropes, support.normal, bounds, share, solvers.nominal);
+  memory.command = Distribute(limbs, support, wrench, nominal, bounds, share, solvers.joint);
+  *plan = memory;
+}
+
+void RopeTensions::CalcCommand(const Plan& plan, CableVector* command) const {
+  *command = plan.command.head(command->size());
+}
+
+void RopeTensions::CalcLost(const Plan& plan, CableVector* lost) const {
+  *lost = (plan.missing.head(lost->size()).array() >= kLostTime).cast<double>();
 }
 
 WrenchEstimate RopeTensions::CalcWrench(const Limbs& limbs, const CableVector& tension) const {
@@ -170,11 +206,11 @@ CableVector RopeTensions::CommandAt(const LeggedState& state, const GroundPlane&
   CalcLimbs(state, &limbs);
   const BodyReference rest{
       .com_W = limbs.com_W, .com_velocity_W = limbs.com_velocity_W, .q_WB = limbs.q_WB, .w_W = limbs.w_W};
-  Watch watch;
+  Plan memory, plan;
   Solvers solvers;
-  CableVector command = CableVector::Zero(static_cast<Eigen::Index>(params.ropes.size()));
-  CalcCommand(limbs, ground, schedule, rest, {}, command, params.share, watch, solvers, &command);
-  return command;
+  const CableVector slack = CableVector::Zero(static_cast<Eigen::Index>(params.ropes.size()));
+  CalcPlan(limbs, ground, schedule, rest, {}, slack, params.share, memory, solvers, &plan);
+  return plan.command.head(slack.size());
 }
 
 }  // namespace tenon

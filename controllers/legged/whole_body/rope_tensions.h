@@ -63,7 +63,9 @@ struct RopeTensionsParams {
 ///     | body     | input           | BodyReference; its acceleration is 0 if not connected            |
 ///     | external | input           | WrenchEstimate of an observer; zero if not connected             |
 ///     | tension  | input           | measured tensions [N]                                            |
+///     | plan     | output, sampled | commands, and the time for which each rope has lacked tension    |
 ///     | command  | output, sampled | tensions [N]                                                     |
+///     | lost     | output, sampled | 1 for a lost rope, else 0                                        |
 ///     | wrench   | output, sampled | wrench of the measured tensions about the CoM                    |
 ///     | share    | parameter       | s                                                                |
 class RopeTensions final : public LeafSystem<RopeTensionsParams> {
@@ -81,14 +83,11 @@ class RopeTensions final : public LeafSystem<RopeTensionsParams> {
                           "part of the weight's component along the slope that the ropes carry",
                           Range().Between(0, 2)};
 
-  /// Observation of the ropes, for lost ones.
-  struct Watch {
-    Vec<kMaxRopes> command = Vec<kMaxRopes>::Zero();  ///< of the last tick [N]
+  struct Plan {
+    Vec<kMaxRopes> command = Vec<kMaxRopes>::Zero();  ///< [N]
     Vec<kMaxRopes> missing = Vec<kMaxRopes>::Zero();  ///< time with too little tension [s]
 
-    static FieldList Fields() {
-      return {{"command", &Watch::command, "N"}, {"missing", &Watch::missing, "s"}};
-    }
+    static FieldList Fields() { return {{"command", &Plan::command, "N"}, {"missing", &Plan::missing, "s"}}; }
   };
 
  private:
@@ -103,23 +102,38 @@ class RopeTensions final : public LeafSystem<RopeTensionsParams> {
   struct Bounds {
     Vec<kMaxRopes> lower, upper;  // of the tensions [N]
   };
+  struct Support {
+    std::array<bool, kNumLegs> feet{};  // the feet that count
+    int count = 0;
+    Vec<3> normal, t_1, t_2, contact;  // axes of the ground, vector from a foot's centre to its contact
+  };
   struct Solvers {
     DualActiveSet nominal{kMaxRopes, 2 * kMaxRopes};
     DualActiveSet joint{kMaxRopes + 3 * kNumLegs, 2 * kMaxRopes + 4 * kNumLegs};
   };
   const QuadrupedModel model_{params.robot};
   Shared<Limbs> limbs_{this, "limbs", Uses(state), &RopeTensions::CalcLimbs};
-  Scratch<Watch> watch_{this, "watch", Watch()};
+  Scratch<Plan> memory_{this, "memory", Plan()};
   Workspace<Solvers> solvers_{this, "solvers"};
 
  public:
-  OutputPort<CableVector> command{
-      this,
-      {"command", "N", RopeElements(params.ropes)},
-      CableVector::Zero(static_cast<Eigen::Index>(params.ropes.size())),
-      Sampled{params.rate},
-      Uses(limbs_, ground, schedule, body, external, tension, share, watch_, solvers_),
-      &RopeTensions::CalcCommand};
+  OutputPort<Plan> plan{this,
+                        {"plan"},
+                        Sampled{params.rate},
+                        Uses(limbs_, ground, schedule, body, external, tension, share, memory_, solvers_),
+                        &RopeTensions::CalcPlan};
+  OutputPort<CableVector> command{this,
+                                  {"command", "N", RopeElements(params.ropes)},
+                                  CableVector::Zero(static_cast<Eigen::Index>(params.ropes.size())),
+                                  Sampled{params.rate},
+                                  Uses(plan),
+                                  &RopeTensions::CalcCommand};
+  OutputPort<CableVector> lost{this,
+                               {"lost", "", RopeElements(params.ropes)},
+                               CableVector::Zero(static_cast<Eigen::Index>(params.ropes.size())),
+                               Sampled{params.rate},
+                               Uses(plan),
+                               &RopeTensions::CalcLost};
   OutputPort<WrenchEstimate> wrench{
       this, {"wrench"}, Sampled{params.rate}, Uses(limbs_, tension), &RopeTensions::CalcWrench};
 
@@ -129,13 +143,22 @@ class RopeTensions final : public LeafSystem<RopeTensionsParams> {
 
  private:
   void CalcLimbs(const LeggedState& state, Limbs* limbs) const;
-  void CalcCommand(const Limbs& limbs, const GroundPlane& ground, const ContactSchedule& schedule,
-                   const BodyReference& body, const WrenchEstimate& external, const CableVector& tension,
-                   double share, Watch& watch, Solvers& solvers, CableVector* command) const;
+  void CalcPlan(const Limbs& limbs, const GroundPlane& ground, const ContactSchedule& schedule,
+                const BodyReference& body, const WrenchEstimate& external, const CableVector& tension,
+                double share, Plan& memory, Solvers& solvers, Plan* plan) const;
+  void CalcCommand(const Plan& plan, CableVector* command) const;
+  void CalcLost(const Plan& plan, CableVector* lost) const;
   WrenchEstimate CalcWrench(const Limbs& limbs, const CableVector& tension) const;
-  Bounds BoundsOf(const Watch& watch) const;
+  void Watch(const CableVector& tension, Plan* memory) const;
+  Bounds BoundsOf(const Plan& memory) const;
+  Support SupportOf(const GroundPlane& ground, const ContactSchedule& schedule) const;
+  Vec<6> WrenchOf(const Limbs& limbs, const BodyReference& body, const WrenchEstimate& external,
+                  bool hangs) const;
   Vec<kMaxRopes> Nominal(const UnitWrenches& ropes, const Vec<3>& normal, const Bounds& bounds, double share,
                          DualActiveSet& solver) const;
+  Vec<kMaxRopes> Distribute(const Limbs& limbs, const Support& support, const Vec<6>& wrench,
+                            const Vec<kMaxRopes>& nominal, const Bounds& bounds, double share,
+                            DualActiveSet& solver) const;
 };
 
 }  // namespace tenon

@@ -113,10 +113,12 @@ TEST(RopeTensionsTest, DoWithoutALostRope) {
   rig.Fix(rig->tension, CableVector(Vec<2>(0.2 * nominal[0], 0.9 * nominal[1])));
   for (int n = 0; n < 40; ++n) rig.Tick();
   EXPECT_THAT(rig[rig->command], IsNear(nominal, 1e-3));  // not yet
+  EXPECT_THAT(rig[rig->lost], IsNear(Vec<2>(0, 0), 0));
   for (int n = 0; n < 20; ++n) rig.Tick();
   const CableVector alone = rig[rig->command];
   EXPECT_NEAR(alone[0], 0, 1e-9);
   EXPECT_GT(alone[1], 1.2 * nominal[1]);
+  EXPECT_THAT(rig[rig->lost], IsNear(Vec<2>(1, 0), 0));
   rig.Fix(rig->tension, nominal).Tick();
   EXPECT_NEAR(rig[rig->command][0], 0, 1e-9);  // it stays lost
 }
