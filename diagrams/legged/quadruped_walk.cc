@@ -53,13 +53,13 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
       view(Add<WalkView>("view", WalkViewParams{params.world.plant.robot})),
       state(AddEstimator(params.estimator)) {
   const OutputPort<FootForces>& foot_forces = AddFootForces(params.world);
-  Connect(walk.command, locomotion.command);
   Connect(state, locomotion.state);
   Connect(foot_forces, locomotion.foot_forces);
   Connect(observer.wrench, locomotion.wrench);
   Connect(observer.leg_forces, locomotion.leg_forces);
   Connect(locomotion.torque, world.torque);
   ConnectKnownWrench(params);
+  Connect(params.ropes ? AddStop() : walk.command, locomotion.command);
   ConnectObserver(foot_forces);
   ConnectEvaluation();
 }
@@ -121,6 +121,22 @@ const OutputPort<WrenchEstimate>& QuadrupedWalk::AddRopes(const QuadrupedRopesPa
   Connect(world.state, ropes->robot);
   Connect(ropes->force, world.pull);
   return tensions->wrench;
+}
+
+/// Returns the command of the walk, which is to stand after the loss of a rope.
+const OutputPort<WalkCommand>& QuadrupedWalk::AddStop() {
+  const Rate rate = tensions->params.rate;
+  const std::vector<Rope>& all = tensions->params.ropes;
+  auto& lost = Add<UnitDelay<CableVector>>(
+      "lost_ropes",
+      UnitDelayParams<CableVector>{.initial = CableVector::Zero(static_cast<Eigen::Index>(all.size())),
+                                   .rate = rate,
+                                   .elements = RopeElements(all)});
+  Connect(tensions->lost, lost.u);
+  return AddFunction("stop", Sampled{rate}, Uses(walk.command, lost.y),
+                     [](const WalkCommand& planned, const CableVector& lost) {
+                       return lost.isZero(0) ? planned : WalkCommand{.height = planned.height};
+                     });
 }
 
 void QuadrupedWalk::ConnectKnownWrench(const QuadrupedWalkParams& params) {

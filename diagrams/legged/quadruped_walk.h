@@ -64,9 +64,10 @@ void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params, doubl
 /// reads the estimated ground plane of the last tick.
 ///
 /// With ropes, `tensions` commands the `winches` of the `ropes`, which pull at world.pull, and locomotion and
-/// observer know the wrench of the measured tensions. With `known_additions` they also know world.plant's
-/// `added_wrench`, one tick late and without errors, as a force sensor under the base of an arm measures it.
-/// The observer then estimates the other disturbances alone.
+/// observer know the wrench of the measured tensions. If a rope is lost, the robot stops and stands from then
+/// on, since the others may not hold it while it steps. With `known_additions` locomotion and observer also
+/// know world.plant's `added_wrench`, one tick late and without errors, as a force sensor under the base of
+/// an arm measures it. The observer then estimates the other disturbances alone.
 class QuadrupedWalk : public Subdiagram {
  public:
   explicit QuadrupedWalk(const QuadrupedWalkParams& params);
@@ -90,6 +91,7 @@ class QuadrupedWalk : public Subdiagram {
   const OutputPort<LeggedState>& AddEstimator(const std::optional<LeggedStateEstimatorParams>& params);
   const OutputPort<FootForces>& AddFootForces(const QuadrupedWorldParams& params);
   const OutputPort<WrenchEstimate>& AddRopes(const QuadrupedRopesParams& params);
+  const OutputPort<WalkCommand>& AddStop();
   void ConnectKnownWrench(const QuadrupedWalkParams& params);
   void ConnectObserver(const OutputPort<FootForces>& foot_forces);
   void ConnectEvaluation();
