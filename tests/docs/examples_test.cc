@@ -43,6 +43,12 @@ TEST(ExamplesTest, TheProgramOfThePredictiveTutorialShips) {
               ::testing::HasSubstr("```cpp\n" + Read("docs/examples/compose/predictive_walk.cc") + "```"));
 }
 
+TEST(ExamplesTest, TheFilesOfTheRobotOnRopesShip) {
+  const std::string page = Read("docs/limbs.md"), directory = "docs/examples/how_do_i/";
+  EXPECT_THAT(page, ::testing::HasSubstr("```yaml\n" + Read(directory + "three_ropes.yaml") + "```"));
+  EXPECT_THAT(page, ::testing::HasSubstr("```cpp\n" + Read(directory + "own_ropes.cc") + "```"));
+}
+
 /// The text without the blanks at the beginning of its lines.
 std::string WithoutIndentation(const std::string& text) {
   std::istringstream lines(text);
