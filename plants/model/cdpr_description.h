@@ -65,7 +65,7 @@ constexpr auto EnumNames(WinchMode) {
 /// A drum with several layers of cable, see plants/cdpr/layered_drum.h.
 struct DrumProperties {
   double radius = 0;           ///< radius of the first layer, to the cable's centreline [m]
-  double cable_diameter = 0;   ///< [m]
+  double cable_diameter = 0;   ///< diameter of the cable [m]
   double turns_per_layer = 0;  ///< the drum's width over the cable's diameter
   double cable_length = 0;     ///< total length, on the drum and paid out [m]
 
@@ -96,7 +96,7 @@ struct DrumProperties {
 struct DifferentialProperties {
   std::vector<std::array<int, 2>> pairs =
       {};                        ///< pairs of cables, counted from 0; other cables have a motor each
-  double motor_tension_max = 0;  ///< [N]
+  double motor_tension_max = 0;  ///< largest torque of a motor over the drum's radius [N]
 
   static FieldList Fields() {
     return {Required("pairs", &DifferentialProperties::pairs),
@@ -110,15 +110,15 @@ struct DifferentialProperties {
 /// The winch of a cable, reduced to the drum. Except for the pulley, controllers do not use the properties
 /// that have a default.
 struct WinchProperties {
-  WinchMode mode = WinchMode::kTension;
-  double time_constant = 0;  ///< first-order lag from the command to the motor [s]
+  WinchMode mode = WinchMode::kTension;  ///< whether the winch tracks tensions by a loop of its own
+  double time_constant = 0;              ///< first-order lag from the command to the motor [s]
   double reel_damping =
       0;  ///< tension error per reeling speed in tension mode, friction in torque mode [N s/m]
   double effective_mass =
       0;                     ///< rotor inertia over drum radius squared, gear included [kg]; torque mode only
   double pulley_radius = 0;  ///< radius of the pulley at the anchor; 0: a point [m]
-  std::optional<DrumProperties> drum = {};  ///< constant radius if not given
-  std::optional<DifferentialProperties> differential = {};
+  std::optional<DrumProperties> drum = {};                  ///< constant radius if not given
+  std::optional<DifferentialProperties> differential = {};  ///< none: a motor per drum
 
   static FieldList Fields() {
     return {{"mode", &WinchProperties::mode},
@@ -141,12 +141,12 @@ struct WinchProperties {
 /// Frames: W is the world, z up; B has its origin at the platform's CoM. The keys of a file are those of
 /// Fields(); the inertia is a list of three rows, or of the diagonal elements.
 struct CdprDescription {
-  std::string name;
-  double mass = 0;                                      ///< [kg]
-  Eigen::Matrix3d inertia_B = Eigen::Matrix3d::Zero();  ///< about the CoM, in B [kg m^2]
-  std::vector<CableDescription> cables;
-  CableProperties cable;
-  WinchProperties winch;
+  std::string name;                                     ///< name of the robot
+  double mass = 0;                                      ///< mass of the platform [kg]
+  Eigen::Matrix3d inertia_B = Eigen::Matrix3d::Zero();  ///< inertia about the CoM, in B [kg m^2]
+  std::vector<CableDescription> cables;                 ///< four cables or more
+  CableProperties cable;                                ///< properties of all cables
+  WinchProperties winch;                                ///< properties of all winches
 
   int num_cables() const { return static_cast<int>(cables.size()); }
 
