@@ -63,7 +63,8 @@ ScenarioApp CdprApp::AsScenarioApp() const {
         return RunCdpr(scenario, options, customisation);
       });
   app.keys = [customisation = customisation_] { return customisation.Keys(KeysOf<CdprScenario>()); };
-  app.files = {{"robot", "robots"}, {"hardware", "hardware/cdpr"}};
+  app.files = {
+      {"robot", "robots", &KeysOf<CdprDescription>}, {"profile", "profiles"}, {"hardware", "hardware/cdpr"}};
   return app;
 }
 

@@ -65,7 +65,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   std::shared_ptr<MpcFigures> solves;
   if (const CdprMpc* mpc = loop.control.mpc) {
     solves = std::make_shared<MpcFigures>(*mpc);
-    simulator.AddLog(Hz(scenario.mpc->rate_hz), MpcFigures::Signals(*mpc), {solves});
+    simulator.AddLog(Hz(scenario.mpc.rate_hz), MpcFigures::Signals(*mpc), {solves});
   }
   outputs.AddTo(simulator);
   signals.insert(signals.end(), faults.begin(), faults.end());

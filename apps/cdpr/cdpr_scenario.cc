@@ -3,8 +3,11 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/notes.h>
+#include <tenon/controllers/cdpr/tension_distribution.h>
+#include <tenon/diagrams/cdpr/cdpr_profile.h>
 #include <tenon/plants/multibody/attached_bodies.h>
 #include <tenon/plants/robots/load_robot.h>
+#include <tenon/plants/signals/euler.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 
@@ -150,36 +153,89 @@ void HangingLoadScenario::Validate() const {
                      swing_m.norm(), length_m));
 }
 
-void CdprScenario::Validate() const {
-  Demand(!IsMpc(controller) || mpc.has_value(),
-         fmt::format("controller '{}' needs the key mpc: add mpc with its weights", EnumName(controller)));
-}
-
 namespace {
 
-CdprMpcParams MakeMpcParams(const CdprScenario& scenario,
+/// Gains of a scenario, from its keys and for the others from its profile.
+struct CdprGains {
+  double horizon;  // s
+  int num_steps;
+  CdprMpcWeights weights;
+  double pd_stiffness_N_per_m, pd_damping_N_s_per_m;
+};
+
+CdprGains GainsOf(const CdprScenario& scenario, const CdprDescription& robot, const Eigen::Vector3d& start) {
+  const MpcScenario& mpc = scenario.mpc;
+  const PdScenario& pd = scenario.pd;
+  CdprProfile profile;
+  if (!mpc.horizon_s || !mpc.num_steps || !mpc.weights || !pd.stiffness_N_per_m || !pd.damping_N_s_per_m)
+    profile = Blame("profile", [&] { return LoadCdprProfile(scenario.profile, ScaleOf(robot, start)); });
+  // A horizon of the profile is a multiple of the period and has a period per step at least.
+  const double periods = std::max(1.0, std::round(profile.horizon * mpc.rate_hz));
+  const double horizon = mpc.horizon_s.value_or(periods / mpc.rate_hz);
+  const int most = std::max(1, static_cast<int>(std::lround(horizon * mpc.rate_hz)));
+  return {.horizon = horizon,
+          .num_steps = mpc.num_steps.value_or(std::min(profile.num_steps, most)),
+          .weights = mpc.weights.value_or(profile.weights),
+          .pd_stiffness_N_per_m = pd.stiffness_N_per_m.value_or(profile.pd_stiffness_N_per_m),
+          .pd_damping_N_s_per_m = pd.damping_N_s_per_m.value_or(profile.pd_damping_N_s_per_m)};
+}
+
+CdprMpcParams MakeMpcParams(const CdprScenario& scenario, const CdprGains& gains,
                             const std::shared_ptr<const EquilibriumPath>& path) {
-  const MpcScenario& mpc = *scenario.mpc;
+  const MpcScenario& mpc = scenario.mpc;
   CdprMpcParams params;
   params.path = path;
   params.equilibrium_input = scenario.controller != CdprController::kMpcZero;
-  params.horizon = mpc.horizon_s;
-  params.num_steps = mpc.num_steps;
-  params.weights = mpc.weights;
+  params.horizon = gains.horizon;
+  params.num_steps = gains.num_steps;
+  params.weights = gains.weights;
   params.terminal = mpc.final_weight;
-  params.terminal_weights = mpc.weights;
+  params.terminal_weights = gains.weights;
   params.slq.method = mpc.method;
   params.slq.bounds = mpc.bounds;
   params.rate = Hz(mpc.rate_hz);
   params.command_rate = Hz(mpc.command_rate_hz);
   params.max_fallbacks_in_a_row = mpc.max_fallbacks_in_a_row;
   if (scenario.controller == CdprController::kMpcThesis) {
-    params.num_steps = std::max(1, static_cast<int>(std::lround(mpc.horizon_s * mpc.rate_hz)));
+    params.num_steps = std::max(1, static_cast<int>(std::lround(gains.horizon * mpc.rate_hz)));
     params.terminal = TerminalCost::kGiven;
     params.slq.bounds = SlqBounds::kRollOutProjection;
     params.command_rate = params.rate;
   }
   return params;
+}
+
+/// Refuses a path on which winches cannot pay out as fast as the platform moves. A winch in tension mode with
+/// reel damping b pays out at dl/dt under the tension T if the motor's tension is T - b dl/dt. So tensions
+/// must exist that hold the platform and are higher than the smallest tension by b dl/dt.
+void CheckPayOut(const EquilibriumPath& equilibria) {
+  const CdprDescription& robot = equilibria.robot();
+  const Path& path = equilibria.path();
+  const double b = robot.winch.reel_damping;
+  if (robot.winch.mode != WinchMode::kTension) return;
+  const double begin = path.start_time();
+  const double end = path.is_periodic() ? path.TimeOf(4 * std::numbers::pi) : path.end_time();
+  constexpr int kSamples = 200;
+  constexpr double kTolerance = 1e-3;  // interpolated attitudes are equilibria only nearly
+  CdprReference at;
+  for (int k = 0; k <= kSamples; ++k) {
+    const double time = begin + (end - begin) * k / kSamples;
+    equilibria.At(time, &at);
+    const CableVector least = (b * at.length_rate).cwiseMax(0).array() + robot.cable.tension_min;
+    const CableMatrix6 structure =
+        CalcCableKinematics(robot, at.position, RotationFromEuler(at.euler)).structure;
+    const Vector6d wrench = -GravityWrench(robot) - structure * least;
+    if (DistributeTension(structure, wrench, 0, robot.cable.tension_max, 0, kTolerance).feasible) continue;
+    Eigen::Index i = 0;
+    at.length_rate.maxCoeff(&i);
+    throw ParameterError(
+        fmt::format("winch.reel_damping_N_s_per_m = {:.4g} is too high for the path: at {:.4g} s cable {} "
+                    "has to pay out at {:.3g} "
+                    "m/s, which takes {:.3g} N more than the smallest tension, but no such tensions hold the "
+                    "platform; lower "
+                    "it, or slow down the path",
+                    b, time, i, at.length_rate[i], b * at.length_rate[i]));
+  }
 }
 
 }  // namespace
@@ -189,10 +245,8 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   params.robot = Blame("robot", [&] { return LoadCdpr(scenario.robot); });
   CdprDescription believed = params.robot;
   if (!scenario.known_pulleys) believed.winch.pulley_radius = 0;
-  if (scenario.mpc) {
-    believed.mass *= 1 + scenario.mpc->mass_error;
-    believed.inertia_B *= 1 + scenario.mpc->mass_error;
-  }
+  believed.mass *= 1 + scenario.mpc.mass_error;
+  believed.inertia_B *= 1 + scenario.mpc.mass_error;
   const PlatformPath path = Blame("path", [&] { return scenario.path.Make(); });
   const auto equilibria = [&](const CdprDescription& robot) {
     return std::make_shared<EquilibriumPath>(
@@ -209,15 +263,17 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
       throw KeyError("mpc.mass_error", error.what());
     }
   });
+  Blame("robot", [&] { CheckPayOut(*params.path); });
+  const CdprGains gains = GainsOf(scenario, believed, path.position.At(path.position.start_time()).position);
   if (IsMpc(scenario.controller))
     params.mpc = Blame("mpc", [&] {
-      CdprMpcParams mpc = MakeMpcParams(scenario, params.path);
+      CdprMpcParams mpc = MakeMpcParams(scenario, gains, params.path);
       mpc.Validate();
       return mpc;
     });
   params.feedforward = scenario.controller == CdprController::kPdFeedforward;
   params.offset_free = scenario.controller == CdprController::kPdOffsetFree ||
-                       (scenario.controller == CdprController::kMpcEquilibrium && scenario.mpc->offset_free);
+                       (scenario.controller == CdprController::kMpcEquilibrium && scenario.mpc.offset_free);
   LoadEstimatorParams& load = params.load.emplace(MakeLoadEstimator(params.mpc.has_value()));
   load.robot = params.robot;
   load.rate = Hz(scenario.noise.pose_rate_hz);
@@ -227,8 +283,8 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   params.start_offset = scenario.start_offset_m;
   params.start_turn = scenario.start_turn_rad;
   params.control_rate = Hz(scenario.pd.rate_hz);
-  params.pd_stiffness_N_per_m = scenario.pd.stiffness_N_per_m;
-  params.pd_damping_N_s_per_m = scenario.pd.damping_N_s_per_m;
+  params.pd_stiffness_N_per_m = gains.pd_stiffness_N_per_m;
+  params.pd_damping_N_s_per_m = gains.pd_damping_N_s_per_m;
   params.payload.payload = {scenario.payload.mass_kg, scenario.payload.position_m};
   params.payload.attach_s = scenario.payload.attach_s;
   params.payload.release_s = scenario.payload.release_s;

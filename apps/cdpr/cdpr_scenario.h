@@ -91,26 +91,27 @@ struct PathScenario {
   PlatformPath Make() const;  ///< throws ParameterError
 };
 
-/// PD control of the cable lengths, see CablePd.
+/// PD control of the cable lengths, see CablePd. Empty gains are those of the profile.
 struct PdScenario {
-  double stiffness_N_per_m = 0;                         ///< K_p of the cable lengths
-  double damping_N_s_per_m = 0;                         ///< K_d of the rates of the cable lengths
+  std::optional<double> stiffness_N_per_m;              ///< K_p of the cable lengths
+  std::optional<double> damping_N_s_per_m;              ///< K_d of the rates of the cable lengths
   double rate_hz = CdprLoopParams().control_rate.hz();  ///< sample rate of the controller
 
   static FieldList Fields() {
-    return {Required("stiffness_N_per_m", &PdScenario::stiffness_N_per_m).Positive(),
-            Required("damping_N_s_per_m", &PdScenario::damping_N_s_per_m).AtLeast(0),
+    return {Field("stiffness_N_per_m", &PdScenario::stiffness_N_per_m).Positive(),
+            Field("damping_N_s_per_m", &PdScenario::damping_N_s_per_m).AtLeast(0),
             Field("rate_hz", &PdScenario::rate_hz).In(Rates())};
   }
 };
 
-/// Model predictive control of the platform, see CdprMpc.
+/// Model predictive control of the platform, see CdprMpc. Empty horizon, steps and weights are those of the
+/// profile.
 struct MpcScenario {
-  double horizon_s = CdprMpcParams().horizon;                  ///< length of the horizon
-  int num_steps = CdprMpcParams().num_steps;                   ///< number of steps of the horizon
+  std::optional<double> horizon_s;                             ///< length of the horizon
+  std::optional<int> num_steps;                                ///< number of steps of the horizon
   double rate_hz = CdprMpcParams().rate.hz();                  ///< rate of the solves
   double command_rate_hz = CdprMpcParams().command_rate.hz();  ///< rate of the feedback along the plan
-  CdprMpcWeights weights;
+  std::optional<CdprMpcWeights> weights;    ///< weights of the squared errors, per second of the horizon
   StepMethod method = SlqOptions().method;  ///< integration method of the model
   SlqBounds bounds = SlqOptions().bounds;   ///< handling of the tension bounds in the solver
   /// Weight of the state at the end of the horizon; `diagonal` is `weights` times one second.
@@ -126,7 +127,7 @@ struct MpcScenario {
             Field("num_steps", &MpcScenario::num_steps).Between(1, 1000),
             Field("rate_hz", &MpcScenario::rate_hz).In(Rates()),
             Field("command_rate_hz", &MpcScenario::command_rate_hz).In(Rates()),
-            Required("weights", &MpcScenario::weights),
+            {"weights", &MpcScenario::weights},
             {"method", &MpcScenario::method},
             {"bounds", &MpcScenario::bounds},
             {"final_weight", &MpcScenario::final_weight},
@@ -253,8 +254,10 @@ struct CdprScenario {
   std::uint64_t seed = kRecommendedSeed;  ///< seed of all random streams
   CdprController controller = CdprController::kPd;  ///< controller that commands the tensions
   PathScenario path;                                ///< path of the platform
-  PdScenario pd;                                    ///< gains of the PD controllers
-  std::optional<MpcScenario> mpc;                   ///< parameters of the MPCs, which require them
+  /// Gains for robots of all sizes, see CdprProfile; used where `pd` and `mpc` give none.
+  YamlFile profile{"cable_robot"};
+  PdScenario pd;    ///< gains of the PD controllers
+  MpcScenario mpc;  ///< parameters of the MPCs
   LoadEstimateScenario load;
   bool known_pulleys = true;  ///< whether controllers and estimators model the pulleys of the robot
   Eigen::Vector3d start_offset_m{0, 0, 0};  ///< initial offset of the platform from the path
@@ -292,7 +295,8 @@ struct CdprScenario {
             {"seed", &CdprScenario::seed},
             {"controller", &CdprScenario::controller},
             Required("path", &CdprScenario::path),
-            Required("pd", &CdprScenario::pd),
+            {"profile", &CdprScenario::profile},
+            {"pd", &CdprScenario::pd},
             {"mpc", &CdprScenario::mpc},
             {"load", &CdprScenario::load},
             {"known_pulleys", &CdprScenario::known_pulleys},
@@ -316,7 +320,6 @@ struct CdprScenario {
             {"parameters", &CdprScenario::parameters},
             {"custom", &CdprScenario::custom}};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Returns the diagram's parameters for a scenario. Reads the robot's file and computes the equilibria along

@@ -239,12 +239,21 @@ bool PrintsInstead(const CommonArguments& arguments, const ScenarioApp& app) {
     if (scenario && app.check) app.check(*scenario);
     if (scenario) scenario = scenario->WithAbsolutePaths();
     std::vector<ScenarioKey> keys = app.keys();
-    for (const auto& [name, kind] : app.files) {
+    for (const auto& [name, kind, known] : app.files) {
       std::string file = scenario ? scenario->Value(name) : "";
       if (const auto key = std::ranges::find(keys, name, &ScenarioKey::key);
           file.empty() && key != keys.end())
         file = key->initial;
-      for (ScenarioKey& inner : KeysOfFile(kind, {file}, name)) keys.push_back(std::move(inner));
+      const std::vector<ScenarioKey> meant = known ? known() : std::vector<ScenarioKey>();
+      for (ScenarioKey& inner : KeysOfFile(kind, {file}, name)) {
+        const auto same = std::ranges::find_if(
+            meant, [&](const ScenarioKey& key) { return name + "." + key.key == inner.key; });
+        if (same != meant.end()) {
+          inner.range = same->range;
+          inner.meaning = same->meaning;
+        }
+        keys.push_back(std::move(inner));
+      }
     }
     PrintKeys(keys);
   }

@@ -18,7 +18,7 @@ Range Latencies() {
 }
 
 Range Places() {
-  return Range().Between(-100, 100);
+  return Range().Between(-1000, 1000);
 }
 
 }  // namespace tenon::apps

@@ -40,14 +40,22 @@ struct AppScenario {
   static FieldList With(FieldList own);
 };
 
+/// A key of a scenario that names a resource.
+struct ScenarioFile {
+  std::string key;   ///< robot
+  std::string kind;  ///< robots, see FindResource()
+  /// Returns the keys of such files, for their meanings; may be null.
+  std::vector<ScenarioKey> (*keys)() = nullptr;
+};
+
 /// The interface of an app for campaigns. `check` and `run` may be called by several threads at once.
 struct ScenarioApp {
   std::string name;         ///< value of the scenarios' key `app`; empty: any
   std::string description;  ///< text for --help
   /// Returns all keys of its scenarios.
   std::function<std::vector<ScenarioKey>()> keys;
-  /// Keys that name a resource, and the kind of resource: {"robot", "robots"}. --set can change its values.
-  std::vector<std::pair<std::string, std::string>> files{};
+  /// Keys that name a resource. --set can change its values.
+  std::vector<ScenarioFile> files{};
   /// Checks a scenario without a run. Throws ParameterError.
   std::function<void(const YamlDocument& scenario)> check;
   /// Runs a scenario without random values for its own duration or `duration` [s]. Throws ParameterError with

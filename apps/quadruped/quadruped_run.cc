@@ -79,7 +79,7 @@ RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& opti
       params.observer.kind != ObserverKind::kNone, MakePathVerdict(*scenario.walk, options.live != nullptr));
 }
 
-std::vector<std::pair<std::string, std::string>> LeggedFiles() {
+std::vector<ScenarioFile> LeggedFiles() {
   return {
       {"robot", "robots"}, {"walk.gaits", "gaits"}, {"profile", "profiles"}, {"hardware", "hardware/legged"}};
 }

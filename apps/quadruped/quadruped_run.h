@@ -3,10 +3,10 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/customisation.h>
 #include <tenon/apps/common/run_scenario.h>
+#include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace tenon::apps {
@@ -44,7 +44,7 @@ inline constexpr KeyOfBlock kKeysOfLegged[] = {
 };
 
 /// The keys of a scenario that name shipped files, and the kinds of these files.
-std::vector<std::pair<std::string, std::string>> LeggedFiles();
+std::vector<ScenarioFile> LeggedFiles();
 
 /// Runs one scenario, in the diagram of a walk that `customisation` changes. Throws KeyError and the errors
 /// of the outputs.

@@ -142,6 +142,8 @@ struct Page {
 const Page kPages[] = {
     {"tenon-cdpr", "the cable robot", &internal::TypeInfoOf<apps::CdprScenario>,
      &apps::KeysOf<apps::CdprScenario>},
+    {"Cable robots", "the file of a cable robot, see [cable_robots.md](cable_robots.md)",
+     &internal::TypeInfoOf<CdprDescription>, &apps::KeysOf<CdprDescription>},
     {"tenon-quadruped", "the quadruped; tenon-gait-stability has the same keys",
      &internal::TypeInfoOf<apps::QuadrupedScenario>, &apps::KeysOf<apps::QuadrupedScenario>},
     {"tenon-guide-dog", "the quadruped with a person on a leash",

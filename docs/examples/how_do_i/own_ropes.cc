@@ -2,9 +2,9 @@
 
 #include <tenon/systems/yaml/yaml.h>
 
-#include <vector>
-
 #include "../compose/walk.h"
+
+#include <vector>
 
 struct Climb {
   tenon::TerrainParams terrain;

@@ -2,6 +2,9 @@
 
 #include <tenon/tests/apps/run_app.h>
 
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -69,6 +72,37 @@ TEST_F(TenonCdprTest, FliesARobotOfTwelveCables) {
 }
 
 // The load estimator finds the weight of the arm, 12.8 N.
+// From 0.125 kg to 30 t, without gains in the scenario. Two seconds of the platform's time t = sqrt(l / g),
+// see CdprProfile.
+TEST_F(TenonCdprTest, FliesRobotsOfAllSizesWithOneSetOfGains) {
+  struct Flight {
+    std::string robot, center, attitude;
+    double radius, t;
+  };
+  for (const Flight& flight :
+       {Flight{"segesta", "[0, 0, 0.5]", " --set 'path.attitude_rad=[0, 0, 0]'", 0.1, 0.32},
+        Flight{"fast", "[0, 0, 140]", "", 30, 5.7}}) {
+    Run(fmt::format(
+        "circle --duration {} --set robot={} --set 'path.center_m={}' --set path.radius_m={} --set "
+        "path.period_s={} --set path.ramp_s={}{}",
+        4 * flight.t, flight.robot, flight.center, flight.radius, 13 * flight.t, 0.65 * flight.t,
+        flight.attitude));
+    EXPECT_LT(nlohmann::json::parse(Summary())["tracking_error_rms_m"].get<double>(), 0.01 * flight.radius)
+        << flight.robot;
+  }
+}
+
+TEST_F(TenonCdprTest, RefusesAPathOnWhichWinchesCannotPayOut) {
+  ExpectRefused(
+      {{"circle --set 'robot={file: robocrane, mass_kg: 1, inertia_kg_m2: [1, 1, 1]}' --set "
+        "'path.center_m=[0, 0, 1.5]' --set path.radius_m=0.3",
+        "robot: winch.reel_damping_N_s_per_m"}});
+}
+
+TEST_F(TenonCdprTest, RefusesAProfileOfAWalkingRobot) {
+  ExpectSettingsRefused("circle", {"profile=standard"});
+}
+
 TEST_F(TenonCdprTest, FliesWithASwingingArm) {
   Run("D1-arm --duration 2");
   EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
@@ -174,7 +208,7 @@ TEST_F(TenonCdprTest, RefusesBadSettings) {
 TEST_F(TenonCdprTest, RefusesSettingsThatDoNotFitTogether) {
   ExpectRefused(
       {{"D1 --controller pd --compare", "--controller excludes --compare"},
-       {"D1 --set mpc=null", "D1.yaml:15:13: controller: "},
+       {"D1 --set mpc=null", ": mpc: "},
        {"D1 --set 'payload={attach_s: 2, release_s: 1}'", ": payload.release_s: "},
        {"D1 --set 'payload={mass_kg: 1, position_m: [1e6, 0, 0]}'", ": payload.position_m.0: "},
        {"D1 --set path.center_m=[0,0,5]", "D1.yaml:9:3: path: "},
@@ -308,8 +342,9 @@ TEST_F(TenonCdprTest, RefusesAWrongPathFileWithItsLine) {
 TEST(TenonCdprKeysTest, ListsKeysWithTheirMeanings) {
   const Result keys = RunCommand(TENON_CDPR " --keys");
   EXPECT_EQ(keys.exit_code, 0);
-  EXPECT_THAT(keys.text, AllOf(ContainsRegex("path\\.ramp_s +number +s +at least 0 +5 +[a-z]+"),
-                               HasSubstr("faults[].at"), HasSubstr("robot.cable_properties.")));
+  EXPECT_THAT(keys.text,
+              AllOf(ContainsRegex("path\\.ramp_s +number +s +at least 0 +5 +[a-z]+"),
+                    HasSubstr("faults[].at"), ContainsRegex("robot\\.mass_kg .* mass of the platform")));
   EXPECT_EQ(RunCommand(TENON_CDPR " D1 --keys").exit_code, 0);
   EXPECT_THAT(RunCommand(TENON_CDPR " D1 --keys --set robot=mine.yaml").text,
               HasSubstr("--set robot=mine.yaml: robot: "));
