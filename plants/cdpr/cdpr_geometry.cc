@@ -1,12 +1,15 @@
 #include <tenon/plants/cdpr/cdpr_geometry.h>
 
+#include <algorithm>
 #include <numbers>
 #include <string>
 
 namespace tenon {
 namespace {
 
-constexpr double kCableRadius = 0.008;       // [m]
+constexpr double kCableRadius = 0.008, kAnchorRadius = 0.05, kPostRadius = 0.025;  // up to kSpan [m]
+constexpr double kSpan =
+    6;  // cables and posts of robots with a larger span are thicker, as seen from farther away [m]
 constexpr double kPlatformThickness = 0.04;  // least thickness, for attachments in one plane [m]
 constexpr double kForceScale = 0.01;         // [m/N]
 constexpr double kPayloadRadius = 0.05;      // [m]
@@ -22,6 +25,15 @@ std::size_t PiecesPerCable(const CdprDescription& robot) {
   return robot.cable.mass_per_length > 0 ? kSaggingPieces : 1;
 }
 
+/// Factor of the thickness of cables, anchors and posts.
+double Thickening(const CdprDescription& robot) {
+  Vec<3> center = Vec<3>::Zero();
+  for (const CableDescription& cable : robot.cables) center += cable.anchor_W / robot.num_cables();
+  double span = kSpan;
+  for (const CableDescription& cable : robot.cables) span = std::max(span, (cable.anchor_W - center).norm());
+  return span / kSpan;
+}
+
 }  // namespace
 
 Eigen::Vector3d PlatformBox(const CdprDescription& robot) {
@@ -31,6 +43,7 @@ Eigen::Vector3d PlatformBox(const CdprDescription& robot) {
 }
 
 Geometry MakeCdprGeometry(const CdprDescription& robot) {
+  const double thicker = Thickening(robot);
   Geometry shapes(kFirstCable);
   shapes[kPlatform] = Shape::Box(ShapeRole::kBody, "platform", 2 * PlatformBox(robot));
   shapes[kPath] = Shape::Trace(ShapeRole::kBody, "path of the platform");
@@ -38,15 +51,16 @@ Geometry MakeCdprGeometry(const CdprDescription& robot) {
   shapes[kForce] = Shape::Arrow(ShapeRole::kDisturbance, "external force", kForceScale);
   for (std::size_t i = 0; i < robot.cables.size(); ++i)
     for (std::size_t k = 0; k < PiecesPerCable(robot); ++k)
-      shapes.push_back(Shape::Segment(ShapeRole::kLine, "cable " + std::to_string(i), kCableRadius, "N"));
+      shapes.push_back(
+          Shape::Segment(ShapeRole::kLine, "cable " + std::to_string(i), thicker * kCableRadius, "N"));
   if (robot.winch.pulley_radius > 0)
     for (std::size_t i = 0; i < robot.cables.size(); ++i)
       shapes.push_back(Shape::Cylinder(ShapeRole::kFixture, "pulley " + std::to_string(i),
                                        robot.winch.pulley_radius, kPulleyWidth));
   for (std::size_t i = 0; i < robot.cables.size(); ++i) {
-    Shape anchor = Shape::Sphere(ShapeRole::kFixture, "anchor " + std::to_string(i), 0.05);
+    Shape anchor = Shape::Sphere(ShapeRole::kFixture, "anchor " + std::to_string(i), thicker * kAnchorRadius);
     anchor.p_W = robot.cables[i].anchor_W;
-    Shape post = Shape::Segment(ShapeRole::kFixture, "post " + std::to_string(i), 0.025);
+    Shape post = Shape::Segment(ShapeRole::kFixture, "post " + std::to_string(i), thicker * kPostRadius);
     post.p_W = {anchor.p_W[0], anchor.p_W[1], 0};
     post.vector_W = {0, 0, anchor.p_W[2]};
     shapes.push_back(std::move(anchor));
