@@ -110,7 +110,8 @@ std::string YamlDocument::Placed(std::string_view dotted_key, std::string_view m
   std::string path(dotted_key);
   const YamlTree& blamed = whole ? internal::BlamedBy(*found, &path, &message) : *found;
   if (path.empty()) return fmt::format("{}: {}", name_, message);
-  return fmt::format("{}: {}: {}", blamed.place, path, internal::WithOverrides(message, *found, blamed));
+  return fmt::format("{}: {}: {}", internal::PlaceIn(*found, blamed), path,
+                     internal::WithOrigins(message, *found, blamed));
 }
 
 void YamlDocument::RefuseRenamed(const std::vector<RenamedKey>& renamed) const {

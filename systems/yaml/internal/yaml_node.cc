@@ -65,7 +65,8 @@ void YamlNode::Fail(std::string_view what) const {
 void YamlNode::FailValidation(std::string_view what) const {
   std::string path = path_;
   const YamlTree& blamed = BlamedBy(*tree_, &path, &what);
-  YamlNode(blamed, path).Fail(WithOverrides(what, *tree_, blamed));
+  FailAt(PlaceIn(*tree_, blamed),
+         fmt::format("{}{}{}", path, path.empty() ? "" : ": ", WithOrigins(what, *tree_, blamed)));
 }
 
 void YamlNode::Read(const TypeInfo& type, void* value) const {

@@ -253,6 +253,17 @@ const YamlTree& BlamedBy(const YamlTree& tree, std::string* path, std::string_vi
 
 namespace {
 
+/// Returns the file of a value, without line and column.
+std::string_view FileOf(const YamlTree& tree) {
+  const std::string_view place = tree.place;
+  return place.substr(0, place.rfind(':', place.rfind(':') - 1));
+}
+
+/// Returns whether a value in `tree` comes from another file.
+bool Inherits(const YamlTree& tree, const YamlTree& value) {
+  return !tree.overridden && !value.overridden && FileOf(tree) != FileOf(value);
+}
+
 void ListOverrides(const YamlTree& tree, std::vector<std::string>& places) {
   if (tree.overridden && std::ranges::count(places, tree.place) == 0) places.push_back(tree.place);
   for (const YamlTree& child : tree.children) ListOverrides(child, places);
@@ -260,12 +271,17 @@ void ListOverrides(const YamlTree& tree, std::vector<std::string>& places) {
 
 }  // namespace
 
-std::string WithOverrides(std::string_view message, const YamlTree& tree, const YamlTree& blamed) {
+const std::string& PlaceIn(const YamlTree& tree, const YamlTree& blamed) {
+  return Inherits(tree, blamed) ? tree.place : blamed.place;
+}
+
+std::string WithOrigins(std::string_view message, const YamlTree& tree, const YamlTree& blamed) {
   std::vector<std::string> places;
   if (!tree.overridden) ListOverrides(tree, places);
   std::string text(message);
   for (const std::string& place : places)
     if (place != blamed.place) text += fmt::format(" (with {})", place);
+  if (Inherits(tree, blamed)) text += fmt::format(" (inherited from {})", blamed.place);
   return text;
 }
 

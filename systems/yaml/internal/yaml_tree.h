@@ -60,8 +60,13 @@ std::optional<std::size_t> IndexIn(const YamlTree& list, std::string_view key);
 /// `tree` if there is no key.
 const YamlTree& BlamedBy(const YamlTree& tree, std::string* path, std::string_view* message);
 
-/// Appends the settings of --set in `tree` other than `blamed` to a message: " (with --set a.b=3)".
-std::string WithOverrides(std::string_view message, const YamlTree& tree, const YamlTree& blamed);
+/// Returns the place of a message about the value `blamed` in `tree`. If `tree` inherits it from another
+/// file, this is the place of `tree`.
+const std::string& PlaceIn(const YamlTree& tree, const YamlTree& blamed);
+
+/// Appends to a message the settings of --set in `tree` other than `blamed`, " (with --set a.b=3)", and the
+/// place of `blamed` if `tree` inherits it, " (inherited from base.yaml:2:3)".
+std::string WithOrigins(std::string_view message, const YamlTree& tree, const YamlTree& blamed);
 
 /// Returns whether a value is a path: it ends in .yaml, .urdf or .csv.
 bool IsPath(const YamlTree& tree);

@@ -369,7 +369,7 @@ TEST_F(TenonQuadrupedTest, RefusesSettingsThatDoNotFitTogether) {
        {"stand --set pd.stiffness_N_m_per_rad=0", "stand.yaml:9:3: pd: block 'loop': block 'pd': "},
        {"stand --set integrator.method=stabilized --set integrator.order=4", ": integrator.order: "},
        {"flat --set 'profile.observer.legs.butterworth={order: 3, bandwidth_rad_per_s: 100}'",
-        "standard.yaml:71:23: observer.legs.gains_per_s: "},
+        ": profile.observer.legs: observer.legs.gains_per_s: "},
        {"stand --set 'payload={mass_kg: 1, slides: {reach_m: [-1, 0]}}'", ": payload.slides.reach_m.0: "},
        {"stand --set 'payload={mass_kg: 1, slides: {friction: 11}}'", ": payload.slides.friction: "},
        {"stand --set 'payload={mass_kg: 1, position_m: [0, 0, -1.5]}'", ": payload.position_m: "},

@@ -289,6 +289,23 @@ TEST(YamlAddMissingTest, MapsMergeWhileListsAndScalarsStand) {
   EXPECT_EQ(robot.tail->hip.z(), 3);
 }
 
+// A user can correct the file that inherits a value, but maybe not the file in which the value stands.
+TEST(YamlAddMissingTest, AnInheritedValueIsPlacedInTheSectionThatInheritsIt) {
+  auto document = YamlDocument::Parse("tail: {hip_m: [0, 0, 0]}", "robot.yaml");
+  document.AddMissing(YamlDocument::Parse("steps: 2\ntail: {mass_kg: 3}\nlegs: [{mass_kg: 0}]", "base.yaml"));
+  EXPECT_EQ(document.Placed("tail", "mass_kg: too heavy"),
+            "robot.yaml:1:7: tail.mass_kg: too heavy (inherited from base.yaml:2:17)");
+  EXPECT_EQ(document.Placed("tail", "hip_m: too wide"), "robot.yaml:1:15: tail.hip_m: too wide");
+  EXPECT_EQ(document.Placed("legs.0", "mass_kg: too light"), "base.yaml:3:18: legs.0.mass_kg: too light")
+      << "a section of the other file alone";
+  document.Set("tail.mass_kg", "4");
+  EXPECT_EQ(document.Placed("tail", "mass_kg: too heavy"), "--set tail.mass_kg=4: tail.mass_kg: too heavy");
+}
+
+TEST(YamlReadTest, SkipsAByteOrderMark) {
+  EXPECT_EQ(ReadRobot("\xEF\xBB\xBFname: a\n").name, "a");
+}
+
 TEST(YamlSetTest, ErrorsNameTheOverride) {
   EXPECT_THAT(SetError("steps: 1", "steps", "x"), StartsWith("--set steps=x: steps: "));
   EXPECT_THAT(SetError("steps: 1", "stops", "2"), StartsWith("--set stops=2: stops: "));
