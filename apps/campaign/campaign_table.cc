@@ -126,7 +126,8 @@ class Lines {
     if (!in_ || !std::filesystem::is_regular_file(file, ignored))
       throw ParameterError(fmt::format(
           "cannot read '{}'; check that this is the output directory of a campaign", file.string()));
-    if (!Next()) return;  // empty, or an incomplete header
+    if (!Next()) return;                                       // empty, or an incomplete header
+    if (line_.starts_with("\xEF\xBB\xBF")) line_.erase(0, 3);  // a byte-order mark
     columns_ = Cells(line_);
     if (columns_.size() < 2 || columns_[0] != "run")
       throw ParameterError(fmt::format(
@@ -140,12 +141,14 @@ class Lines {
     ++number_;
     if (!std::getline(in_, line_) || in_.eof()) return false;
     end_ += static_cast<std::streamoff>(line_.size()) + 1;
+    RemoveReturn();
     return true;
   }
   void GoTo(std::streamoff at) {
     in_.clear();
     in_.seekg(at);
     std::getline(in_, line_);
+    RemoveReturn();
   }
   std::string place() const { return fmt::format("{}:{}", file_.string(), number_); }
   std::pair<std::size_t, CampaignRow> Row() const {
@@ -163,6 +166,10 @@ class Lines {
   }
 
  private:
+  /// Removes the carriage return that a spreadsheet writes at the end of a line.
+  void RemoveReturn() {
+    if (line_.ends_with('\r')) line_.pop_back();
+  }
   std::filesystem::path file_;
   std::ifstream in_;
   std::string line_;
