@@ -6,6 +6,7 @@ import collections.abc
 import csv
 import math
 import pathlib
+import warnings
 from typing import Any, Iterator, Mapping
 
 from tenon.data import PathLike, Share, column, quantiles, read_json, wilson
@@ -23,7 +24,7 @@ class Campaign(collections.abc.Mapping):
         """Reads the files, also of a campaign that has not ended. Raises DataError if one is missing or damaged."""
         self.directory = pathlib.Path(directory)
         self.exit_code = exit_code  #: 0, 130 or 143 (stopped); None if only read
-        self._columns = _read_table(self.directory / "runs.csv")
+        self._columns, self._not_computed = _read_table(self.directory / "runs.csv")
         summary = self.directory / "summary.json"
         self.figures: dict[str, Any] = read_json(summary) if summary.exists() else {}  #: empty before the end
 
@@ -64,9 +65,15 @@ class Campaign(collections.abc.Mapping):
     def quantiles(self, name: str, probabilities: tuple[float, ...] = (0.1, 0.5, 0.9)) -> list[float]:
         """Returns quantiles of a column of numbers. Runs without this number do not count; NaN if no run has it.
 
-        Raises UnknownName, and ValueError if the column is not numbers or a probability is not from 0 to 1.
+        Warns if the computation of a number gave NaN, which is an error. Raises UnknownName, and ValueError if the
+        column is not numbers or a probability is not from 0 to 1.
         """
-        return quantiles(self.numbers(name), probabilities)
+        numbers = self.numbers(name)
+        errors = len(self._not_computed.get(name, set()).intersection(self._columns["run"]))
+        if errors:
+            warnings.warn(f"{errors} of {len(numbers)} runs do not count, because the computation of '{name}' gave NaN",
+                          RuntimeWarning, stacklevel=2)
+        return quantiles(numbers, probabilities)
 
     def share(self, name: str = "finished") -> Share:
         """Returns the share of runs for which a column is true, by default of those that survived.
@@ -110,15 +117,17 @@ class Campaign(collections.abc.Mapping):
     def _part(self, places: list[int]) -> Campaign:
         part = Campaign.__new__(Campaign)
         part.directory, part.exit_code, part.figures = self.directory, self.exit_code, self.figures
+        part._not_computed = self._not_computed
         part._columns = {name: [values[i] for i in places] for name, values in self._columns.items()}
         return part
 
 
-def _read_table(path: pathlib.Path) -> dict[str, list[Any]]:
+def _read_table(path: pathlib.Path) -> tuple[dict[str, list[Any]], dict[str, set[int]]]:
+    """Returns the columns, and for each column the runs in which the computation of the number gave NaN."""
     rows: dict[int, list[str]] = {}
     number = 1
     try:
-        with open(path, newline="", encoding="utf-8") as file:
+        with open(path, newline="", encoding="utf-8-sig") as file:
             # The last line is incomplete if the program was killed while it wrote.
             lines = csv.reader(line for line in file if line.endswith("\n"))
             header = next(lines, [])
@@ -133,7 +142,10 @@ def _read_table(path: pathlib.Path) -> dict[str, list[Any]]:
     except ValueError as error:
         raise DataError(f"{path}:{number}: {error}; use a table of tenon-campaign with at least one run") from None
     columns = zip(*(rows[run] for run in sorted(rows))) if rows else [()] * len(header)
-    return {name: _typed(name, texts) for name, texts in zip(header, columns)}
+    table = dict(zip(header, columns))
+    not_computed = {name: {int(run) for run, text in zip(table["run"], texts) if text == "NaN"}
+                    for name, texts in table.items()}
+    return {name: _typed(name, texts) for name, texts in table.items()}, not_computed
 
 
 def _typed(name: str, texts: tuple[str, ...]) -> list[Any]:

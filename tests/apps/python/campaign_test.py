@@ -3,6 +3,7 @@ import math
 import random
 import statistics
 import unittest
+import warnings
 
 import fixtures
 import tenon
@@ -50,6 +51,22 @@ class Table:
         self.assertTrue(math.isnan(self.campaign.where({"run": 5}).quantiles("error_max_m")[1]))
         with self.assertRaisesRegex(ValueError, "'scheme'.*runs.csv"):
             self.campaign.quantiles("scheme")
+
+    def test_numbers_that_were_not_computed(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # a figure without data is no error
+            self.campaign.quantiles("error_max_m")
+        campaign = tenon.read(self.write_campaign(fixtures.RUNS.replace("true,0.3,", "false,NaN,")))
+        self.assertTrue(math.isnan(campaign["error_max_m"][1]))
+        with self.assertWarnsRegex(RuntimeWarning, "1 of 5 runs.*'error_max_m' gave NaN"):
+            self.assertAlmostEqual(campaign.quantiles("error_max_m")[1], 0.15)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            campaign.where({"scheme": "thesis"}).quantiles("error_max_m")
+
+    def test_table_of_a_spreadsheet(self):
+        (self.out / "runs.csv").write_bytes(b"\xef\xbb\xbf" + fixtures.RUNS.replace("\n", "\r\n").encode())
+        self.assertEqual(dict(tenon.read(self.out).items())["end_reason"][2], "fell, at 2 s")
 
     def test_share(self):
         self.assertEqual(self.campaign.share(), wilson(3, 5, 0.9))
