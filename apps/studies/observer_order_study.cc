@@ -3,6 +3,7 @@
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_app.h>
+#include <tenon/apps/common/tally.h>
 #include <tenon/apps/studies/observer_order_scenario.h>
 #include <tenon/apps/studies/observer_order_study.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
@@ -34,12 +35,16 @@ class StepFigures final : public LogSink {
     if (row[0] < start_) return;
     const Eigen::Vector3d estimate(row[estimate_[0]], row[estimate_[1]], row[estimate_[2]]);
     const double share = estimate.dot(force_) / force_.squaredNorm();
-    peak_ = std::max(peak_, share);
+    shares_.Add(share);
     const bool inside = std::abs(share - 1) <= kSettled;
     if (inside && !inside_) inside_since_ = row[0];
     inside_ = inside;
   }
-  double overshoot() const { return std::max(0.0, peak_ - 1); }  ///< relative to the force
+  /// Relative to the force; empty if the run ended before the force.
+  std::optional<double> overshoot() const {
+    if (const auto peak = shares_.max()) return *peak < 1 ? 0 : *peak - 1;
+    return std::nullopt;
+  }
   /// Time from which the estimate stays in the band [s]; empty if it does not.
   std::optional<double> settling_time() const {
     return inside_ ? std::optional(inside_since_ - start_) : std::nullopt;
@@ -48,7 +53,8 @@ class StepFigures final : public LogSink {
  private:
   const LegMomentumObserver& observer_;
   Eigen::Vector3d force_;
-  double start_, inside_since_ = 0, peak_ = 0;
+  double start_, inside_since_ = 0;
+  Tally shares_;  ///< shares of the force that the estimate shows
   bool inside_ = false;
   std::vector<std::size_t> estimate_;
 };
@@ -67,7 +73,8 @@ struct Result {
   Summary summary;
   std::optional<Report> report;  ///< empty if the gains were refused
   Cost cost;
-  double overshoot = 0, lag = 0;
+  std::optional<double> overshoot = std::nullopt;
+  double lag = 0;
 };
 
 Report MakeReport(const ObserverOrderScenario& scenario) {
@@ -219,9 +226,10 @@ int RunAll(const RunOptions& options, const ObserverOrderScenario& scenario) {
       WriteResults(base / variant.name, result.summary, *result.report);
       comparison.Add(variant.name, *result.report);
       code = result.summary.exit_code();
-      fmt::print("{:<20} {:>6} {:>12.1f} {:>9.1f}% {:>9.2f} {:>8.1f} {:>9}\n", variant.name,
-                 variant.gains_per_s.size(), 1000 * result.cost.settling, 100 * result.overshoot,
-                 result.cost.noise, 1000 * result.lag, front ? "yes" : "no");
+      fmt::print("{:<20} {:>6} {:>12.1f} {:>10} {:>9.2f} {:>8.1f} {:>9}\n", variant.name,
+                 variant.gains_per_s.size(), 1000 * result.cost.settling,
+                 result.overshoot ? fmt::format("{:.1f}%", 100 * *result.overshoot) : "-", result.cost.noise,
+                 1000 * result.lag, front ? "yes" : "no");
     } else {
       fmt::print("{:<20} {:>6} refused: unstable\n", variant.name, variant.gains_per_s.size());
       code = TryToWrite([&] { result.summary.Write(base / variant.name / "summary.json"); });

@@ -54,6 +54,14 @@ TEST_F(TenonObserverOrderTest, ComparesTheOrders) {
   EXPECT_THAT(Read(out / "scenario.yaml"), HasSubstr("order_5"));
 }
 
+// The robot falls before the force begins, which is then not estimated without an overshoot.
+TEST_F(TenonObserverOrderTest, WithoutTheForceThereIsNoOvershoot) {
+  Run("A0 --set start_s=0.99 pd.stiffness_N_m_per_rad=0.01 pd.gravity_compensation=false "
+      "'variants=[{name: a, gains_per_s: [100]}]'",
+      3);
+  EXPECT_THAT(Summary(), HasSubstr("\"overshoot_ratio\": null"));
+}
+
 TEST_F(TenonObserverOrderTest, RefusesBadUsage) {
   ExpectRefused({{"", "no scenario given"},
                  {"A00", "'A0'"},
