@@ -10,6 +10,7 @@
 #include <tenon_test_cloud/CloudSample.hpp>
 
 #include <filesystem>
+#include <random>
 #include <thread>
 
 namespace tenon::lcm_test {
@@ -224,6 +225,29 @@ TEST(LcmTest, WhatIsOfAnotherTypeIsRefused) {
   EXPECT_EQ(input.Tick()[input->y], 3);
   EXPECT_EQ(input[input->refused].count, 1u);
   EXPECT_THAT(input[input->refused].reason, testing::HasSubstr("another type than doubleSample"));
+}
+
+// Bytes are changed, removed and added at random places.
+TEST(LcmTest, DamagedMessagesEndNoRun) {
+  TestRig<LcmInput<Everything>> input({.channel = "X", .url = kUrl, .rate = Hz(10)});
+  const auto bus = LcmBus::Open(kUrl);
+  const std::vector<char> good = Encoded(test::Extreme(), 0);
+  std::mt19937 random(1);
+  const auto below = [&](std::size_t limit) { return random() % limit; };
+  for (int i = 0; i < 3000; ++i) {
+    std::vector<char> message = good;
+    for (std::size_t changes = 1 + below(3); changes > 0; --changes) {
+      const std::size_t at = below(message.size());
+      message[at] = static_cast<char>(below(256));
+      if (below(3) == 0) message.resize(at + below(40));
+      if (message.empty()) break;
+    }
+    EXPECT_TRUE(bus->Publish("X", message));
+    if (i % 100 == 0) input.Tick();
+  }
+  EXPECT_GT(input.Tick()[input->refused].count, 1000u);
+  EXPECT_TRUE(bus->Publish("X", good));
+  EXPECT_EQ(input.Tick()[input->y], test::Extreme());
 }
 
 TEST(LcmTest, SendsWithoutAllocating) {
