@@ -321,6 +321,20 @@ TEST_F(TenonCdprTest, FliesAlongAPathFromAFile) {
   fs::remove_all(home);
 }
 
+// Spreadsheets write a byte-order mark.
+TEST_F(TenonCdprTest, AByteOrderMarkInAPathFileIsSkipped) {
+  Write("way.csv", "\xEF\xBB\xBFt,x,y,z\n0,0,0,2\n1,0.1,0.1,1.9\n");
+  Run(Write("own.yaml", "extends: scan\npath: {file: way.csv}\nduration_s: 0.1\n"));
+}
+
+// A path of another kind inherits keys that it does not have.
+TEST_F(TenonCdprTest, AnInheritedKeyIsPlacedInTheFileThatInheritsIt) {
+  const std::string own =
+      Write("own.yaml", "extends: turn_8\ncase: own\npath: {kind: hold, points_m: [[0, 0, 2]]}\n");
+  EXPECT_THAT(Run(own, 2), AllOf(HasSubstr("own.yaml:3:7: path.attitudes_rad: "),
+                                 ContainsRegex("inherited from .*/turn_8\\.yaml:1[0-9]:")));
+}
+
 TEST_F(TenonCdprTest, RefusesAWrongPathFileWithItsLine) {
   const std::string own = Write("own.yaml", "extends: scan\npath: {file: way.csv}\nduration_s: 0.1\n");
   for (const auto& [text, place] : {std::pair{"", "way.csv:1: "},

@@ -1,5 +1,10 @@
 #include <tenon/tests/apps/common/live_app.h>
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -98,6 +103,26 @@ TEST_F(LiveQuadrupedTest, AResetWritesTheRunOfTheNewSeed) {
   EXPECT_EQ(End(), 0);
   EXPECT_THAT(Summary(), HasSubstr("\"seed\": 5"));
   EXPECT_THAT(Read(out / "live.jsonl"), HasSubstr("\"seed\":5"));
+}
+
+// The connections of the page get only a part of the descriptors that the process may open.
+TEST_F(LiveQuadrupedTest, IdleConnectionsDoNotTakeTheDescriptorsOfFiles) {
+  Start("sh -c 'ulimit -n 48; exec " TENON_QUADRUPED " stand --live --duration 5" + Out() + "'");
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1))));
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::vector<int> idle;
+  for (int i = 0; i < 100; ++i) {
+    idle.push_back(::socket(AF_INET, SOCK_STREAM, 0));
+    EXPECT_EQ(::connect(idle.back(), reinterpret_cast<sockaddr*>(&to), sizeof(to)), 0);
+  }
+  EXPECT_TRUE(Command(R"({"command":"take"})").contains("ok"));
+  EXPECT_TRUE(Command(R"({"command":"rate","value":null})").contains("ok"));
+  EXPECT_EQ(End(), 0);
+  EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
+  EXPECT_THAT(Read(out / "report.html"), HasSubstr("</html>"));
+  for (const int socket : idle) ::close(socket);
 }
 
 class LiveUsageTest : public AppTest {

@@ -179,6 +179,48 @@ TEST_F(ScriptAppTest, FailuresOfTheMachineAreNotResults) {
             5);
 }
 
+// The disk of TMPDIR fills in a run, and has space again at --resume.
+TEST_F(ScriptAppTest, AFullTemporaryDirectoryIsNoResult) {
+  const fs::path disk = out / "disk";
+  fs::create_directories(disk);
+  const std::string mounted =
+      "unshare -rm sh -c 'mount -t tmpfs -o size=300k tmpfs " + disk.string() + " && TMPDIR=" + disk.string();
+  if (RunCommand(mounted + " true'").exit_code != 0) GTEST_SKIP() << "this machine allows no mounts";
+  // The program fills the disk and fails like one that does not check what it writes.
+  const std::string script =
+      "mkdir -p $3\n"
+      "grep -q seed.:.2 $1 && [ ! -e $0.mended ] && { head -c 1M /dev/zero >$3/signals.csv; exit 1; }\n"
+      "echo '{\"case\": \"a\", \"finished\": true}' >$3/summary.json\n";
+  const std::string two = "seeds: {count: 2}\n";
+  Campaign(script, two);  // writes the files
+  fs::remove_all(out / "runs");
+  const Result full = RunCommand(mounted + " " + kCampaign + " " + (out / "c.yaml").string() +
+                                 " --jobs 1 --out " + (out / "runs").string() + "'");
+  EXPECT_EQ(full.exit_code, 5) << full.text;
+  EXPECT_THAT(full.text, AllOf(HasSubstr("1 of 1 survived"), HasSubstr("TMPDIR"), HasSubstr("--resume")));
+  EXPECT_THAT(Table(), Not(HasSubstr("\n1,")));
+  Write("app.sh.mended", "");
+  const Result again = Campaign(script, two, " --resume");
+  EXPECT_EQ(again.exit_code, 0) << again.text;
+  EXPECT_THAT(again.text, HasSubstr("2 of 2 survived"));
+}
+
+// A figure without data is null, and one that was not computed to a number is NaN. Neither is 0.
+TEST_F(ScriptAppTest, FiguresWithoutANumberAreCounted) {
+  const Result result = Campaign(
+      "mkdir -p $3\nseed=$(sed \"s/.*seed.: \\([0-9]*\\).*/\\1/\" $1)\n"
+      "case $seed in 1) x=null;; 2) x='\"NaN\"';; *) x=$seed;; esac\n"
+      "echo \"{\\\"case\\\": \\\"a\\\", \\\"finished\\\": true, \\\"x\\\": $x}\" >$3/summary.json\n",
+      "seeds: {count: 4}\n");
+  EXPECT_THAT(result.text, HasSubstr("x has no number in 2 of 4 runs (1 null, 1 NaN)"));
+  EXPECT_THAT(Table(), AllOf(HasSubstr("\n0,1,a,true,null\n"), HasSubstr("\n1,2,a,true,NaN\n")));
+  const std::string summary = Read(out / "runs/summary.json");
+  EXPECT_THAT(summary.substr(summary.find("without_number")),
+              AllOf(HasSubstr("\"null\": 1"), HasSubstr("\"nan\": 1")));
+  EXPECT_THAT(Read(out / "runs/report.html"),
+              AllOf(HasSubstr("\"missing\":[2]"), HasSubstr("\"medians\":[3.5]")));
+}
+
 TEST_F(ScriptAppTest, ReasonsHaveNoTemporaryPaths) {
   Campaign("echo $1:3: kp must be positive; exit 2\n");
   EXPECT_THAT(Table(), AllOf(HasSubstr("ended with 2: scenario.yaml:3: kp"), Not(HasSubstr("tenon-"))));
@@ -200,6 +242,12 @@ TEST_F(ScriptAppTest, ATableThatWasEditedIsRefusedWithItsLine) {
     EXPECT_EQ(result.exit_code, 2) << row;
     EXPECT_THAT(result.text, AllOf(HasSubstr("runs.csv:3: "), HasSubstr(why))) << row;
   }
+  std::string spreadsheet = "\xEF\xBB\xBF" + table;  // a byte-order mark and carriage returns
+  for (std::size_t at = 0; (at = spreadsheet.find('\n', at)) != spreadsheet.npos; at += 2)
+    spreadsheet.insert(at, "\r");
+  Write("runs/runs.csv", spreadsheet);
+  EXPECT_EQ(Campaign(script, two, " --resume").exit_code, 0);
+  EXPECT_EQ(Table(), table);
   Write("runs/runs.csv", table + "1,2,a,true,1\n");
   EXPECT_EQ(Campaign(script, two, " --resume").exit_code, 0) << "the same row twice";
 }
@@ -213,6 +261,19 @@ TEST_F(ScriptAppTest, MessagesDoNotReachTheTableIfDescriptorsAreClosed) {
   const std::string run = kCampaign + " " + (out / "c.yaml").string() + " --out " + (out / "runs").string();
   EXPECT_EQ(RunCommand("sh -c '" + run + " 0<&- 1>&- 2>&-'").exit_code, 0);
   EXPECT_EQ(Table(), table);
+}
+
+// A run without a terminal, as some services start it.
+TEST_F(OwnAppTest, MessagesDoNotReachTheSignalsIfDescriptorsAreClosed) {
+  const std::string run = kExample + "/step.yaml --duration 3";
+  Run(run);
+  const std::string signals = Signals();
+  fs::remove_all(out);
+  for (const char* closed : {"0<&- 1>&- 2>&-", "0<&-", "1>&-", "2>&-"}) {
+    EXPECT_EQ(RunCommand("sh -c '" + app + " " + run + Out() + " " + closed + "'").exit_code, 0) << closed;
+    EXPECT_EQ(Signals(), signals) << closed;
+    EXPECT_EQ(Summary().substr(0, 1) + Summary().substr(Summary().size() - 2), "{}\n") << closed;
+  }
 }
 
 // The help shows the option with several values.
@@ -294,6 +355,9 @@ TEST_F(OwnAppTest, RefusesBadUsage) {
   ExpectSettingsRefused(step, {"mass=1"});
   ExpectRefused({{step + " --set mass_kg=-1", "--set mass_kg=-1: mass_kg: block 'cart': "},
                  {step + " --seed -1", "--seed: -1"},
+                 {step + " --seed 1.5", "--seed: 1.5"},
+                 {step + " --seed 1e300", "--seed: 1e300"},
+                 {step + " --set seed=-1", "--set seed=-1: seed: "},
                  {step + " --duration -3", "--duration: -3"},
                  {step + " --set app=tenon-cdpr", "run tenon-cdpr"},
                  {"nothing", "cart-app"}});

@@ -50,6 +50,16 @@ TEST_F(TenonRobotTest, CopiesOfTheUrdfFindItsMeshes) {
   fs::remove_all(package);
 }
 
+// The help shows the option with several values.
+TEST_F(TenonRobotTest, OneOptionMayLockSeveralJoints) {
+  const std::string locks = " --lock FL_hip_joint=0 FR_hip_joint=0";
+  EXPECT_THAT(RunCommand(TENON_ROBOT " --help").text, HasSubstr("--lock JOINT=ANGLE ..."));
+  for (const std::string& arguments :
+       {TENON_ROBOTS_DIR "/a1.urdf" + locks, locks + " " TENON_ROBOTS_DIR "/a1.urdf"})
+    EXPECT_THAT(Run(arguments, 2), AllOf(HasSubstr("FL_thigh_joint - FL_calf_joint (2)"),
+                                         HasSubstr("FR_thigh_joint - FR_calf_joint (2)")));
+}
+
 // A limit of the file size stands for a full disk. After the trial that it stops there is no other one.
 TEST_F(TenonRobotTest, EndsWithATrialThatCannotBeWritten) {
   const Result run =

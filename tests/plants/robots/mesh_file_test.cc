@@ -1,6 +1,7 @@
 #include <tenon/plants/robots/mesh_file.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 #include <tenon/tests/plants/model/mesh_test_files.h>
+#include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
@@ -228,6 +229,9 @@ TEST_F(MeshFileTest, RefusesHostileFilesSoon) {
     EXPECT_TRUE(Throws<ParameterError>([&, file = home / name] { ReadMesh(file); }, name));
     ::getrusage(RUSAGE_CHILDREN, &after);
     EXPECT_LE(after.ru_utime.tv_sec - before.ru_utime.tv_sec, 2) << name;
+    if (AllocationGuard::Available()) {  // sanitizers take memory of their own
+      EXPECT_LE(after.ru_maxrss, 250'000) << name << ": [kB]";
+    }
   }
 }
 

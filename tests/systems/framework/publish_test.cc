@@ -1,6 +1,7 @@
 #include <tenon/systems/framework/block/publish.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,24 @@ Simulator Watched(Book& book, const SimulatorOptions& options = {}) {
   auto& oscillator = builder.Add<Oscillator>("oscillator");
   builder.Connect(oscillator.state, builder.Add<Block>("block", &book).x);
   return Simulator(builder.Build(), options);
+}
+
+/// Does at its ticks what a function does.
+class Caller final : public LeafSystem<std::function<void()>*> {
+ public:
+  explicit Caller(std::function<void()>* call) : LeafSystem(call) {}
+  Publish tick{this, "tick", Sampled{Hz(10)}, Uses(time), [this](double) { (*params)(); }};
+};
+
+TEST(PublishTest, MayNotChangeTheContext) {
+  std::function<void()> call = [] {};
+  DiagramBuilder builder;
+  auto& oscillator = builder.Add<Oscillator>("oscillator");
+  builder.Add<Caller>("caller", &call);
+  Simulator simulator(builder.Build());
+  simulator.RunTo(0.25);
+  call = [&] { simulator.context().Set(oscillator.x, {0, 0}); };
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "a Publish or a log changed the context"));
 }
 
 TEST(PublishTest, RunsAtItsRateAndChangesNoBit) {

@@ -268,7 +268,8 @@ TEST_F(LiveServerTest, RefusesWhatCannotBeAndSaysWhy) {
         refused({{"command", "parameter"}, {"path", "engine.tilt"}, {"value", {1, 2, 3}}}, "has 2 elements");
         refused({{"command", "parameter"}, {"path", "engine.gear"}, {"value", 9}}, "'engine.gear'");
         refused({{"command", "rate"}, {"value", 0}}, "give 0.001 to 1000");
-        refused({{"command", "reset"}, {"seed", "x"}}, "a seed must be");
+        for (const Json& seed : {Json("x"), Json(-1), Json(1.5), Json(1e300), Json()})
+          refused({{"command", "reset"}, {"seed", seed}}, "a seed must be");
         refused({{"command", "save"}}, "has no scenario");
         refused({"command"}, "a command must be an object");
         EXPECT_EQ(simulator_->context().Eval(cart_.engine->force), 0);
