@@ -323,9 +323,10 @@ class SignalledCampaignTest : public ScriptAppTest {
           "#!/bin/sh\n[ $2 = --keys ] && exit 0\necho $$ >$0.new; mv $0.new $0.pid; exec sleep 600\n");
     fs::permissions(out / "app.sh", fs::perms::owner_all);
     const std::string file = Write("c.yaml", "app: ./app.sh\nscenario: scenario.yaml\n");
-    return RunCommand("sh -c '" + kCampaign + " " + file + " --out " + (out / "runs").string() +
-                      " & c=$!; until [ -e " + pid + " ]; do sleep 0.01; done; kill -" + signal +
-                      " $c; wait $c'");
+    // A campaign inherits from a test that it ignores SIGHUP.
+    return RunCommand("sh -c 'env --default-signal=HUP " + kCampaign + " " + file + " --out " +
+                      (out / "runs").string() + " & c=$!; until [ -e " + pid +
+                      " ]; do sleep 0.01; done; kill -" + signal + " $c; wait $c'");
   }
   /// Returns whether the program ends.
   bool Ends() const {
