@@ -70,7 +70,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   outputs.AddTo(simulator);
   signals.insert(signals.end(), faults.begin(), faults.end());
   const CdprPlant& plant = loop.world.plant;
-  if (!plant.additions.u.elements.empty()) {
+  if (!plant.additions.u.spec.elements.empty()) {
     signals.push_back(&plant.added_positions);
     signals.push_back(&plant.added_speeds);
   }

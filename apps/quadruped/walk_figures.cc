@@ -40,7 +40,7 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
                                      &loop.locomotion.schedule,
                                      &loop.errors.errors,
                                      &loop.errors.external_foot_forces};
-  if (!loop.world.plant.additions.u.elements.empty()) {
+  if (!loop.world.plant.additions.u.spec.elements.empty()) {
     signals.push_back(&loop.world.plant.added_positions);
     signals.push_back(&loop.world.plant.added_speeds);
   }

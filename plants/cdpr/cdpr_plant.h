@@ -98,9 +98,10 @@ struct CdprPlantParams {
 ///     f = m a - m g - sum_i T_i e_i - f_ext,   t = I alpha + w x I w - sum_i (R_WB r_i) x T_i e_i - tau_ext,
 ///
 /// with the payload as a part of the platform; it is 0 without additions. The initial tensions do not carry
-/// the additions, whose weight the cables take up from the start on. Controllers do not know the additions,
-/// and the limits of CdprMonitor do not include them. Without `extend`, the closed form of free_rigid_body.h,
-/// which is faster, computes the accelerations, and these states are empty.
+/// the additions, whose weight the cables take up from the start on. Controllers do not know the additions
+/// unless they measure `added_wrench`, and the limits of CdprMonitor do not include them. Without `extend`,
+/// the closed form of free_rigid_body.h, which is faster, computes the accelerations, and these states are
+/// empty.
 ///
 /// At the start the cables have the tension `initial_tension`, straight l0 = l / (1 + T / EA), and so have
 /// the motors. The constructor throws ParameterError where CalcRestLength throws. Not modelled: speed limits
@@ -136,35 +137,27 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
       ExtendedPlatform(params.robot, params.gravity, params.extend, InitialPlatform(params));
 
  public:
-  /// Names, units and initial values of the added states; empty without additions.
+  /// Names, units and initial values of the states and inputs of the additions.
   const ExtendedRobot::Additions& additions = additions_.additions();
 
   InputPort<CableVector> command{this, {"command", "N"}};
   InputPort<Payload> payload{this, {"payload"}, Payload{}};
   InputPort<PlatformWrench> wrench{this, {"wrench"}, PlatformWrench{}};
   InputPort<CableFaults> faults{this, {"faults"}, CableFaults{}};
-  InputPort<Eigen::VectorXd> added_forces{this,
-                                          {"added_forces", additions.force_units, additions.u.elements},
-                                          Eigen::VectorXd::Zero(additions.u.initial.size())};
-  InputPort<Eigen::VectorXd> added_position_references{
-      this,
-      {"added_position_references", additions.reference.units, additions.reference.elements},
-      additions.reference.initial};
-  InputPort<Eigen::VectorXd> added_speed_references{
-      this,
-      {"added_speed_references", additions.reference_speed_units, additions.reference.elements},
-      Eigen::VectorXd::Zero(additions.reference.initial.size())};
+  InputPort<Eigen::VectorXd> added_forces{this, additions.forces.spec, additions.forces.initial};
+  InputPort<Eigen::VectorXd> added_position_references{this, additions.position_references.spec,
+                                                       additions.position_references.initial};
+  InputPort<Eigen::VectorXd> added_speed_references{this, additions.speed_references.spec,
+                                                    additions.speed_references.initial};
 
   ContinuousState<PlatformState> platform_state{this, {"platform_state"}, InitialPlatform(params)};
   ContinuousState<Eigen::VectorXd> rest_length{this, {"rest_length", "m"}, start.rest_length};
   ContinuousState<Eigen::VectorXd> motor_tension{this, {"motor_tension", "N"}, params.initial_tension};
   ContinuousState<Eigen::VectorXd> reel_speed{
       this, {"reel_speed", "m/s"}, Eigen::VectorXd::Zero(params.robot.num_cables())};
-  ContinuousState<Eigen::VectorXd> added_q{
-      this, {"added_q", additions.q.units, additions.q.elements}, additions.q.initial};
-  ContinuousState<Eigen::VectorXd> added_u{
-      this, {"added_u", additions.u.units, additions.u.elements}, additions.u.initial};
-  ContinuousState<Eigen::VectorXd> added_z{this, {"added_z", "", additions.z.elements}, additions.z.initial};
+  ContinuousState<Eigen::VectorXd> added_q{this, additions.q.spec, additions.q.initial};
+  ContinuousState<Eigen::VectorXd> added_u{this, additions.u.spec, additions.u.initial};
+  ContinuousState<Eigen::VectorXd> added_z{this, additions.z.spec, additions.z.initial};
 
   Shared<CableForces> cable_forces{this, "cable_forces", NoForces(params.robot.num_cables()),
                                    Uses(platform_state, rest_length, motor_tension, reel_speed, faults),

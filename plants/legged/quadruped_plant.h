@@ -83,8 +83,8 @@ struct LeggedEnergy {
 /// docs/examples/compose/swinging_load.cc a complete program, and attached_bodies.h adds bodies from
 /// parameters. Simbody then computes all accelerations, and the coordinates, speeds and auxiliary variables
 /// of the additions are the states added_q, added_u and added_z. `energy` includes the additions.
-/// `external_wrench` does not, and controllers know the robot alone. `added_wrench` comes from the balance of
-/// momentum of the robot's own bodies, including the payload,
+/// `external_wrench` does not, and controllers know the robot alone unless they measure `added_wrench`. That
+/// comes from the balance of momentum of the robot's own bodies, including the payload,
 ///
 ///     f = p' - m g - (forces of ground and `external`),   t likewise about the CoM,
 ///
@@ -130,31 +130,23 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   const ExtendedQuadruped additions_{loaded_, params.gravity, params.extend, params.initial};
 
  public:
-  /// Names, units and initial values of the added states; empty without additions.
+  /// Names, units and initial values of the states and inputs of the additions.
   const ExtendedQuadruped::Additions& additions = additions_.additions();
 
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<ExternalForces> external{this, {"external"}, ExternalForces{}};
   InputPort<JointLocks> locks{this, {"locks"}, JointLocks{}};
-  InputPort<Eigen::VectorXd> added_forces{this,
-                                          {"added_forces", additions.force_units, additions.u.elements},
-                                          Eigen::VectorXd::Zero(additions.u.initial.size())};
-  InputPort<Eigen::VectorXd> added_position_references{
-      this,
-      {"added_position_references", additions.reference.units, additions.reference.elements},
-      additions.reference.initial};
-  InputPort<Eigen::VectorXd> added_speed_references{
-      this,
-      {"added_speed_references", additions.reference_speed_units, additions.reference.elements},
-      Eigen::VectorXd::Zero(additions.reference.initial.size())};
+  InputPort<Eigen::VectorXd> added_forces{this, additions.forces.spec, additions.forces.initial};
+  InputPort<Eigen::VectorXd> added_position_references{this, additions.position_references.spec,
+                                                       additions.position_references.initial};
+  InputPort<Eigen::VectorXd> added_speed_references{this, additions.speed_references.spec,
+                                                    additions.speed_references.initial};
 
   ContinuousState<LeggedState> motion{this, {"motion"}, params.initial};
   ContinuousState<FootBristles> bristles{this, {"bristles"}};
-  ContinuousState<Eigen::VectorXd> added_q{
-      this, {"added_q", additions.q.units, additions.q.elements}, additions.q.initial};
-  ContinuousState<Eigen::VectorXd> added_u{
-      this, {"added_u", additions.u.units, additions.u.elements}, additions.u.initial};
-  ContinuousState<Eigen::VectorXd> added_z{this, {"added_z", "", additions.z.elements}, additions.z.initial};
+  ContinuousState<Eigen::VectorXd> added_q{this, additions.q.spec, additions.q.initial};
+  ContinuousState<Eigen::VectorXd> added_u{this, additions.u.spec, additions.u.initial};
+  ContinuousState<Eigen::VectorXd> added_z{this, additions.z.spec, additions.z.initial};
 
   Shared<QuadrupedBody> body{this, "body", QuadrupedBody(loaded_), Uses(motion), &QuadrupedPlant::CalcBody};
   Shared<FootContacts> contacts{this, "contacts", Uses(body, bristles), &QuadrupedPlant::CalcContacts};

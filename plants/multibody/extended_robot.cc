@@ -57,10 +57,10 @@ std::string Join(const std::vector<std::string>& items) {
   return list;
 }
 void CheckSize(const char* what, const Eigen::VectorXd& given, const char* of,
-               const ExtendedRobot::States& names) {
-  if (given.size() == names.initial.size()) return;
+               const ExtendedRobot::Added& wanted) {
+  if (given.size() == wanted.initial.size()) return;
   throw RunError(fmt::format("the {} have {} entries but the added joints have {}: {}; give one for each {}",
-                             what, given.size(), names.initial.size(), names.elements, of));
+                             what, given.size(), wanted.initial.size(), wanted.spec.elements, of));
 }
 /// The name of one of `count` elements of a joint.
 std::string ElementName(const std::string& joint, int count, int index) {
@@ -155,9 +155,11 @@ ExtendedRobot::Additions ExtendedRobot::Model::MakeAdditions(const Motion& initi
   system.realize(state, SimTK::Stage::Velocity);
   struct Names {
     std::vector<std::string> elements{}, units{};
-    States Joined() const { return {Join(elements), Join(units), {}}; }
-  } q, u, z;
-  std::vector<std::string> force_units;
+    void JoinTo(Added& out) const {
+      out.spec.elements = Join(elements);
+      out.spec.units = Join(units);
+    }
+  } q, u, z, forces, positions, speeds;
   for (SimTK::MobilizedBodyIndex i = first_added(); i < matter.getNumBodies(); ++i) {
     const SimTK::MobilizedBody& joint = matter.getMobilizedBody(i);
     const int nq = joint.getNumQ(state), nu = joint.getNumU(state);
@@ -172,12 +174,11 @@ ExtendedRobot::Additions ExtendedRobot::Model::MakeAdditions(const Motion& initi
     for (int k = 0; k < nu; ++k) {
       u.elements.push_back(ElementName(NameOf(i), nu, k));
       u.units.push_back(turns(k) ? "rad/s" : "m/s");
-      force_units.push_back(turns(k) ? "N m" : "N");
+      forces.units.push_back(turns(k) ? "N m" : "N");
     }
   }
+  forces.elements = u.elements;
   for (int k = 0; k < num_z; ++k) z.elements.push_back(fmt::format("z_{}", k));
-  Names references;
-  std::vector<std::string> speed_units;
   for (const RobotMultibody::Reference& each : robot->references()) {
     const SimTK::MobilizedBody& joint = matter.getMobilizedBody(each.joint);
     if (joint.getNumQ(state) != 1 || joint.getNumU(state) != 1)
@@ -185,17 +186,25 @@ ExtendedRobot::Additions ExtendedRobot::Model::MakeAdditions(const Motion& initi
           fmt::format("the added joint '{}' has {} coordinates; give references to joints with one",
                       NameOf(each.joint), joint.getNumQ(state)));
     const bool turns = joint.getHCol(state, SimTK::MobilizerUIndex(0))[0].norm() > 0;
-    references.elements.push_back(NameOf(each.joint));
-    references.units.push_back(turns ? "rad" : "m");
-    speed_units.push_back(turns ? "rad/s" : "m/s");
+    positions.elements.push_back(NameOf(each.joint));
+    positions.units.push_back(turns ? "rad" : "m");
+    speeds.units.push_back(turns ? "rad/s" : "m/s");
   }
-  Additions out{q.Joined(),          u.Joined(),        z.Joined(), Join(force_units),
-                references.Joined(), Join(speed_units), {}};
-  out.reference.initial =
-      Eigen::VectorXd::Constant(static_cast<Eigen::Index>(references.elements.size()), kNotConnected);
+  speeds.elements = positions.elements;
+  Additions out;
+  q.JoinTo(out.q);
+  u.JoinTo(out.u);
+  z.JoinTo(out.z);
+  forces.JoinTo(out.forces);
+  positions.JoinTo(out.position_references);
+  speeds.JoinTo(out.speed_references);
   out.q.initial = Pick(state.getQ(), added_q);
   out.u.initial = Pick(state.getU(), added_u);
   out.z.initial = ToVector(state.getZ());
+  out.forces.initial = Eigen::VectorXd::Zero(out.u.initial.size());
+  const auto drives = static_cast<Eigen::Index>(positions.elements.size());
+  out.position_references.initial = Eigen::VectorXd::Constant(drives, kNotConnected);
+  out.speed_references.initial = Eigen::VectorXd::Zero(drives);
   for (const RobotMultibody::Drawn& each : robot->drawn()) out.shapes.push_back(each.shape_B);
   system.realize(state, SimTK::Stage::Acceleration);
   if (!ToVector(state.getUDot()).allFinite())
@@ -342,9 +351,8 @@ void ExtendedRobot::SetState(double time, const Motion& robot, const Eigen::Vect
     SimTK::Vector& to = state.updZ();
     for (int i = 0; i < model.num_z; ++i) to[i] = z[i];
   }
-  const States& names = additions().reference;
-  CheckSize("position references", position_references, "joint", names);
-  CheckSize("speed references", speed_references, "joint", names);
+  CheckSize("position references", position_references, "joint", additions().position_references);
+  CheckSize("speed references", speed_references, "joint", additions().speed_references);
   Eigen::Index next = 0;
   for (RobotMultibody::Reference& each : model.robot->references()) {
     each.position = position_references[next];
@@ -359,7 +367,7 @@ void ExtendedRobot::CalcRates(std::span<const double> torque, std::span<const Po
                               Eigen::VectorXd* robot, AddedRates* rates) const {
   Model& model = *model_;
   SimTK::State& state = model.state;
-  CheckSize("added forces", added, "speed", additions().u);
+  CheckSize("added forces", added, "speed", additions().forces);
   for (std::size_t j = 0; j < model.u_index.size(); ++j) model.mobility_forces[model.u_index[j]] = torque[j];
   Place(added, model.added_u, model.mobility_forces);
   for (int i = 0; i < model.body_forces.size(); ++i)

@@ -2,6 +2,7 @@
 
 #include <tenon/plants/multibody/point_force.h>
 #include <tenon/plants/signals/cdpr_signals.h>
+#include <tenon/systems/framework/types/signal.h>
 #include <tenon/systems/geometry.h>
 
 #include <Eigen/Core>
@@ -39,16 +40,18 @@ class ExtendedRobot {
   using Make = std::function<std::unique_ptr<RobotMultibody>()>;
   using Extend = std::function<void(RobotMultibody&)>;
 
-  /// Names, units (both as in Spec) and initial values of added states.
-  struct States {
-    std::string elements, units;
-    Eigen::VectorXd initial;
+  /// A state or an input port of the plant.
+  struct Added {
+    Spec spec;
+    Eigen::VectorXd initial{};  ///< initial value of the state, or default of the port
   };
+  /// The states and ports that plants have for their additions, without elements if nothing is added.
   struct Additions {
-    States q, u, z;           ///< coordinates, speeds, and auxiliary states of force elements
-    std::string force_units;  ///< of generalised forces, in the order of u
-    States reference;         ///< positions of drives, see RobotMultibody::AddReference; NaN: not connected
-    std::string reference_speed_units;
+    Added q{"added_q"}, u{"added_u"};  ///< coordinates and speeds
+    Added z{"added_z"};                ///< auxiliary states of force elements
+    Added forces{"added_forces"};      ///< generalised forces, in the order of u
+    /// References of drives, see RobotMultibody::AddReference; a position of NaN is not connected.
+    Added position_references{"added_position_references"}, speed_references{"added_speed_references"};
     Geometry shapes;
   };
   /// Motion of the robot's own bodies: pose and velocity of the base, angles and speeds of the joints.

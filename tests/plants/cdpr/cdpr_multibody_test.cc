@@ -161,9 +161,9 @@ TEST(CdprMultibodyTest, TheAddedWrenchIsTheReactionOfTheLoad) {
 TEST(CdprMultibodyTest, AddedJointsHaveNamedPortsAndShapes) {
   Rig rig(With(Arm()));
   CutCables(rig);
-  EXPECT_EQ(rig->additions.u.elements, "upper,fore");
-  EXPECT_EQ(rig->additions.reference.elements, "upper,fore");
-  EXPECT_EQ(rig->additions.reference.units, "rad,rad");
+  EXPECT_EQ(rig->additions.u.spec.elements, "upper,fore");
+  EXPECT_EQ(rig->additions.position_references.spec.elements, "upper,fore");
+  EXPECT_EQ(rig->additions.position_references.spec.units, "rad,rad");
   const Vec<3> fore = rig->params.p_WB + Vec<3>(0.1, 0.1, -0.8);
   EXPECT_THAT(rig[rig->geometry].back().p_W, IsNear(fore, 1e-12));
   const Eigen::VectorXd before = rig.Derivative(rig->added_u);

@@ -58,7 +58,7 @@ TEST(AttachedBodiesTest, ASliderHasItsSpringAndDamper) {
   body.damping = 20;
   Rig rig = Weightless(body);
   rig.Fix(rig->torque, Vec<12>::Zero());
-  EXPECT_EQ(rig->additions.u.elements, "slider");
+  EXPECT_EQ(rig->additions.u.spec.elements, "slider");
   EXPECT_EQ(rig[rig->added_positions][0], 0.1);
   EXPECT_NEAR(rig.Derivative(rig->added_u)[0], 0, 1e-9);
   rig.Set(rig->added_q, Eigen::VectorXd::Constant(1, 0.15))
@@ -106,7 +106,7 @@ TEST(AttachedBodiesTest, ADriveFollowsItsSine) {
     return Rig(params);
   }();
   rig.Fix(rig->torque, Vec<12>::Zero());
-  EXPECT_EQ(rig->additions.u.elements, "fore");
+  EXPECT_EQ(rig->additions.u.spec.elements, "fore");
   EXPECT_EQ(rig[rig->added_positions][0], 0.3);
   rig.RunTo(1);
   EXPECT_NEAR(rig[rig->added_positions][0], 0.3 + 0.5 * std::sin(2.0), 0.05);
@@ -127,8 +127,8 @@ TEST(AttachedBodiesTest, ADriveFollowsConnectedReferences) {
   params.initial.p_WB[2] = 10;
   Rig rig(params);
   rig.Fix(rig->torque, Vec<12>::Zero());
-  EXPECT_EQ(rig->additions.reference.elements, "one,other");
-  EXPECT_EQ(rig->additions.reference_speed_units, "m/s,m/s");
+  EXPECT_EQ(rig->additions.position_references.spec.elements, "one,other");
+  EXPECT_EQ(rig->additions.speed_references.spec.units, "m/s,m/s");
   rig.Fix(rig->added_position_references, Eigen::Vector2d(0.3, NAN))
       .Fix(rig->added_speed_references, Eigen::Vector2d(2, 0));
   const double force = 300 * 0.2 + 20 * 2;
@@ -212,7 +212,7 @@ TEST(AttachedBodiesTest, AnArmThatIsHeldIsAPartOfTheTrunk) {
   params.extend = Attach(moves.arm.bodies, moves.arm.at_rest);
   Rig rig(params);
   rig.Fix(rig->torque, torque).Fix(rig->external, external);
-  ASSERT_EQ(rig->additions.u.elements, "arm_yaw,arm_pitch,arm_elbow");
+  ASSERT_EQ(rig->additions.u.spec.elements, "arm_yaw,arm_pitch,arm_elbow");
   const Eigen::VectorXd free = rig.Derivative(rig->added_u);
   Eigen::MatrixXd response(3, 3);
   for (int i = 0; i < 3; ++i)

@@ -300,9 +300,9 @@ TEST(QuadrupedMultibodyTest, TheLengthOfAnAddedQuaternionMeansNothingAndReturnsT
     SimTK::MobilizedBody::Ball ball(robot.trunk(), Vec3(0, 0, -0.1), Ball(0.5), Vec3(0.1, 0, 0));
     robot.Name(ball, "ball");
   }));
-  EXPECT_EQ(rig->additions.q.elements, "ball_0,ball_1,ball_2,ball_3");
-  EXPECT_EQ(rig->additions.u.elements, "ball_0,ball_1,ball_2");
-  EXPECT_EQ(rig->additions.u.units, "rad/s,rad/s,rad/s");
+  EXPECT_EQ(rig->additions.q.spec.elements, "ball_0,ball_1,ball_2,ball_3");
+  EXPECT_EQ(rig->additions.u.spec.elements, "ball_0,ball_1,ball_2");
+  EXPECT_EQ(rig->additions.u.spec.units, "rad/s,rad/s,rad/s");
   rig.Fix(rig->torque, Vec<12>::Zero()).Set(rig->added_u, Eigen::Vector3d(1, 2, 3));
   const Eigen::VectorXd before = rig.Derivative(rig->added_u);
   rig.Set(rig->added_q, 1.3 * rig[rig->added_q]);
