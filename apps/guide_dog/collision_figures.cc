@@ -34,7 +34,7 @@ double DistanceBelow(double top, Eigen::Vector3d a, Eigen::Vector3d b, const Eig
 }  // namespace
 
 CollisionFigures::CollisionFigures(const GuideDog& loop)
-    : loop_(loop), clearance_(loop.world.plant.params.robot, loop.world.plant.params.terrain) {
+    : loop_(loop), clearance_(loop.world.plant.bare_robot, loop.world.plant.params.terrain) {
   for (std::size_t i = 0; i < loop.obstacles.params.obstacles.size(); ++i)
     obstacles_.push_back("obstacle " + std::to_string(i));
 }

@@ -25,7 +25,7 @@ std::vector<const Source*> LimitFigures::Signals(const QuadrupedPlant& plant) {
 LimitFigures::LimitFigures(const QuadrupedPlant& plant)
     : plant_(plant),
       robot_(plant.params.robot),
-      clearance_(plant.params.robot, plant.params.terrain),
+      clearance_(plant.bare_robot, plant.params.terrain),
       foot_limit_(std::max(kPressedIn, kPressedRatio * robot_.foot_radius)) {}
 
 void LimitFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {

@@ -206,8 +206,13 @@ Vec<12> QuadrupedPlant::CalcExternalTorque(const QuadrupedBody& body, const Exte
   return torque;
 }
 
+QuadrupedDescription QuadrupedPlant::Without(QuadrupedDescription robot, const RigidInertia& part) {
+  if (part.mass > 0) robot.trunk = robot.trunk + RigidInertia{-part.mass, part.com, -part.inertia};
+  return robot;
+}
+
 Geometry QuadrupedPlant::MakeGeometry() const {
-  Geometry shapes = MakeQuadrupedGeometry(params.robot, params.payload, params.terrain);
+  Geometry shapes = MakeQuadrupedGeometry(bare_robot, params.payload, params.terrain);
   shapes.insert(shapes.end(), additions.shapes.begin(), additions.shapes.end());
   return shapes;
 }
@@ -215,7 +220,7 @@ Geometry QuadrupedPlant::MakeGeometry() const {
 void QuadrupedPlant::CalcGeometry(const LeggedState& x, const FootForces& feet,
                                   const ExternalForces& external, const ExtendedQuadruped& extended,
                                   Geometry* out) const {
-  MoveQuadrupedGeometry(params.robot, params.payload, x, feet, external, out);
+  MoveQuadrupedGeometry(bare_robot, params.payload, x, feet, external, out);
   if (extended.exists()) extended.MoveShapes(out->size() - additions.shapes.size(), out);
 }
 

@@ -132,6 +132,8 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
  public:
   /// Names, units and initial values of the states and inputs of the additions.
   const ExtendedQuadruped::Additions& additions = additions_.additions();
+  /// The robot without the part of the trunk that additions replace, for shapes.
+  const QuadrupedDescription bare_robot = Without(params.robot, additions.replaced);
 
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<ExternalForces> external{this, {"external"}, ExternalForces{}};
@@ -199,6 +201,7 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
       added_z, Uses(rates), [](const ExtendedRates& rates, Eigen::VectorXd* out) { *out = rates.z; }};
 
  private:
+  static QuadrupedDescription Without(QuadrupedDescription robot, const RigidInertia& part);
   void CalcBody(const LeggedState& x, QuadrupedBody* out) const;
   void CalcContacts(const QuadrupedBody& body, const FootBristles& bristles, FootContacts* out) const;
   LeggedState CalcState(const LeggedState& x) const;

@@ -206,6 +206,7 @@ ExtendedRobot::Additions ExtendedRobot::Model::MakeAdditions(const Motion& initi
   out.position_references.initial = Eigen::VectorXd::Constant(drives, kNotConnected);
   out.speed_references.initial = Eigen::VectorXd::Zero(drives);
   for (const RobotMultibody::Drawn& each : robot->drawn()) out.shapes.push_back(each.shape_B);
+  out.replaced = robot->replaced();
   system.realize(state, SimTK::Stage::Acceleration);
   if (!ToVector(state.getUDot()).allFinite())
     throw ParameterError(

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/multibody/point_force.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/systems/framework/types/signal.h>
@@ -53,6 +54,7 @@ class ExtendedRobot {
     /// References of drives, see RobotMultibody::AddReference; a position of NaN is not connected.
     Added position_references{"added_position_references"}, speed_references{"added_speed_references"};
     Geometry shapes;
+    RigidInertia replaced;  ///< part of the base that additions replace, see RobotMultibody::Replace
   };
   /// Motion of the robot's own bodies: pose and velocity of the base, angles and speeds of the joints.
   struct Motion {

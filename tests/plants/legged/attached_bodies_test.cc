@@ -213,6 +213,11 @@ TEST(AttachedBodiesTest, AnArmThatIsHeldIsAPartOfTheTrunk) {
   Rig rig(params);
   rig.Fix(rig->torque, torque).Fix(rig->external, external);
   ASSERT_EQ(rig->additions.u.spec.elements, "arm_yaw,arm_pitch,arm_elbow");
+  const RigidInertia trunk = LoadQuadruped(TENON_ROBOTS_DIR "/aliengo.yaml").trunk,
+                     bare = rig->bare_robot.trunk;
+  EXPECT_NEAR(bare.mass, trunk.mass, 1e-12);
+  EXPECT_THAT(bare.com, IsNear(trunk.com, 1e-12));
+  EXPECT_THAT(bare.inertia, IsNear(trunk.inertia, 1e-10));
   const Eigen::VectorXd free = rig.Derivative(rig->added_u);
   Eigen::MatrixXd response(3, 3);
   for (int i = 0; i < 3; ++i)
