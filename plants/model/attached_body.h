@@ -33,7 +33,7 @@ constexpr auto EnumNames(AttachedJoint) {
 /// coordinate is 0. A spring and a damper act on the joint's coordinate q, an angle [rad] or a displacement
 /// [m]:
 ///
-///     f = k (r - q) - d q',   r = rest + amplitude sin(frequency t),   |f| <= limit.
+///     f = k (r - q) - d q',   r = rest + amplitude (sin(frequency t + phase) - sin(phase)),   |f| <= limit.
 ///
 /// With an amplitude, this is a drive under joint PD control. The plant's inputs added_position_references
 /// and added_speed_references replace r, and add d times the reference's speed to f. On a ball joint, q is
@@ -50,9 +50,10 @@ struct AttachedBody {
   double radius = 0;                                   ///< radius of a ball; 0: a box [m]
   double stiffness = 0;                                ///< stiffness k in N m/rad, or N/m on a slider
   double damping = 0;                                  ///< damping d in N m s/rad, or N s/m on a slider
-  double rest = 0;       ///< initial coordinate and centre of the sine, in rad or m
+  double rest = 0;                                     ///< initial coordinate, and r at t = 0, in rad or m
   double amplitude = 0;  ///< amplitude of the spring's rest coordinate, in rad or m
   double frequency = 0;  ///< frequency of the spring's rest coordinate [rad/s]
+  double phase = 0;      ///< phase of the spring's rest coordinate at t = 0; -pi/2: it begins at rest [rad]
 
   // Without keys in YAML, for links of a URDF.
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();       ///< about the CoM; 0: uniform box or ball [kg m^2]
@@ -74,6 +75,7 @@ struct AttachedBody {
             {"rest", &AttachedBody::rest},
             {"amplitude", &AttachedBody::amplitude},
             Field("frequency_rad_per_s", &AttachedBody::frequency).AtLeast(0),
+            {"phase_rad", &AttachedBody::phase},
             Undescribed(&AttachedBody::inertia),
             Undescribed(&AttachedBody::limit),
             Undescribed(&AttachedBody::mesh)};

@@ -43,7 +43,8 @@ class Spring final : public SimTK::Force::Custom::Implementation {
       const SimTK::Vec4 turn = joint_.getMobilizerTransform(state).R().convertRotationToAngleAxis();
       return -turn[0] * turn.getSubVec<3>(1);
     }
-    const double own = of_.rest + of_.amplitude * std::sin(of_.frequency * state.getTime());
+    const double own = of_.rest + of_.amplitude * (std::sin(of_.frequency * state.getTime() + of_.phase) -
+                                                   std::sin(of_.phase));
     return {(std::isnan(reference_->position) ? own : reference_->position) - joint_.getOneQ(state, 0), 0, 0};
   }
 

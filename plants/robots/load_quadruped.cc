@@ -39,9 +39,10 @@ struct LockedJoint {
 /// A joint outside the legs that moves under PD control.
 struct ActuatedJoint {
   std::string joint;
-  double angle = 0;              ///< reference, or the centre of its sine [rad]
+  double angle = 0;              ///< reference, at t = 0 if it moves [rad]
   double amplitude = 0;          ///< amplitude of the reference [rad]
   std::optional<double> period;  ///< period of the reference [s]
+  double phase = 0;              ///< phase of the reference at t = 0 [rad]
   double stiffness = 0;          ///< [N m/rad]
   double damping = 0;            ///< [N m s/rad]
 
@@ -50,6 +51,7 @@ struct ActuatedJoint {
             {"angle_rad", &ActuatedJoint::angle},
             Field("amplitude_rad", &ActuatedJoint::amplitude).AtLeast(0),
             Field("period_s", &ActuatedJoint::period).Positive(),
+            {"phase_rad", &ActuatedJoint::phase},
             Required("stiffness_N_m_per_rad", &ActuatedJoint::stiffness).AtLeast(0),
             Required("damping_N_m_s_per_rad", &ActuatedJoint::damping).AtLeast(0)};
   }
@@ -65,6 +67,7 @@ struct ActuatedJoint {
     drive.damping = damping;
     drive.rest = angle;
     drive.amplitude = amplitude;
+    drive.phase = phase;
     drive.frequency = period ? 2 * std::numbers::pi / *period : 0;
     return drive;
   }

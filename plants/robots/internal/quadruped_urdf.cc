@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -295,12 +296,15 @@ class Reader {
           "joint '{}' has no limit of torque; add <limit effort=\"N m\" .../> with a positive value, or move "
           "it from 'actuated_joints' to 'locked_joints'",
           joint.name);
+    const double centre = drive.rest - drive.amplitude * std::sin(drive.phase);
+    constexpr double kRounding = 1e-9;
     if (joint.type == urdf::Joint::REVOLUTE &&
-        (drive.rest - drive.amplitude < limits->lower || drive.rest + drive.amplitude > limits->upper))
+        (std::min(drive.rest, centre - drive.amplitude) < limits->lower - kRounding ||
+         std::max(drive.rest, centre + drive.amplitude) > limits->upper + kRounding))
       Fail(
-          "joint '{}' turns from {} to {} rad, but under 'actuated_joints' its angle_rad is {} and its "
-          "amplitude_rad {}; change them",
-          joint.name, limits->lower, limits->upper, drive.rest, drive.amplitude);
+          "joint '{}' turns from {} to {} rad, but under 'actuated_joints' its angle_rad is {}, its "
+          "amplitude_rad {} and its phase_rad {}; change them",
+          joint.name, limits->lower, limits->upper, drive.rest, drive.amplitude, drive.phase);
     AttachedBody body = drive;
     Eigen::Isometry3d T_BC = Eigen::Isometry3d::Identity();
     if (carrier > 0) {

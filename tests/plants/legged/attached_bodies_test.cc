@@ -18,6 +18,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -86,8 +87,8 @@ TEST(AttachedBodiesTest, ABallJointReturnsToItsRest) {
   EXPECT_LT(rig.Derivative(rig->added_u)[0], -10);
 }
 
-/// Two links: the second one, on the first, follows a sine about its rest angle.
-TEST(AttachedBodiesTest, ADriveFollowsItsSine) {
+/// Two links: the second one, on the first, follows a sine that begins at its rest angle.
+void FollowsItsSine(double phase) {
   AttachedBody upper = Ball("upper", AttachedJoint::kWeld), fore = Ball("fore", AttachedJoint::kPin);
   upper.position = {0, 0, 0.1};
   upper.stiffness = 9;  // means nothing at a weld
@@ -99,6 +100,7 @@ TEST(AttachedBodiesTest, ADriveFollowsItsSine) {
   fore.rest = 0.3;
   fore.amplitude = 0.5;
   fore.frequency = 2;
+  fore.phase = phase;
   Rig rig = [&] {
     QuadrupedPlantParams params = With({upper, fore});
     params.gravity = 0;
@@ -109,7 +111,11 @@ TEST(AttachedBodiesTest, ADriveFollowsItsSine) {
   EXPECT_EQ(rig->additions.u.spec.elements, "fore");
   EXPECT_EQ(rig[rig->added_positions][0], 0.3);
   rig.RunTo(1);
-  EXPECT_NEAR(rig[rig->added_positions][0], 0.3 + 0.5 * std::sin(2.0), 0.05);
+  EXPECT_NEAR(rig[rig->added_positions][0], 0.3 + 0.5 * (std::sin(2 + phase) - std::sin(phase)), 0.05);
+}
+TEST(AttachedBodiesTest, ADriveFollowsItsSine) {
+  FollowsItsSine(0);
+  FollowsItsSine(-std::numbers::pi / 2);
 }
 
 /// Connected references replace those of the parameters joint by joint, and speeds act through the damping.

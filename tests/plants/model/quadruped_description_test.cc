@@ -417,6 +417,10 @@ TEST(QuadrupedDescriptionTest, RefusesActuatedJointsThatMakeNoSense) {
                       "'locked_joints'"));
   EXPECT_TRUE(
       Refused(with(elbow + ", amplitude_rad: 0.6, period_s: 1}"), "'arm_elbow'", "amplitude_rad", "2 rad"));
+  const std::string downwards = ", amplitude_rad: 0.6, period_s: 1, phase_rad: 1.5707963267948966}";
+  EXPECT_NO_THROW(with(elbow + downwards).Load());
+  EXPECT_TRUE(Refused(with(elbow + ", amplitude_rad: 1.8, period_s: 1, phase_rad: 1.5707963267948966}"),
+                      "'arm_elbow'", "phase_rad", "-2 to 2 rad"));
   EXPECT_TRUE(Refused(with(elbow + ", amplitude_rad: 0.3}"), "actuated_joints.0", "period_s"));
   EXPECT_TRUE(Refused(with("{joint: arm_elbow, stiffness_N_m_per_rad: -1, damping_N_m_s_per_rad: 1}"),
                       "actuated_joints.0.stiffness_N_m_per_rad"));
