@@ -1,9 +1,8 @@
 // A trajectory of a platform with an arm in free fall, against MuJoCo.
 
 #include <tenon/plants/cdpr/cdpr_plant.h>
-#include <tenon/plants/multibody/attached_bodies.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
-#include <tenon/tests/plants/model/quadruped_mujoco.h>
+#include <tenon/tests/plants/model/attached_body_mujoco.h>
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::cdpr_multibody_mujoco_test {
@@ -20,13 +19,6 @@ AttachedBody Link(const std::string& name, const Vec<3>& position, const Vec<3>&
   link.stiffness = 25;
   link.damping = 0.3;
   return link;
-}
-
-/// The body of a link without its end tag.
-std::string Mjcf(const AttachedBody& link) {
-  return fmt::format(R"(<body pos="{}"><joint type="hinge" axis="{}" stiffness="{}" damping="{}"/>{})",
-                     test::Numbers(link.position), test::Numbers(link.axis.normalized()), link.stiffness,
-                     link.damping, test::Inertial(UniformBoxInertia(link.mass, link.centre, link.edges)));
 }
 
 TEST(CdprMultibodyMuJoCoTest, AnArmInFreeFallHasTheSameTrajectory) {
@@ -46,7 +38,8 @@ TEST(CdprMultibodyMuJoCoTest, AnArmInFreeFallHasTheSameTrajectory) {
       "<mujoco><compiler angle=\"radian\"/><option gravity=\"0 0 -9.81\" integrator=\"RK4\" "
       "timestep=\"1e-3\"/>"
       "<worldbody><body><freejoint/>" +
-      test::Inertial(platform) + Mjcf(upper) + Mjcf(fore) + "</body></body></body></worldbody></mujoco>");
+      test::Inertial(platform) + test::Mjcf(upper) + test::Mjcf(fore) +
+      "</body></body></body></worldbody></mujoco>");
   const test::MuJoCoData data(mj_makeData(model.get()));
   Eigen::Map<Eigen::VectorXd> q(data->qpos, 9), u(data->qvel, 8);
   q << params.p_WB, 1, 0, 0, 0, 0, 0;

@@ -30,8 +30,9 @@ inline std::string Inertial(const RigidInertia& body) {
 }
 
 /// The robot in MJCF with MuJoCo's default contact parameters and joints in Tenon's order. With `ground` the
-/// feet, and only they, touch the plane z = 0 with friction 1.
-inline std::string Mjcf(const QuadrupedDescription& robot, bool ground = false) {
+/// feet, and only they, touch the plane z = 0 with friction 1. `on_trunk` are further bodies.
+inline std::string Mjcf(const QuadrupedDescription& robot, bool ground = false,
+                        const std::string& on_trunk = "") {
   std::string text =
       "<mujoco><compiler angle=\"radian\"/><option gravity=\"0 0 -9.81\"/><worldbody>" +
       std::string(ground ? "<geom type=\"plane\" size=\"9 9 1\" contype=\"1\" conaffinity=\"0\"/>" : "") +
@@ -46,7 +47,7 @@ inline std::string Mjcf(const QuadrupedDescription& robot, bool ground = false) 
                           robot.foot_radius, Numbers(leg.foot_J));
     text += "</body></body></body>";
   }
-  return text + "</body></worldbody></mujoco>";
+  return text + on_trunk + "</body></worldbody></mujoco>";
 }
 
 struct FreeMuJoCo {
