@@ -153,6 +153,12 @@ void HangingLoadScenario::Validate() const {
                      swing_m.norm(), length_m));
 }
 
+void CdprScenario::Validate() const {
+  Demand(!known_additions || controller != CdprController::kPd,
+         "known_additions has no effect on controller 'pd', which does not use the load: choose "
+         "pd_feedforward, or remove known_additions");
+}
+
 namespace {
 
 /// Gains of a scenario, from its keys and for the others from its profile.
@@ -289,6 +295,7 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   params.payload.attach_s = scenario.payload.attach_s;
   params.payload.release_s = scenario.payload.release_s;
   if (!scenario.attached.empty()) params.extend = AttachToPlatform(scenario.attached);
+  params.known_additions = scenario.known_additions;
   for (const GustScenario& gust : scenario.gusts)
     params.gusts.gusts.push_back({gust.force_N, gust.start_s, gust.duration_s});
   if (scenario.hanging_load) {

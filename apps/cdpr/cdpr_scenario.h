@@ -264,6 +264,9 @@ struct CdprScenario {
   Eigen::Vector3d start_turn_rad{0, 0, 0};  ///< initial offset of roll, pitch and yaw
   PayloadScenario payload;
   std::vector<AttachedBody> attached;  ///< bodies on joints, missing from the controller's model
+  /// Whether the controller measures the wrench of attached bodies on the platform, as by a force sensor
+  /// under the base of an arm. Not with controller pd, which does not use the load.
+  bool known_additions = false;
   std::vector<GustScenario> gusts;
   std::optional<HangingLoadScenario> hanging_load;
   NoiseScenario noise;
@@ -304,6 +307,7 @@ struct CdprScenario {
             {"start_turn_rad", &CdprScenario::start_turn_rad},
             {"payload", &CdprScenario::payload},
             {"attached", &CdprScenario::attached},
+            {"known_additions", &CdprScenario::known_additions},
             {"gusts", &CdprScenario::gusts},
             {"hanging_load", &CdprScenario::hanging_load},
             {"noise", &CdprScenario::noise},
@@ -320,6 +324,7 @@ struct CdprScenario {
             {"parameters", &CdprScenario::parameters},
             {"custom", &CdprScenario::custom}};
   }
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// Returns the diagram's parameters for a scenario. Reads the robot's file and computes the equilibria along

@@ -31,12 +31,14 @@ void LoadEstimatorParams::Validate() const {
 }
 
 LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const ImuMeasurement& inertial,
-                                     const CableSignals& cables, double bandwidth, Memory& memory) const {
+                                     const CableSignals& cables, const PlatformWrench& known,
+                                     double bandwidth, Memory& memory) const {
   const CdprDescription& robot = params.robot;
   CheckNumCables(robot.num_cables(), cables.tension.size(), "LoadEstimator");
   const double h = params.rate.period();
   const Eigen::Matrix3d R_WB = estimate.platform.R_WB();
-  Vector6d pull = Vector6d::Zero();
+  Vector6d pull;
+  pull << known.force_W, known.torque_W;
   for (int i = 0; i < robot.num_cables(); ++i)
     pull += cables.tension[i] * CalcCableLine(robot, i, estimate.platform.p_WB, R_WB).wrench;
   const Eigen::Vector3d w = R_WB * inertial.angular_velocity_B;
@@ -82,7 +84,7 @@ LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const Imu
   PlatformWrench& rest = memory.rest;
   rest.force_W = rest_force + keep_rest * (rest.force_W - rest_force);
   rest.torque_W = rest_torque + keep_rest * (rest.torque_W - rest_torque);
-  load.rest = rest;
+  load.rest = {rest.force_W + known.force_W, rest.torque_W + known.torque_W};
   return load;
 }
 

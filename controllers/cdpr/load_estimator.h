@@ -39,11 +39,13 @@ struct LoadEstimatorParams {
 ///
 /// A point mass exerts only a force at its place. With exact tensions, masses and inertias, a point mass and
 /// a constant wrench are therefore found without error at rest, and in motion up to the rotation of the
-/// platform during the lag of the filters. A mass below the dead band is part of the rest.
+/// platform during the lag of the filters. A mass below the dead band is part of the rest. A known wrench is
+/// added to W u and, without lag, to the rest.
 ///
 ///     ports in   estimate  of the platform; the pose is used
 ///                inertial  at the CoM
 ///                cables    the tensions are used
+///                known_wrench  on the platform about its CoM, part of the load (optional)
 ///     port out   load      payload and rest, sampled
 ///     parameter  bandwidth [rad/s]
 class LoadEstimator final : public LeafSystem<LoadEstimatorParams> {
@@ -76,6 +78,7 @@ class LoadEstimator final : public LeafSystem<LoadEstimatorParams> {
   InputPort<PlatformEstimate> estimate{this, {"estimate"}};
   InputPort<ImuMeasurement> inertial{this, {"inertial"}};
   InputPort<CableSignals> cables{this, {"cables"}};
+  InputPort<PlatformWrench> known_wrench{this, {"known_wrench"}, PlatformWrench{}};
   Parameter<double> bandwidth{this,
                               {"bandwidth", "rad/s"},
                               params.bandwidth,
@@ -85,12 +88,13 @@ class LoadEstimator final : public LeafSystem<LoadEstimatorParams> {
   OutputPort<LoadEstimate> load{this,
                                 {"load"},
                                 Sampled{params.rate},
-                                Uses(estimate, inertial, cables, bandwidth, memory),
+                                Uses(estimate, inertial, cables, known_wrench, bandwidth, memory),
                                 &LoadEstimator::CalcLoad};
 
  private:
   LoadEstimate CalcLoad(const PlatformEstimate& estimate, const ImuMeasurement& inertial,
-                        const CableSignals& cables, double bandwidth, Memory& memory) const;
+                        const CableSignals& cables, const PlatformWrench& known, double bandwidth,
+                        Memory& memory) const;
   void CorrectArm(const Eigen::Vector3d& force_B, const Eigen::Vector3d& torque_B, Memory& memory) const;
 };
 

@@ -8,7 +8,7 @@ CdprControl::CdprControl(Subdiagram& loop, const CdprLoopParams& params, const R
   if (params.mpc) {
     mpc = &loop.Add<CdprMpc>("mpc", *params.mpc);
     loop.Connect(observer.estimator->estimate, mpc->estimate);
-    if (observer.load != nullptr) loop.Connect(observer.load->load, mpc->load);
+    if (observer.known_load != nullptr) loop.Connect(*observer.known_load, mpc->load);
     loop.Connect(observer.broken_cables->broken, mpc->broken);
     return;
   }
@@ -16,12 +16,15 @@ CdprControl::CdprControl(Subdiagram& loop, const CdprLoopParams& params, const R
                                               params.control_rate});
   loop.Connect(world.cables, pd->cables);
   if (!params.feedforward && !params.IsOffsetFree()) {
+    Demand(!params.known_additions,
+           "known_additions needs a controller that takes a load: an MPC, or a PD with feedforward or "
+           "offset-free control");
     loop.Connect(reference.reference, pd->reference);
     return;
   }
   balancer = &loop.Add<ReferenceBalancer>("balancer", ReferenceBalancerParams{robot, params.control_rate});
   loop.Connect(reference.reference, balancer->reference);
-  if (observer.load != nullptr) loop.Connect(observer.load->load, balancer->load);
+  if (observer.known_load != nullptr) loop.Connect(*observer.known_load, balancer->load);
   loop.Connect(observer.broken_cables->broken, balancer->broken);
   loop.Connect(balancer->balanced, pd->reference);
 }

@@ -49,7 +49,10 @@ struct CdprLoopParams {
   CdprEstimatorParams estimator;
   Vec<3> start_offset = Vec<3>::Zero();  ///< offset of the platform from the start of the path [m]
   Vec<3> start_turn = Vec<3>::Zero();    ///< offset of the initial roll, pitch, yaw [rad]
-  ExtendCdpr extend = {};                ///< adds to the platform in Simbody; the controller does not know it
+  ExtendCdpr extend = {};                ///< adds to the platform in Simbody, not to the controller's model
+  /// Whether the controller measures the wrench of the additions on the platform. Needs an MPC, feedforward
+  /// or offset-free control.
+  bool known_additions = false;
   PayloadScheduleParams payload;
   GustsParams gusts;
   std::optional<HangingLoadParams> hanging_load;  ///< a load that swings under the platform

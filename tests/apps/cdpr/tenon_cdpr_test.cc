@@ -113,6 +113,16 @@ TEST_F(TenonCdprTest, FliesWithASwingingArm) {
   EXPECT_THAT(Read(out / "report.html"), HasSubstr("upper_arm"));
 }
 
+TEST_F(TenonCdprTest, FliesWithAKnownArm) {
+  const auto error = [&](const std::string& options) {
+    Run("D1-arm --duration 3 --controller pd_feedforward" + options);
+    return nlohmann::json::parse(Summary()).at("tracking_error_rms_m").get<double>();
+  };
+  const double unknown = error("");
+  EXPECT_LT(error(" --set known_additions=true"), 0.8 * unknown);
+  ExpectRefused({{"D1-arm --controller pd --set known_additions=true", "pd_feedforward"}});
+}
+
 // Sagging cables, pulleys, drums of several layers and differential winches change the tensions.
 TEST_F(TenonCdprTest, FliesWithModelsOfCablesAndWinches) {
   Run("D1 --duration 0.5");

@@ -90,6 +90,31 @@ TEST(LoadEstimatorTest, AGustIsNoPayload) {
   EXPECT_THAT(load.rest.torque_W, IsNear(motion.gust.torque_W, 0.05));
 }
 
+// The known part has no lag, and the estimator finds the others.
+TEST(LoadEstimatorTest, AddsAKnownWrench) {
+  const PlatformWrench known{{5, 0, -30}, {1, -2, 0}};
+  Motion motion;
+  TestRig<LoadEstimator> rig(LoadEstimatorParams{.robot = motion.robot});
+  rig.Fix(rig->known_wrench, known);
+  const auto after = [&](int first, int last) {
+    for (int k = first; k <= last; ++k) {
+      motion.At(0.005 * k);
+      rig.Fix(rig->estimate, motion.estimate).Fix(rig->inertial, motion.inertial);
+      rig.Fix(rig->cables, motion.cables).Tick();
+    }
+    return rig[rig->load];
+  };
+  motion.gust = known;
+  const LoadEstimate first = after(0, 0);
+  EXPECT_THAT(first.rest.force_W, IsNear(known.force_W, 1e-9));
+  EXPECT_THAT(first.rest.torque_W, IsNear(known.torque_W, 1e-9));
+  motion.gust.force_W += Vec<3>(0, 20, 0);
+  const LoadEstimate later = after(1, 1000);
+  EXPECT_EQ(later.payload.mass, 0);
+  EXPECT_THAT(later.rest.force_W, IsNear(motion.gust.force_W, 0.05));
+  EXPECT_THAT(later.rest.torque_W, IsNear(motion.gust.torque_W, 0.05));
+}
+
 // The integrated error of two low-pass filters in series after a step is the sum of their time constants.
 TEST(LoadEstimatorTest, FollowsAStepWithItsTimeConstants) {
   Motion motion;

@@ -41,6 +41,14 @@ TEST(CdprLoopTest, FollowsTheCircleWithTautCables) {
   }
 }
 
+TEST(CdprLoopTest, RefusesKnownAdditionsWithoutALoad) {
+  CdprLoopParams params = test::CircleWithPd();
+  params.known_additions = true;
+  EXPECT_TRUE(Throws<ParameterError>([&] { CdprLoop loop(params); }, "known_additions", "feedforward"));
+  params.feedforward = true;
+  EXPECT_NE(CdprLoop(params).observer.known_load, nullptr);
+}
+
 TEST(CdprLoopTest, RefusesAStartAtAnAnchor) {
   CdprLoopParams params = test::CircleWithPd();
   const CdprReference at = params.path->At(0);
