@@ -51,7 +51,7 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
   }
   Connect(swing_planner.feet, whole_body.feet);
   Connect(wrench, whole_body.wrench);
-  Connect(known_wrench, swing_planner.known_wrench);
+  Connect(steady_wrench, swing_planner.known_wrench);
   Connect(known_wrench, whole_body.known_wrench);
   Connect(leg_forces, whole_body.leg_forces);
   Connect(ground_estimator.ground, whole_body.ground);

@@ -16,11 +16,11 @@ namespace tenon {
 /// Connections that the sketch leaves out: the schedule feeds all other blocks; `state` and `wrench` feed
 /// swing and trunk planner; the estimated ground feeds swing planner and whole-body controller; `foot_forces`
 /// feed the swing planner. `wrench` and `leg_forces` are estimates of an observer; if they are not connected,
-/// no disturbance is compensated. A `known_wrench`, such as that of ropes, feeds swing planner and whole-body
-/// controller. With LeggedLocomotionParams::pace, a Pacer adapts `command` and the timing
-/// of the scheduler to the speed. With LeggedLocomotionParams::mpc, a CentroidalMpc takes the place of the
-/// trunk planner and gives the swing planner its footholds. Each block can be replaced by one with the same
-/// ports.
+/// no disturbance is compensated. A `known_wrench`, such as that of ropes, adds to `wrench` in the whole-body
+/// controller; `steady_wrench`, the part of it that changes slowly, displaces the swing planner's footholds.
+/// With LeggedLocomotionParams::pace, a Pacer adapts `command` and the timing of the scheduler to the speed. With
+/// LeggedLocomotionParams::mpc, a CentroidalMpc takes the place of the trunk planner and gives the swing
+/// planner its footholds. Each block can be replaced by one with the same ports.
 class LeggedLocomotion final : public Subdiagram {
  public:
   explicit LeggedLocomotion(const LeggedLocomotionParams& params);
@@ -30,6 +30,7 @@ class LeggedLocomotion final : public Subdiagram {
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate()};
   InputPort<WrenchEstimate> known_wrench{this, {"known_wrench"}, WrenchEstimate()};
+  InputPort<WrenchEstimate> steady_wrench{this, {"steady_wrench"}, WrenchEstimate()};
   InputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}, LegForceEstimate()};
 
   Pacer* pacer = nullptr;  ///< between `command` and all blocks that read it; null without `pace`

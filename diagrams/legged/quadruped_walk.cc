@@ -141,18 +141,28 @@ const OutputPort<WalkCommand>& QuadrupedWalk::AddStop() {
 
 void QuadrupedWalk::ConnectKnownWrench(const QuadrupedWalkParams& params) {
   const OutputPort<WrenchEstimate>* known = params.ropes ? &AddRopes(*params.ropes) : nullptr;
+  if (known != nullptr) Connect(*known, locomotion.steady_wrench);
   if (params.known_additions) {
     const Rate rate = locomotion.whole_body.params.rate;
-    known_additions =
-        &Add<UnitDelay<WrenchEstimate>>("known_additions", UnitDelayParams<WrenchEstimate>{.rate = rate});
-    Connect(world.added_wrench, known_additions->u);
+    auto& added = AddFunction("added_wrench", Uses(world.added_wrench), [](const WrenchEstimate& wrench) {
+      Vec<6> both;
+      both << wrench.force_W, wrench.torque_W;
+      return both;
+    });
+    known_additions = &Add<HeldLag<Vec<6>>>(
+        "known_additions", HeldLagParams<Vec<6>>{.time_constant = params.additions_lag, .rate = rate});
+    Connect(added, known_additions->u);
     if (known == nullptr)
-      known = &known_additions->y;
-    else
-      known = &AddFunction("known_wrench", Sampled{rate}, Uses(*known, known_additions->y),
-                           [](const WrenchEstimate& a, const WrenchEstimate& b) -> WrenchEstimate {
-                             return {a.force_W + b.force_W, a.torque_W + b.torque_W};
+      known = &AddFunction("known_wrench", Sampled{rate}, Uses(known_additions->y),
+                           [](const Vec<6>& additions) -> WrenchEstimate {
+                             return {additions.head<3>(), additions.tail<3>()};
                            });
+    else
+      known =
+          &AddFunction("known_wrench", Sampled{rate}, Uses(known_additions->y, *known),
+                       [](const Vec<6>& additions, const WrenchEstimate& ropes) -> WrenchEstimate {
+                         return {additions.head<3>() + ropes.force_W, additions.tail<3>() + ropes.torque_W};
+                       });
   }
   if (known == nullptr) return;
   Connect(*known, locomotion.known_wrench);

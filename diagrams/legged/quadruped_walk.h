@@ -35,6 +35,7 @@ struct QuadrupedWalkParams {
   std::optional<LeggedStateEstimatorParams> estimator;  ///< empty: the controller reads the true state
   std::optional<QuadrupedRopesParams> ropes;            ///< empty: no ropes
   bool known_additions = false;  ///< the controller measures the wrench of additions to the robot
+  double additions_lag = 0.003;  ///< time constant of this measurement [s]
 };
 
 /// Parameters of a walk in `world` whose controller and observers have a `model` of the robot, which may
@@ -66,8 +67,10 @@ void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params, doubl
 /// With ropes, `tensions` commands the `winches` of the `ropes`, which pull at world.pull, and locomotion and
 /// observer know the wrench of the measured tensions. If a rope is lost, the robot stops and stands from then
 /// on, since the others may not hold it while it steps. With `known_additions` locomotion and observer also
-/// know world.plant's `added_wrench`, one tick late and without errors, as a force sensor under the base of
-/// an arm measures it. The observer then estimates the other disturbances alone.
+/// know world.plant's `added_wrench`, sampled and behind a first-order lag, as a force sensor without errors
+/// under the base of an arm measures it. The observer then estimates the other disturbances alone. The lag
+/// keeps the loop through the reaction of a heavy arm to the acceleration of the trunk stable. Footholds are
+/// displaced by the ropes alone, because the wrench of an arm changes within a step.
 class QuadrupedWalk : public Subdiagram {
  public:
   explicit QuadrupedWalk(const QuadrupedWalkParams& params);
@@ -78,14 +81,14 @@ class QuadrupedWalk : public Subdiagram {
   DisturbanceObserver& observer;
   TrackingError& errors;
   WalkView& view;
-  LeggedStateEstimator* estimator = nullptr;             ///< null without an estimator
-  FootForceEstimate* foot_force_estimate = nullptr;      ///< null unless the foot sensors are in the shanks
-  FootForcesOfLegs* foot_forces_of_legs = nullptr;       ///< null unless the feet have no sensors
-  UnitDelay<WrenchEstimate>* known_additions = nullptr;  ///< their wrench; null unless it is known
-  RopeTensions* tensions = nullptr;                      ///< null without ropes
-  HeldLag<CableVector>* winches = nullptr;               ///< null without ropes
-  Ropes* ropes = nullptr;                                ///< null without ropes
-  const OutputPort<LeggedState>& state;                  ///< the state that the controller reads
+  LeggedStateEstimator* estimator = nullptr;         ///< null without an estimator
+  FootForceEstimate* foot_force_estimate = nullptr;  ///< null unless the foot sensors are in the shanks
+  FootForcesOfLegs* foot_forces_of_legs = nullptr;   ///< null unless the feet have no sensors
+  HeldLag<Vec<6>>* known_additions = nullptr;        ///< their force and torque; null unless known
+  RopeTensions* tensions = nullptr;                  ///< null without ropes
+  HeldLag<CableVector>* winches = nullptr;           ///< null without ropes
+  Ropes* ropes = nullptr;                            ///< null without ropes
+  const OutputPort<LeggedState>& state;              ///< the state that the controller reads
 
  private:
   const OutputPort<LeggedState>& AddEstimator(const std::optional<LeggedStateEstimatorParams>& params);
