@@ -22,7 +22,7 @@ struct CdprObserver {
   CdprEstimator* estimator = nullptr;                    ///< estimator for the MPC and the load estimator
   LoadEstimator* load = nullptr;                         ///< load estimator for offset-free control
   BrokenCableDetector* broken_cables = nullptr;          ///< detector for all but a PD without feedforward
-  const OutputPort<LoadEstimate>* known_load = nullptr;  ///< what the controller knows of the load, or null
+  const OutputPort<LoadEstimate>* known_load = nullptr;  ///< load that the controller uses, or null
 };
 
 /// The load estimator of an MPC has the defaults of LoadEstimatorParams. The one of a PD has bandwidths of
