@@ -18,8 +18,8 @@ namespace tenon {
 /// feed the swing planner. `wrench` and `leg_forces` are estimates of an observer; if they are not connected,
 /// no disturbance is compensated. A `known_wrench`, such as that of ropes, adds to `wrench` in the whole-body
 /// controller; `steady_wrench`, the part of it that changes slowly, displaces the swing planner's footholds.
-/// With LeggedLocomotionParams::pace, a Pacer adapts `command` and the timing of the scheduler to the speed. With
-/// LeggedLocomotionParams::mpc, a CentroidalMpc takes the place of the trunk planner and gives the swing
+/// With LeggedLocomotionParams::pace, a Pacer adapts `command` and the timing of the scheduler to the speed.
+/// With LeggedLocomotionParams::mpc, a CentroidalMpc takes the place of the trunk planner and gives the swing
 /// planner its footholds. Each block can be replaced by one with the same ports.
 class LeggedLocomotion final : public Subdiagram {
  public:
