@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -14,8 +15,9 @@ namespace tenon::fuzz {
 class Scratch {
  public:
   Scratch() : place_(std::filesystem::temp_directory_path() / ("tenon_fuzz_" + std::to_string(::getpid()))) {
+    using std::filesystem::copy_options;
     std::filesystem::copy(DataDirectory() / "robots", place_,
-                          std::filesystem::copy_options::overwrite_existing);
+                          copy_options::recursive | copy_options::overwrite_existing);
   }
   ~Scratch() {
     std::error_code ignored;
@@ -27,7 +29,8 @@ class Scratch {
   std::string place() const { return place_.string(); }
   std::string Write(const std::string& name, const std::string& text) const {
     const std::filesystem::path file = place_ / name;
-    std::ofstream(file, std::ios::binary) << text;
+    std::ofstream out(file, std::ios::binary);
+    if (!(out << text).flush()) std::abort();  // otherwise a file that is missing would count as refused
     return file.string();
   }
 
