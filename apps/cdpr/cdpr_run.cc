@@ -48,6 +48,8 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   auto& loop = BlameBlocks(
       kKeysOfBlocks, [&]() -> CdprLoop& { return builder.Add<CdprLoop>("loop", MakeLoopParams(scenario)); });
   Outputs outputs(builder);
+  if (const std::string note = PayOutNote(*loop.reference.params.path); !note.empty())
+    PrintNotes(options, {note});
   customisation.Apply(builder, loop, scenario.custom, outputs);
   const std::vector<const Source*> faults =
       BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });

@@ -211,39 +211,6 @@ CdprMpcParams MakeMpcParams(const CdprScenario& scenario, const CdprGains& gains
   return params;
 }
 
-/// Refuses a path on which winches cannot pay out as fast as the platform moves. A winch in tension mode with
-/// reel damping b pays out at dl/dt under the tension T if the motor's tension is T - b dl/dt. So tensions
-/// must exist that hold the platform and are higher than the smallest tension by b dl/dt.
-void CheckPayOut(const EquilibriumPath& equilibria) {
-  const CdprDescription& robot = equilibria.robot();
-  const Path& path = equilibria.path();
-  const double b = robot.winch.reel_damping;
-  if (robot.winch.mode != WinchMode::kTension) return;
-  const double begin = path.start_time();
-  const double end = path.is_periodic() ? path.TimeOf(4 * std::numbers::pi) : path.end_time();
-  constexpr int kSamples = 200;
-  constexpr double kTolerance = 1e-3;  // interpolated attitudes are equilibria only nearly
-  CdprReference at;
-  for (int k = 0; k <= kSamples; ++k) {
-    const double time = begin + (end - begin) * k / kSamples;
-    equilibria.At(time, &at);
-    const CableVector least = (b * at.length_rate).cwiseMax(0).array() + robot.cable.tension_min;
-    const CableMatrix6 structure =
-        CalcCableKinematics(robot, at.position, RotationFromEuler(at.euler)).structure;
-    const Vector6d wrench = -GravityWrench(robot) - structure * least;
-    if (DistributeTension(structure, wrench, 0, robot.cable.tension_max, 0, kTolerance).feasible) continue;
-    Eigen::Index i = 0;
-    at.length_rate.maxCoeff(&i);
-    throw ParameterError(
-        fmt::format("winch.reel_damping_N_s_per_m = {:.4g} is too high for the path: at {:.4g} s cable {} "
-                    "has to pay out at {:.3g} "
-                    "m/s, which takes {:.3g} N more than the smallest tension, but no such tensions hold the "
-                    "platform; lower "
-                    "it, or slow down the path",
-                    b, time, i, at.length_rate[i], b * at.length_rate[i]));
-  }
-}
-
 }  // namespace
 
 CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
@@ -269,7 +236,6 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
       throw KeyError("mpc.mass_error", error.what());
     }
   });
-  Blame("robot", [&] { CheckPayOut(*params.path); });
   const CdprGains gains = GainsOf(scenario, believed, path.position.At(path.position.start_time()).position);
   if (IsMpc(scenario.controller))
     params.mpc = Blame("mpc", [&] {
@@ -345,6 +311,37 @@ PathVerdict MakePathVerdict(const CdprScenario& scenario, bool live) {
   const double length = LengthOf(path.position);
   if (length == 0 && !path.attitude) return {};
   return {scenario.path_tolerance, length, scenario.start_offset_m.norm(), scenario.start_turn_rad.norm()};
+}
+
+std::string PayOutNote(const EquilibriumPath& equilibria) {
+  const CdprDescription& robot = equilibria.robot();
+  const Path& path = equilibria.path();
+  const double b = robot.winch.reel_damping;
+  if (robot.winch.mode != WinchMode::kTension) return "";
+  const double begin = path.start_time();
+  const double end = path.is_periodic() ? path.TimeOf(4 * std::numbers::pi) : path.end_time();
+  constexpr int kSamples = 200;
+  constexpr double kTolerance = 1e-3;  // interpolated attitudes are equilibria only nearly
+  CdprReference at;
+  for (int k = 0; k <= kSamples; ++k) {
+    const double time = begin + (end - begin) * k / kSamples;
+    equilibria.At(time, &at);
+    const CableVector least = (b * at.length_rate).cwiseMax(0).array() + robot.cable.tension_min;
+    const CableMatrix6 structure =
+        CalcCableKinematics(robot, at.position, RotationFromEuler(at.euler)).structure;
+    const Vector6d wrench = -GravityWrench(robot) - structure * least;
+    if (DistributeTension(structure, wrench, 0, robot.cable.tension_max, 0, kTolerance).feasible) continue;
+    Eigen::Index i = 0;
+    at.length_rate.maxCoeff(&i);
+    return fmt::format(
+        "robot.winch.reel_damping_N_s_per_m = {:.4g} is high for the path: at {:.4g} s cable {} has to pay "
+        "out at "
+        "{:.3g} m/s, which takes {:.3g} N more than the smallest tension, and no such tensions hold the "
+        "platform; "
+        "if it does not follow, lower the damping or slow down the path",
+        b, time, i, at.length_rate[i], b * at.length_rate[i]);
+  }
+  return "";
 }
 
 std::vector<std::string> Notes(const CdprScenario& scenario, double duration) {

@@ -333,6 +333,10 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario);
 SimulatorOptions MakeSimulatorOptions(const CdprScenario& scenario);
 /// Judges whether the platform follows its path. A live run is not judged.
 PathVerdict MakePathVerdict(const CdprScenario& scenario, bool live);
+/// A note if winches cannot pay out as fast as the platform moves; empty if they can. A winch in tension mode
+/// with reel damping b pays out at dl/dt under the tension T if the motor's tension is T - b dl/dt. So
+/// tensions must exist that hold the platform at rest and are higher than the smallest tension by b dl/dt.
+std::string PayOutNote(const EquilibriumPath& equilibria);
 /// Notes on keys of the scenario that have no effect in a run of `duration` [s], each with the reason.
 std::vector<std::string> Notes(const CdprScenario& scenario, double duration);
 
