@@ -8,22 +8,9 @@
 namespace tenon::cdpr_multibody_mujoco_test {
 namespace {
 
-AttachedBody Link(const std::string& name, const Vec<3>& position, const Vec<3>& axis) {
-  AttachedBody link;
-  link.name = name;
-  link.position = position;
-  link.axis = axis;
-  link.mass = 2;
-  link.centre = {0.02, 0, -0.2};
-  link.edges = {0.06, 0.08, 0.4};
-  link.stiffness = 25;
-  link.damping = 0.3;
-  return link;
-}
-
 TEST(CdprMultibodyMuJoCoTest, AnArmInFreeFallHasTheSameTrajectory) {
-  const AttachedBody upper = Link("upper", {0.1, 0, -0.1}, {0, 1, 0});
-  AttachedBody fore = Link("fore", {0, 0, -0.4}, {1, 0.2, 0});
+  const AttachedBody upper = test::SpringLink("upper", {0.1, 0, -0.1}, {0, 1, 0}, -0.4);
+  AttachedBody fore = test::SpringLink("fore", {0, 0, -0.4}, {1, 0.2, 0}, -0.4);
   fore.on = "upper";
   CdprPlantParams params = test::Hanging();
   params.extend = AttachToPlatform({upper, fore});

@@ -8,22 +8,9 @@
 namespace tenon::quadruped_multibody_mujoco_test {
 namespace {
 
-AttachedBody Link(const std::string& name, const Vec<3>& position, const Vec<3>& axis) {
-  AttachedBody link;
-  link.name = name;
-  link.position = position;
-  link.axis = axis;
-  link.mass = 2;
-  link.centre = {0.02, 0, 0.15};
-  link.edges = {0.06, 0.08, 0.3};
-  link.stiffness = 25;
-  link.damping = 0.3;
-  return link;
-}
-
 TEST(QuadrupedMultibodyMuJoCoTest, AnArmInFreeFallHasTheSameTrajectory) {
-  const AttachedBody upper = Link("upper", {0.1, 0.02, 0.08}, {0, 1, 0.3});
-  AttachedBody fore = Link("fore", {0, 0, 0.3}, {1, 0.2, 0});
+  const AttachedBody upper = test::SpringLink("upper", {0.1, 0.02, 0.08}, {0, 1, 0.3}, 0.3);
+  AttachedBody fore = test::SpringLink("fore", {0, 0, 0.3}, {1, 0.2, 0}, 0.3);
   fore.on = "upper";
   QuadrupedPlantParams params{.robot = test::DogBot(), .initial = test::Standing(test::DogBot())};
   params.robot.drive.damping = params.robot.drive.friction = 0;

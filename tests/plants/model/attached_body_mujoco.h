@@ -3,7 +3,26 @@
 #include <tenon/plants/multibody/attached_bodies.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>
 
+#include <cmath>
+#include <string>
+
 namespace tenon::test {
+
+/// A link of 2 kg on a pin with spring and damper, which reaches from its joint along z, down if negative
+/// [m].
+inline AttachedBody SpringLink(const std::string& name, const Vec<3>& position, const Vec<3>& axis,
+                               double reach) {
+  AttachedBody link;
+  link.name = name;
+  link.position = position;
+  link.axis = axis;
+  link.mass = 2;
+  link.centre = {0.02, 0, reach / 2};
+  link.edges = {0.06, 0.08, std::abs(reach)};
+  link.stiffness = 25;
+  link.damping = 0.3;
+  return link;
+}
 
 /// The box of an attached body on a pin, without its end tag.
 inline std::string Mjcf(const AttachedBody& link) {
