@@ -244,16 +244,8 @@ bool PrintsInstead(const CommonArguments& arguments, const ScenarioApp& app) {
       if (const auto key = std::ranges::find(keys, name, &ScenarioKey::key);
           file.empty() && key != keys.end())
         file = key->initial;
-      const std::vector<ScenarioKey> meant = known ? known() : std::vector<ScenarioKey>();
-      for (ScenarioKey& inner : KeysOfFile(kind, {file}, name)) {
-        const auto same = std::ranges::find_if(
-            meant, [&](const ScenarioKey& key) { return name + "." + key.key == inner.key; });
-        if (same != meant.end()) {
-          inner.range = same->range;
-          inner.meaning = same->meaning;
-        }
+      for (ScenarioKey& inner : KeysOfFile(kind, {file}, name, known ? known() : std::vector<ScenarioKey>()))
         keys.push_back(std::move(inner));
-      }
     }
     PrintKeys(keys);
   }

@@ -179,16 +179,20 @@ std::vector<ScenarioKey> KeysOf(const internal::TypeInfo& type, const void* valu
   return keys;
 }
 
-std::vector<ScenarioKey> KeysOfFile(const std::string& kind, const YamlFile& what, const std::string& key) {
+std::vector<ScenarioKey> KeysOfFile(const std::string& kind, const YamlFile& what, const std::string& key,
+                                    const std::vector<ScenarioKey>& known) {
   std::vector<ScenarioKey> keys;
   if (what.text.empty() || what.text == "none") return keys;
-  for (const auto& [name, text] : LoadResource(kind, what).Values())
+  for (const auto& [name, text] : LoadResource(kind, what).Values()) {
+    const auto same = std::ranges::find(known, name, &ScenarioKey::key);
+    const bool found = same != known.end();
     keys.push_back({.key = key + "." + name,
                     .type = "in " + ResourceName(what),
                     .unit = internal::UnitOfKey(name.substr(name.rfind('.') + 1)),
-                    .range = {},
+                    .range = found ? same->range : "",
                     .initial = text,
-                    .meaning = {}});
+                    .meaning = found ? same->meaning : ""});
+  }
   return keys;
 }
 

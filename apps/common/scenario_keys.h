@@ -28,8 +28,9 @@ std::vector<ScenarioKey> KeysOf() {
 }
 
 /// Lists the keys and values of a resource that a scenario names under `key`; empty for the word `none`.
-/// Throws ParameterError.
-std::vector<ScenarioKey> KeysOfFile(const std::string& kind, const YamlFile& what, const std::string& key);
+/// Ranges and meanings are those of the keys in `known`, which may be empty. Throws ParameterError.
+std::vector<ScenarioKey> KeysOfFile(const std::string& kind, const YamlFile& what, const std::string& key,
+                                    const std::vector<ScenarioKey>& known = {});
 
 /// Returns the name of a struct without namespaces and template arguments.
 std::string StructName(const internal::TypeInfo& type);
