@@ -161,6 +161,11 @@ void CdprScenario::Validate() const {
 
 namespace {
 
+/// Number of periods in a horizon, at least one.
+int PeriodsIn(double horizon_s, double rate_hz) {
+  return std::max(1, static_cast<int>(std::lround(horizon_s * rate_hz)));
+}
+
 /// Gains of a scenario, from its keys and for the others from its profile.
 struct CdprGains {
   double horizon;  // s
@@ -176,11 +181,9 @@ CdprGains GainsOf(const CdprScenario& scenario, const CdprDescription& robot, co
   if (!mpc.horizon_s || !mpc.num_steps || !mpc.weights || !pd.stiffness_N_per_m || !pd.damping_N_s_per_m)
     profile = Blame("profile", [&] { return LoadCdprProfile(scenario.profile, ScaleOf(robot, start)); });
   // A horizon of the profile is a multiple of the period and has a period per step at least.
-  const double periods = std::max(1.0, std::round(profile.horizon * mpc.rate_hz));
-  const double horizon = mpc.horizon_s.value_or(periods / mpc.rate_hz);
-  const int most = std::max(1, static_cast<int>(std::lround(horizon * mpc.rate_hz)));
+  const double horizon = mpc.horizon_s.value_or(PeriodsIn(profile.horizon, mpc.rate_hz) / mpc.rate_hz);
   return {.horizon = horizon,
-          .num_steps = mpc.num_steps.value_or(std::min(profile.num_steps, most)),
+          .num_steps = mpc.num_steps.value_or(std::min(profile.num_steps, PeriodsIn(horizon, mpc.rate_hz))),
           .weights = mpc.weights.value_or(profile.weights),
           .pd_stiffness_N_per_m = pd.stiffness_N_per_m.value_or(profile.pd_stiffness_N_per_m),
           .pd_damping_N_s_per_m = pd.damping_N_s_per_m.value_or(profile.pd_damping_N_s_per_m)};
@@ -203,7 +206,7 @@ CdprMpcParams MakeMpcParams(const CdprScenario& scenario, const CdprGains& gains
   params.command_rate = Hz(mpc.command_rate_hz);
   params.max_fallbacks_in_a_row = mpc.max_fallbacks_in_a_row;
   if (scenario.controller == CdprController::kMpcThesis) {
-    params.num_steps = std::max(1, static_cast<int>(std::lround(gains.horizon * mpc.rate_hz)));
+    params.num_steps = PeriodsIn(gains.horizon, mpc.rate_hz);
     params.terminal = TerminalCost::kGiven;
     params.slq.bounds = SlqBounds::kRollOutProjection;
     params.command_rate = params.rate;
@@ -335,10 +338,8 @@ std::string PayOutNote(const EquilibriumPath& equilibria) {
     at.length_rate.maxCoeff(&i);
     return fmt::format(
         "robot.winch.reel_damping_N_s_per_m = {:.4g} is high for the path: at {:.4g} s cable {} has to pay "
-        "out at "
-        "{:.3g} m/s, which takes {:.3g} N more than the smallest tension, and no such tensions hold the "
-        "platform; "
-        "if it does not follow, lower the damping or slow down the path",
+        "out at {:.3g} m/s, which takes {:.3g} N more than the smallest tension, and no such tensions hold "
+        "the platform; if it does not follow, lower the damping or slow down the path",
         b, time, i, at.length_rate[i], b * at.length_rate[i]);
   }
   return "";
