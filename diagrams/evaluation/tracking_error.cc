@@ -8,10 +8,6 @@
 
 namespace tenon {
 
-void TrackingError::CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const {
-  model_.Calc(state, dynamics);
-}
-
 WalkingErrors TrackingError::CalcErrors(const QuadrupedDynamics& dynamics, const FootForces& foot_forces,
                                         const ContactSchedule& schedule, const BodyReference& body,
                                         const FeetReference& feet, const WholeBodyPlan& plan) const {

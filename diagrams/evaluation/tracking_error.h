@@ -82,8 +82,7 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
       Range().Positive().Because("it bounds the inverse of a straight leg's Jacobian")};
 
  private:
-  QuadrupedModel model_{params.robot};
-  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state), &TrackingError::CalcDynamics};
+  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state), QuadrupedModel(params.robot)};
 
  public:
   OutputPort<WalkingErrors> errors{
@@ -96,7 +95,6 @@ class TrackingError final : public LeafSystem<TrackingErrorParams> {
                                               &TrackingError::CalcExternalFootForces};
 
  private:
-  void CalcDynamics(const LeggedState& state, QuadrupedDynamics* dynamics) const;
   WalkingErrors CalcErrors(const QuadrupedDynamics& dynamics, const FootForces& foot_forces,
                            const ContactSchedule& schedule, const BodyReference& body,
                            const FeetReference& feet, const WholeBodyPlan& plan) const;

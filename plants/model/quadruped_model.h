@@ -96,6 +96,9 @@ class QuadrupedModel {
   double gravity() const { return gravity_; }
   /// Computes the dynamics of one state. Does not allocate.
   void Calc(const LeggedState& x, QuadrupedDynamics* out) const;
+  /// Calc(), as the function of a Shared: blocks with equal models of one state compute its dynamics once.
+  void operator()(const LeggedState& x, QuadrupedDynamics* out) const { Calc(x, out); }
+  friend bool operator==(const QuadrupedModel&, const QuadrupedModel&) = default;
   /// Computes the decoupled dynamics from `dynamics`, the result of Calc() for x. Does not allocate.
   void CalcDecoupled(const LeggedState& x, const QuadrupedDynamics& dynamics, DecoupledDynamics* out) const;
 
@@ -104,6 +107,7 @@ class QuadrupedModel {
     Eigen::Vector3d p_PJ, axis, com;
     Eigen::Matrix3d inertia;
     double mass;
+    friend bool operator==(const Body&, const Body&) = default;
   };
 
   Body trunk_;

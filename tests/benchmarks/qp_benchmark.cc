@@ -96,7 +96,9 @@ Sequence Record(const auto& params, const auto& scenario, int first, int last) {
     const ContactSchedule& schedule = context.Eval(locomotion.scheduler.schedule);
     const GroundPlane& ground = context.Eval(locomotion.ground_estimator.ground);
     test::TrotTask& task = made.tasks.emplace_back();
-    controller.CalcDynamics(state, schedule, ground, gains, &task.dynamics);
+    QuadrupedDynamics of_model;
+    QuadrupedModel(controller.params.robot).Calc(state, &of_model);
+    controller.CalcDynamics(of_model, schedule, ground, gains, &task.dynamics);
     task.task =
         controller.MakeTask(task.dynamics, state, schedule, context.Eval(locomotion.com_planner.reference),
                             context.Eval(locomotion.swing_planner.feet), context.Eval(loop.observer.wrench),

@@ -10,13 +10,12 @@ void NonlinearDisturbanceObserverParams::Validate() const {
 }
 
 LegForceEstimate NonlinearDisturbanceObserver::CalcEstimate(const LeggedState& state,
+                                                            const QuadrupedDynamics& dynamics,
                                                             const FootForces& foot_forces,
                                                             const GroundPlane& ground,
                                                             const Vec<12>& held_torque, double gain,
                                                             double min_singular_value, Memory& memory) const {
-  QuadrupedDynamics dynamics;
   DecoupledDynamics decoupled;
-  model_.Calc(state, &dynamics);
   model_.CalcDecoupled(state, dynamics, &decoupled);
 
   const Vec<12> known_torque =

@@ -75,11 +75,13 @@ class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanc
     }
   };
 
+  InputPort<LeggedState> state{this, {"state"}};
+
  private:
   const QuadrupedModel model_{params.robot};
+  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state), model_};
 
  public:
-  InputPort<LeggedState> state{this, {"state"}};
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
@@ -101,13 +103,14 @@ class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanc
       this,
       {"estimate"},
       Sampled{params.rate},
-      Uses(state, foot_forces, ground, held_torque, gain, min_singular_value, memory),
+      Uses(state, dynamics_, foot_forces, ground, held_torque, gain, min_singular_value, memory),
       &NonlinearDisturbanceObserver::CalcEstimate};
 
  private:
-  LegForceEstimate CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                                const GroundPlane& ground, const Vec<12>& held_torque, double gain,
-                                double min_singular_value, Memory& memory) const;
+  LegForceEstimate CalcEstimate(const LeggedState& state, const QuadrupedDynamics& dynamics,
+                                const FootForces& foot_forces, const GroundPlane& ground,
+                                const Vec<12>& held_torque, double gain, double min_singular_value,
+                                Memory& memory) const;
 };
 
 }  // namespace tenon

@@ -10,12 +10,10 @@ void ComObserverParams::Validate() const {
   Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
 }
 
-WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                                         const GroundPlane& ground, const Vec<3>& specific_force_W,
-                                         const WrenchEstimate& known, const ComObserverGains& gains,
-                                         Memory& memory) const {
-  QuadrupedDynamics dynamics;
-  model_.Calc(state, &dynamics);
+WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const QuadrupedDynamics& dynamics,
+                                         const FootForces& foot_forces, const GroundPlane& ground,
+                                         const Vec<3>& specific_force_W, const WrenchEstimate& known,
+                                         const ComObserverGains& gains, Memory& memory) const {
   const bool from_imu = gains.force_source == ForceSource::kImu;
   const double mass = model_.mass(), period = params.rate.period();
   const Vec<3> weight(0, 0, mass * model_.gravity());

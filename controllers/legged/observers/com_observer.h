@@ -113,11 +113,13 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
     }
   };
 
+  InputPort<LeggedState> state{this, {"state"}};
+
  private:
   const QuadrupedModel model_{params.robot};
+  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state), model_};
 
  public:
-  InputPort<LeggedState> state{this, {"state"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   InputPort<ImuMeasurement> imu{this, {"imu"}};
@@ -136,14 +138,14 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
       this,
       {"estimate"},
       Sampled{params.rate},
-      Uses(state, foot_forces, ground, specific_force_W, known_wrench, gains, memory),
+      Uses(state, dynamics_, foot_forces, ground, specific_force_W, known_wrench, gains, memory),
       &ComObserver::CalcEstimate};
 
  private:
-  WrenchEstimate CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                              const GroundPlane& ground, const Vec<3>& specific_force_W,
-                              const WrenchEstimate& known, const ComObserverGains& gains,
-                              Memory& memory) const;
+  WrenchEstimate CalcEstimate(const LeggedState& state, const QuadrupedDynamics& dynamics,
+                              const FootForces& foot_forces, const GroundPlane& ground,
+                              const Vec<3>& specific_force_W, const WrenchEstimate& known,
+                              const ComObserverGains& gains, Memory& memory) const;
 };
 
 }  // namespace tenon

@@ -20,11 +20,9 @@ void GroundForceObserverParams::Validate() const {
                      min_singular_value));
 }
 
-FootForces GroundForceObserver::CalcForces(const LeggedState& state, const LegForceEstimate& leg_forces,
+FootForces GroundForceObserver::CalcForces(QuadrupedDynamics dynamics, const LegForceEstimate& leg_forces,
                                            const GroundPlane& ground, const ContactThresholds& thresholds,
                                            std::array<bool, kNumLegs>& stands) const {
-  QuadrupedDynamics dynamics;
-  model_.Calc(state, &dynamics);
   const Vec<3> arm = ground.ContactArm(params.robot.foot_radius), normal = ground.Normal();
   for (int leg = 0; leg < kNumLegs; ++leg)
     dynamics.feet[static_cast<std::size_t>(leg)] = dynamics.Contact(leg, arm);

@@ -53,11 +53,13 @@ class GroundForceObserver final : public LeafSystem<GroundForceObserverParams> {
  public:
   using LeafSystem::LeafSystem;
 
+  InputPort<LeggedState> state{this, {"state"}};
+
  private:
   const QuadrupedModel model_{params.robot, params.gravity};
+  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state), model_};
 
  public:
-  InputPort<LeggedState> state{this, {"state"}};
   InputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
   Parameter<ContactThresholds> thresholds{
@@ -66,11 +68,11 @@ class GroundForceObserver final : public LeafSystem<GroundForceObserverParams> {
   OutputPort<FootForces> forces{this,
                                 {"forces"},
                                 Sampled{params.rate},
-                                Uses(state, leg_forces, ground, thresholds, stands),
+                                Uses(dynamics_, leg_forces, ground, thresholds, stands),
                                 &GroundForceObserver::CalcForces};
 
  private:
-  FootForces CalcForces(const LeggedState& state, const LegForceEstimate& leg_forces,
+  FootForces CalcForces(QuadrupedDynamics dynamics, const LegForceEstimate& leg_forces,
                         const GroundPlane& ground, const ContactThresholds& thresholds,
                         std::array<bool, kNumLegs>& stands) const;
 };

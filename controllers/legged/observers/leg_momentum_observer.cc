@@ -24,14 +24,13 @@ DisturbanceFilter LegMomentumObserver::CalcFilter(const LegObserverGains& gains)
   return {gains.Gains(), params.rate.period()};
 }
 
-LegForceEstimate LegMomentumObserver::CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                                                   const GroundPlane& ground, const Vec<12>& held_torque,
-                                                   const LegObserverGains& gains,
+LegForceEstimate LegMomentumObserver::CalcEstimate(const LeggedState& state,
+                                                   const QuadrupedDynamics& dynamics,
+                                                   const FootForces& foot_forces, const GroundPlane& ground,
+                                                   const Vec<12>& held_torque, const LegObserverGains& gains,
                                                    const DisturbanceFilter& filter, Memory& memory) const {
   const bool exact = gains.dynamics == LegDynamics::kExact;
-  QuadrupedDynamics dynamics;
   DecoupledDynamics decoupled;
-  model_.Calc(state, &dynamics);
   if (!exact) model_.CalcDecoupled(state, dynamics, &decoupled);
 
   Vec<12> momentum, known_rate;

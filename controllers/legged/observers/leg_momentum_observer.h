@@ -104,11 +104,13 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
     }
   };
 
+  InputPort<LeggedState> state{this, {"state"}};
+
  private:
   const QuadrupedModel model_{params.robot};
+  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state), model_};
 
  public:
-  InputPort<LeggedState> state{this, {"state"}};
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
@@ -121,18 +123,19 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
   Update<Vec<12>> next_torque{held_torque, Sampled{params.rate}, Uses(torque),
                               [](const Vec<12>& torque) -> const Vec<12>& { return torque; }};
   Scratch<Memory> memory{this, "memory", Memory{.estimator = CalcFilter(params.gains).Start<12>()}};
-  OutputPort<LegForceEstimate> estimate{this,
-                                        {"estimate"},
-                                        Sampled{params.rate},
-                                        Uses(state, foot_forces, ground, held_torque, gains, filter, memory),
-                                        &LegMomentumObserver::CalcEstimate};
+  OutputPort<LegForceEstimate> estimate{
+      this,
+      {"estimate"},
+      Sampled{params.rate},
+      Uses(state, dynamics_, foot_forces, ground, held_torque, gains, filter, memory),
+      &LegMomentumObserver::CalcEstimate};
 
  private:
   DisturbanceFilter CalcFilter(const LegObserverGains& gains) const;
-  LegForceEstimate CalcEstimate(const LeggedState& state, const FootForces& foot_forces,
-                                const GroundPlane& ground, const Vec<12>& held_torque,
-                                const LegObserverGains& gains, const DisturbanceFilter& filter,
-                                Memory& memory) const;
+  LegForceEstimate CalcEstimate(const LeggedState& state, const QuadrupedDynamics& dynamics,
+                                const FootForces& foot_forces, const GroundPlane& ground,
+                                const Vec<12>& held_torque, const LegObserverGains& gains,
+                                const DisturbanceFilter& filter, Memory& memory) const;
 };
 
 }  // namespace tenon

@@ -55,10 +55,10 @@ Vec<12> WholeBodyController::TorqueLimit(const QuadrupedDescription& robot) {
   return limit;
 }
 
-void WholeBodyController::CalcDynamics(const LeggedState& state, const ContactSchedule& schedule,
+void WholeBodyController::CalcDynamics(const QuadrupedDynamics& of_model, const ContactSchedule& schedule,
                                        const GroundPlane& ground, const WholeBodyGains& gains,
                                        QuadrupedDynamics* dynamics) const {
-  model_.Calc(state, dynamics);
+  *dynamics = of_model;
   const Vec<3> arm = ground.ContactArm(params.robot.foot_radius);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);

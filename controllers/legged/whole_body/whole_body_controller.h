@@ -201,7 +201,8 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
 
  private:
   QuadrupedModel model_{params.robot};
-  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(state, schedule, ground, gains),
+  Shared<QuadrupedDynamics> of_model_{this, "dynamics_of_model", Uses(state), model_};
+  Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(of_model_, schedule, ground, gains),
                                       &WholeBodyController::CalcDynamics};
   Scratch<WholeBodyPlan> last_plan_{this, "last_plan", WholeBodyPlan()};
   Scratch<Vec<4>> loading_{this, "loading", Vec<4>::Ones()};  // progress of the load ramps, 0 to 1
@@ -226,10 +227,11 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   Monitor solves{this, "solves", Sampled{params.qp_rate}, Uses(plan, max_failures_in_a_row),
                  &WholeBodyController::CheckSolves};
 
-  /// Dynamics of the controller's model, with contact points in place of the stance feet's centres, and
-  /// without A' nu for BodyDynamics::kDecoupled.
-  void CalcDynamics(const LeggedState& state, const ContactSchedule& schedule, const GroundPlane& ground,
-                    const WholeBodyGains& gains, QuadrupedDynamics* dynamics) const;
+  /// The dynamics `of_model` with contact points in place of the stance feet's centres, and without A' nu for
+  /// BodyDynamics::kDecoupled.
+  void CalcDynamics(const QuadrupedDynamics& of_model, const ContactSchedule& schedule,
+                    const GroundPlane& ground, const WholeBodyGains& gains,
+                    QuadrupedDynamics* dynamics) const;
   /// Task of the optimisation: the wrench (2.26), the foot accelerations (2.40) and the compensation.
   WholeBodyTask MakeTask(const QuadrupedDynamics& dynamics, const LeggedState& state,
                          const ContactSchedule& schedule, const BodyReference& body,

@@ -20,7 +20,7 @@ class MomentumObserver final : public tenon::LeafSystem<MomentumObserverParams> 
   tenon::DiscreteState<tenon::Vec<3>> momentum{this, {"momentum", "kg m/s"}};  // p
 
   tenon::Shared<tenon::QuadrupedDynamics> dynamics{this, "dynamics", tenon::Uses(state),
-                                                   &MomentumObserver::CalcDynamics};
+                                                   tenon::QuadrupedModel(params.robot)};
   tenon::OutputPort<tenon::WrenchEstimate> wrench{this,
                                                   {"wrench"},
                                                   tenon::Sampled{params.rate},
@@ -32,9 +32,6 @@ class MomentumObserver final : public tenon::LeafSystem<MomentumObserverParams> 
                                     tenon::Uses(momentum, foot_forces, wrench), &MomentumObserver::CalcNext};
 
  private:
-  void CalcDynamics(const tenon::LeggedState& state, tenon::QuadrupedDynamics* dynamics) const {
-    model_.Calc(state, dynamics);
-  }
   tenon::WrenchEstimate CalcWrench(const tenon::QuadrupedDynamics& dynamics,
                                    const tenon::Vec<3>& momentum) const {
     tenon::WrenchEstimate estimate;

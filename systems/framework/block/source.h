@@ -187,6 +187,14 @@ class Source : public internal::Declared {
     closure_.reset(new internal::ClosureOf<F>{{owner_, this, destroy}, std::move(function)});
     arguments_ = std::move(arguments);
   }
+  /// Lets calculations with equal functions of the same values be computed once.
+  template <class F>
+  void SetComparison() {
+    equal_ = [](const internal::Closure& a, const internal::Closure& b) {
+      return static_cast<const internal::ClosureOf<F>&>(a).function ==
+             static_cast<const internal::ClosureOf<F>&>(b).function;
+    };
+  }
   void SetDriver(const Source& driver) { driver_ = &driver; }
   void SetTarget(const Source& target) { target_ = &target; }
   void SetTrigger(Trigger trigger) { trigger_ = trigger; }
@@ -223,6 +231,7 @@ class Source : public internal::Declared {
   internal::Thunk run_ = nullptr;
   std::unique_ptr<internal::Closure, internal::Closure::Delete> closure_;
   std::vector<internal::Slot> arguments_;
+  bool (*equal_)(const internal::Closure&, const internal::Closure&) = nullptr;  ///< null: not comparable
 
   // Set when the diagram is built.
   internal::Offset offset_ = 0;

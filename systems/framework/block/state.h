@@ -4,6 +4,7 @@
 #include <tenon/systems/framework/block/random_stream.h>
 
 #include <algorithm>
+#include <concepts>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -191,6 +192,9 @@ class Update : public Calculated<T> {
 
 /// A value that several calculations of a block use (kinematics, say), computed once per evaluation. It keeps
 /// nothing from one evaluation to the next. In-place functions fill a copy of `model`.
+///
+/// If the function is an object with operator==, shared values of several blocks that are equal functions of
+/// the same sources are computed once for all of them.
 template <class T>
 class Shared : public Calculated<T> {
  public:
@@ -201,6 +205,7 @@ class Shared : public Calculated<T> {
          std::uint64_t tag = internal::TagOf<F>::value)
       : Calculated<T>(owner, SourceKind::kShared, Spec{std::move(name)}) {
     this->Calculate(std::move(uses), std::move(function), tag);
+    if constexpr (std::is_class_v<F> && std::equality_comparable<F>) this->template SetComparison<F>();
   }
   template <class... A, class F>
   Shared(Leaf* owner, std::string name, T model, UsesList<A...> uses, F function,

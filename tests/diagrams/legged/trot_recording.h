@@ -91,7 +91,9 @@ struct TrotTask {
 inline TrotTask MakeTask(const WholeBodyController& controller, const TrotTick& tick) {
   TrotTask made;
   const WholeBodyGains& gains = controller.params.gains;
-  controller.CalcDynamics(tick.state, tick.schedule, tick.ground, gains, &made.dynamics);
+  QuadrupedDynamics of_model;
+  QuadrupedModel(controller.params.robot).Calc(tick.state, &of_model);
+  controller.CalcDynamics(of_model, tick.schedule, tick.ground, gains, &made.dynamics);
   made.task = controller.MakeTask(made.dynamics, tick.state, tick.schedule, tick.body, tick.feet, {}, {},
                                   tick.ground, gains);
   return made;

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
@@ -52,6 +53,7 @@ Compiler::Compiler(const std::vector<std::unique_ptr<System>>& blocks, bool open
   CheckDeclarations();
   CheckConnections();
   ThrowFaults();
+  MergeShared();
   Order();
   LayOut();
   FillArguments();
@@ -69,6 +71,32 @@ void Compiler::Collect(const std::vector<std::unique_ptr<System>>& blocks) {
       Collect(subdiagram->blocks_);
     } else {
       sources_.insert(sources_.end(), block->sources().begin(), block->sources().end());
+    }
+  }
+}
+
+/// Lets shared values of different blocks that are the same function of the same values be computed once: the
+/// first one drives the others.
+void Compiler::MergeShared() {
+  const auto same_argument = [](const Slot& a, const Slot& b) {
+    if (a.source == nullptr || b.source == nullptr)
+      return a.what == b.what && a.source == b.source && a.count == b.count;
+    return &a.source->Resolve() == &b.source->Resolve();
+  };
+  std::unordered_map<Thunk, std::vector<Source*>> found;
+  for (Source* source : sources_) {
+    if (source->equal_ == nullptr) continue;
+    std::vector<Source*>& others = found[source->run_];
+    const auto other = std::find_if(others.begin(), others.end(), [&](const Source* before) {
+      return before->equal_ == source->equal_ && before->equal_(*before->closure_, *source->closure_) &&
+             std::equal(before->arguments_.begin(), before->arguments_.end(), source->arguments_.begin(),
+                        source->arguments_.end(), same_argument);
+    });
+    if (other == others.end()) {
+      others.push_back(source);
+    } else {
+      source->SetDriver(**other);
+      source->run_ = nullptr;
     }
   }
 }
@@ -230,8 +258,8 @@ void Compiler::LayOut() {
   // alignment.
   std::vector<Source*> stored, last;
   for (Source* source : sources_) {
-    const bool passes_on = source->kind() == SourceKind::kInput ||
-                           (source->kind() == SourceKind::kOutput && source->run_ == nullptr);
+    const bool passes_on =
+        source->kind() == SourceKind::kInput || (GivesValue(*source) && source->run_ == nullptr);
     const bool integrated =
         source->kind() == SourceKind::kContinuous || source->kind() == SourceKind::kDerivative;
     if ((integrated && source->type_->fixed) || passes_on || shared.contains(source)) continue;

@@ -24,6 +24,7 @@ class Compiler {
 
   // compiler.cc: contents and order of the program
   void Collect(const std::vector<std::unique_ptr<System>>& blocks);
+  void MergeShared();
   void Order();
   void OrderPublishes();
   void Visit(Source& source, std::vector<const Source*>& trail);
