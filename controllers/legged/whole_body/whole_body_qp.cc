@@ -116,9 +116,9 @@ WholeBodyQp::WholeBodyQp(const Vec<12>& torque_limit)
       H_(Eigen::MatrixXd::Zero(12, 12)),
       g_(Eigen::VectorXd::Zero(12)),
       A_eq_(ConstraintMatrix::Zero(0, 12)),
-      A_in_(ConstraintMatrix::Zero(kNumLegs * (kRowsPerLeg + 1), 12)),
+      A_in_(ConstraintMatrix::Zero(kMaxRows, 12)),
       b_eq_(Eigen::VectorXd::Zero(0)),
-      b_in_(Eigen::VectorXd::Zero(kNumLegs * (kRowsPerLeg + 1))) {
+      b_in_(Eigen::VectorXd::Zero(kMaxRows)) {
   Demand((torque_limit.array() > 0).all(), "the torque limits of all joints must be positive");
   affine_.Resize(kRows * kWidth);
 }
@@ -130,40 +130,51 @@ Vec<3> FirstTangent(const Vec<3>& normal) {
 // Writes the rows of the friction pyramids.
 void WholeBodyQp::MakePyramids(const WholeBodyTask& task, const WholeBodyQpParams& params) {
   const Vec<3>& n = task.normal_W;
+  const bool octagonal = params.friction_pyramid == FrictionPyramid::kOctagonal;
   double friction = params.friction;
   Eigen::Vector3d t_1 = FirstTangent(n);
-  if (params.friction_pyramid == FrictionPyramid::kInscribed) {
+  if (params.friction_pyramid != FrictionPyramid::kCircumscribed) {
     const Eigen::Vector3d wanted = task.wrench.head<3>() - task.disturbance.head<3>();
     const Eigen::Vector3d along = wanted - wanted.dot(n) * n;
     if (along.norm() > kSlight * wanted.norm()) t_1 = along.normalized();
-    t_1 = (t_1 + n.cross(t_1)).normalized();
-    friction *= std::numbers::sqrt2 / 2;
+    // tan and cos of the angle from an edge to the middle of a side
+    const double slope = octagonal ? std::numbers::sqrt2 - 1 : 1;
+    const double ratio = octagonal ? std::sqrt(2 + std::numbers::sqrt2) / 2 : std::numbers::sqrt2 / 2;
+    t_1 = (t_1 + slope * n.cross(t_1)).normalized();
+    friction *= ratio;
   }
-  const Eigen::Vector3d t_2 = n.cross(t_1);
-  for (int leg = 0; leg < kNumLegs; ++leg) {
+  const auto write = [&](int leg, int row, const Eigen::Vector3d& t_1, const Eigen::Vector3d& t_2) {
     const bool stance = task.stance[static_cast<std::size_t>(leg)];
-    const int row = kRowsPerLeg * leg;
     A_in_.middleRows<4>(row).setZero();
     b_in_.segment<4>(row).setConstant(stance ? 0 : -1);
-    if (!stance) continue;
+    if (!stance) return;
     auto pyramid = A_in_.block<4, 3>(row, 3 * leg);
     pyramid.row(0) = (friction * n + t_1).transpose();
     pyramid.row(1) = (friction * n - t_1).transpose();
     pyramid.row(2) = (friction * n + t_2).transpose();
     pyramid.row(3) = (friction * n - t_2).transpose();
+  };
+  const Eigen::Vector3d t_2 = n.cross(t_1);
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    write(leg, kRowsPerLeg * leg, t_1, t_2);
+    if (octagonal)
+      write(leg, kNumLegs * (kRowsPerLeg + 1) + 4 * leg, (t_1 + t_2).normalized(), (t_2 - t_1).normalized());
   }
 }
 
-// Writes the bounds of the loads; without any, their rows are not part of the program.
-void WholeBodyQp::BoundLoads(const WholeBodyTask& task) {
+// Writes the bounds of the loads, and sets the number of rows. The bounds are not part of the program if
+// there are none and no rows follow.
+void WholeBodyQp::BoundLoads(const WholeBodyTask& task, const WholeBodyQpParams& params) {
+  const bool octagonal = params.friction_pyramid == FrictionPyramid::kOctagonal;
   num_rows_ = kNumLegs * kRowsPerLeg;
-  if ((task.largest_load.array() == kUnlimited).all()) return;
+  if (!octagonal && (task.largest_load.array() == kUnlimited).all()) return;
   for (int leg = 0; leg < kNumLegs; ++leg, ++num_rows_) {
     const bool bounded = task.stance[static_cast<std::size_t>(leg)] && task.largest_load[leg] < kUnlimited;
     A_in_.row(num_rows_).setZero();
     b_in_[num_rows_] = bounded ? -task.largest_load[leg] : -1;
     if (bounded) A_in_.block<1, 3>(num_rows_, 3 * leg) = -task.normal_W.transpose();
   }
+  if (octagonal) num_rows_ = kMaxRows;
 }
 
 // Writes the program in f and gamma. The rows of `affine_` become nu' and the error of the wrench; see
@@ -235,7 +246,7 @@ TENON_VECTOR_CLONES void WholeBodyQp::MakeProblem(const QuadrupedDynamics& dynam
     H_(y, y) += task.stance[static_cast<std::size_t>(y / 3)] ? params.force_weight : params.slack_weight;
 
   MakePyramids(task, params);
-  BoundLoads(task);
+  BoundLoads(task, params);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     for (int k = 0; k < 3; ++k) {

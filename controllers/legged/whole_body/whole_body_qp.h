@@ -10,15 +10,17 @@
 
 namespace tenon {
 
-/// How the four sides of a friction pyramid approximate the cone |f_t| <= mu f_n.
+/// How the sides of a friction pyramid approximate the cone |f_t| <= mu f_n.
 enum class FrictionPyramid {
-  kCircumscribed,  ///< touches the cone along W's x and across it; exceeds the cone by up to sqrt(2) in
-                   ///< between
-  kInscribed,      ///< within the cone, with an edge along the tangential force that the task wants
+  kCircumscribed,  ///< four sides, which touch the cone along W's x and across it; exceeds the cone by up to
+                   ///< sqrt(2) in between
+  kInscribed,  ///< four sides within the cone, with an edge along the tangential force that the task wants
+  kOctagonal,  ///< eight sides within the cone, with an edge in the same direction
 };
 constexpr auto EnumNames(FrictionPyramid) {
   return std::array{Named{FrictionPyramid::kCircumscribed, "circumscribed"},
-                    Named{FrictionPyramid::kInscribed, "inscribed"}};
+                    Named{FrictionPyramid::kInscribed, "inscribed"},
+                    Named{FrictionPyramid::kOctagonal, "octagonal"}};
 }
 
 /// Weights of the cost and the friction coefficient of WholeBodyQp.
@@ -105,9 +107,10 @@ struct WholeBodySolution {
 ///     J_i nu' + J_i' nu = a_i,   J_k nu' + J_k' nu = a_k + gamma_k
 ///     |f . t_1|, |f . t_2| <= mu f . n <= mu largest_load,   |tau| <= limit, with tau from the joints' rows
 ///
-/// with the ground's normal n and its tangents t_1, along W's x, and t_2. The inscribed pyramid has mu /
-/// sqrt(2) instead of mu, and t_1 at 45 degrees to the tangential part of w - w_hat, in whose direction a
-/// foot can then have the friction mu. J_i is the Jacobian of the foot's contact point (see
+/// with the ground's normal n and its tangents t_1, along W's x, and t_2. The inscribed pyramid has mu
+/// cos(45 deg) instead of mu, and t_1 at 45 degrees to the tangential part of w - w_hat, in whose direction a
+/// foot can then have the friction mu. The octagonal one has 22.5 degrees instead, and the same inequalities
+/// also for two tangents that are turned by 45 degrees. J_i is the Jacobian of the foot's contact point (see
 /// QuadrupedDynamics::Contact), J_k that of the foot's centre: `dynamics.feet` must hold contact points for
 /// stance feet and centres for swing feet.
 ///
@@ -126,11 +129,13 @@ struct WholeBodySolution {
 /// straight leg's J_leg are raised to a lower bound of 2e-4 |J_leg|, which keeps the inverse finite.
 ///
 /// Inequalities 10 leg to 10 leg + 3 are the sides of the friction pyramid (0 >= -1 in swing), 10 leg + 4 to
-/// 10 leg + 9 the lower and upper limits of the leg's torques. If a load is bounded, 40 + leg are the bounds
-/// of the loads (0 >= -1 if infinite).
+/// 10 leg + 9 the lower and upper limits of the leg's torques. If a load is bounded or the pyramid is
+/// octagonal, 40 + leg are the bounds of the loads (0 >= -1 if infinite), and 44 + 4 leg to 47 + 4 leg the
+/// other four sides of the octagonal pyramid.
 class WholeBodyQp {
  public:
   static constexpr int kRowsPerLeg = 10;
+  static constexpr int kMaxRows = kNumLegs * (kRowsPerLeg + 1 + 4);
 
   explicit WholeBodyQp(const Vec<12>& torque_limit);
 
@@ -149,7 +154,7 @@ class WholeBodyQp {
   void MakeProblem(const QuadrupedDynamics& dynamics, const WholeBodyTask& task,
                    const WholeBodyQpParams& params);
   void MakePyramids(const WholeBodyTask& task, const WholeBodyQpParams& params);
-  void BoundLoads(const WholeBodyTask& task);
+  void BoundLoads(const WholeBodyTask& task, const WholeBodyQpParams& params);
 
   Vec<12> torque_limit_;
   Eigen::MatrixXd H_;
@@ -158,7 +163,7 @@ class WholeBodyQp {
   Eigen::VectorXd b_eq_, b_in_;
   int num_rows_ = kNumLegs * kRowsPerLeg;  // inequalities in use
   internal::Numbers affine_;               // nu' and the wrench error as affine functions of f and gamma
-  DualActiveSet solver_{12, kNumLegs*(kRowsPerLeg + 1)};
+  DualActiveSet solver_{12, kMaxRows};
 };
 
 /// Unit vector on the ground along the projection of W's x, the first axis of the friction pyramid.

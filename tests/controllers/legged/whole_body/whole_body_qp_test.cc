@@ -148,29 +148,47 @@ TEST_F(WholeBodyQpTest, APullBeyondFrictionIsProjectedOntoTheCone) {
   }
 }
 
-// The circumscribed pyramid lets a diagonal pull through that the cone does not hold; the inscribed one keeps
-// within the cone and reaches it in the direction of the pull.
-TEST_F(WholeBodyQpTest, TheInscribedPyramidStaysInTheCone) {
+// The circumscribed pyramid lets a diagonal pull through that the cone does not hold; the others keep within
+// the cone and reach it in the direction of the pull.
+TEST_F(WholeBodyQpTest, InscribedPyramidsStayInTheCone) {
   model_.Calc(test::Standing(robot_), &dynamics_);
   const double mu = 0.3, weight = model_.mass() * 9.81;
   for (const double angle : {0.0, 0.4, std::numbers::pi / 4, 2.0}) {
     const Vec<3> direction(std::cos(angle), std::sin(angle), 0);
     WholeBodyTask task;
     task.wrench << 90 * direction[0], 90 * direction[1], weight, 0, 0, 0;
-    WholeBodySolution inside, outside;
+    WholeBodySolution outside;
     WholeBodyQp qp(Limits());
-    const WholeBodyQpParams inscribed{.friction = mu, .friction_pyramid = FrictionPyramid::kInscribed};
-    ASSERT_TRUE(qp.Solve(dynamics_, task, inscribed, &inside).ok());
-    ASSERT_TRUE(qp.Solve(dynamics_, task, {.friction = mu}, &outside).ok());
-    for (int leg = 0; leg < kNumLegs; ++leg) {
-      const Vec<3>& f = inside.force[leg];
-      EXPECT_LE(f.head<2>().norm(), mu * f[2] + 1e-6) << angle;
-      EXPECT_GE(f.dot(direction), 0.99 * mu * f[2]) << angle;
+    for (const FrictionPyramid pyramid : {FrictionPyramid::kInscribed, FrictionPyramid::kOctagonal}) {
+      WholeBodySolution inside;
+      ASSERT_TRUE(qp.Solve(dynamics_, task, {.friction = mu, .friction_pyramid = pyramid}, &inside).ok());
+      for (int leg = 0; leg < kNumLegs; ++leg) {
+        const Vec<3>& f = inside.force[leg];
+        EXPECT_LE(f.head<2>().norm(), mu * f[2] + 1e-6) << angle;
+        EXPECT_GE(f.dot(direction), 0.99 * mu * f[2]) << angle;
+      }
     }
+    ASSERT_TRUE(qp.Solve(dynamics_, task, {.friction = mu}, &outside).ok());
     if (angle == std::numbers::pi / 4) {
       EXPECT_GT(outside.force[0].head<2>().norm(), 1.3 * mu * outside.force[0][2]);
     }
   }
+}
+
+// The feet turn the trunk by forces in different directions, of which eight sides leave more than four.
+TEST_F(WholeBodyQpTest, TheOctagonalPyramidHoldsMoreAcrossTheWantedForce) {
+  model_.Calc(test::Standing(robot_), &dynamics_);
+  WholeBodyTask task;
+  task.wrench << 0, 0, model_.mass() * 9.81, 0, 0, 40;
+  const auto turn = [&](FrictionPyramid pyramid) {
+    WholeBodyQp qp(Limits());
+    WholeBodySolution solution;
+    EXPECT_TRUE(qp.Solve(dynamics_, task, {.friction = 0.3, .friction_pyramid = pyramid}, &solution).ok());
+    for (int leg = 0; leg < kNumLegs; ++leg)
+      EXPECT_LE(solution.force[leg].head<2>().norm(), 0.3 * solution.force[leg][2] + 1e-6);
+    return WrenchOf(dynamics_, solution.force)[5];
+  };
+  EXPECT_GT(turn(FrictionPyramid::kOctagonal), 1.05 * turn(FrictionPyramid::kInscribed));
 }
 
 // A bounded foot reaches its bound and the others carry the rest of the weight.
