@@ -76,9 +76,10 @@ int CdprApp::Run(int argc, char** argv) const {
   AddLiveArguments(line, arguments);
   std::string controller;
   bool compare = false;
-  line.add_option("--controller", controller,
-                  "mpc_equilibrium, mpc_zero, mpc_thesis, pd, pd_feedforward or pd_offset_free (default: the "
-                  "scenario's)");
+  line.add_option(
+      "--controller", controller,
+      "mpc_equilibrium, mpc_zero, mpc_thesis, lqr, pd, pd_feedforward or pd_offset_free (default: "
+      "the scenario's)");
   line.add_flag(
           "--compare", compare,
           "make one run for each controller, each in its own directory below --out, and one report of all")

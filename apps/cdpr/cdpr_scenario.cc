@@ -211,6 +211,10 @@ CdprMpcParams MakeMpcParams(const CdprScenario& scenario, const CdprGains& gains
     params.slq.bounds = SlqBounds::kRollOutProjection;
     params.command_rate = params.rate;
   }
+  if (scenario.controller == CdprController::kLqr) {
+    params.num_steps = 2;
+    params.horizon = 2 / mpc.rate_hz;
+  }
   return params;
 }
 
@@ -247,8 +251,10 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
       return mpc;
     });
   params.feedforward = scenario.controller == CdprController::kPdFeedforward;
-  params.offset_free = scenario.controller == CdprController::kPdOffsetFree ||
-                       (scenario.controller == CdprController::kMpcEquilibrium && scenario.mpc.offset_free);
+  const bool estimates =
+      scenario.controller == CdprController::kMpcEquilibrium || scenario.controller == CdprController::kLqr;
+  params.offset_free =
+      scenario.controller == CdprController::kPdOffsetFree || (estimates && scenario.mpc.offset_free);
   LoadEstimatorParams& load = params.load.emplace(MakeLoadEstimator(params.mpc.has_value()));
   load.robot = params.robot;
   load.rate = Hz(scenario.noise.pose_rate_hz);

@@ -227,6 +227,9 @@ enum class CdprController {
   /// bounds, diagonal final weight, a step of the horizon and a command per solve, whatever `mpc` says about
   /// these.
   kMpcThesis,
+  /// Linear-quadratic regulator about the path with the weights and the load estimate of the MPC: the MPC
+  /// with a horizon of two periods, whose final weight is the cost of the infinite horizon.
+  kLqr,
   kPd,             ///< PD on the cable lengths about the static equilibrium
   kPdFeedforward,  ///< PD with a feedforward of the platform's acceleration
   kPdOffsetFree,   ///< PD with a feedforward of the estimated load
@@ -235,13 +238,14 @@ constexpr auto EnumNames(CdprController) {
   return std::array{Named{CdprController::kMpcEquilibrium, "mpc_equilibrium"},
                     Named{CdprController::kMpcZero, "mpc_zero"},
                     Named{CdprController::kMpcThesis, "mpc_thesis"},
+                    Named{CdprController::kLqr, "lqr"},
                     Named{CdprController::kPd, "pd"},
                     Named{CdprController::kPdFeedforward, "pd_feedforward"},
                     Named{CdprController::kPdOffsetFree, "pd_offset_free"}};
 }
 constexpr bool IsMpc(CdprController controller) {
   return controller == CdprController::kMpcEquilibrium || controller == CdprController::kMpcZero ||
-         controller == CdprController::kMpcThesis;
+         controller == CdprController::kMpcThesis || controller == CdprController::kLqr;
 }
 
 /// Scenario of tenon-cdpr, read from a YAML file.

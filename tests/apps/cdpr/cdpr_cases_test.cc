@@ -107,6 +107,20 @@ TEST_F(CdprCasesTest, ThesisMpcInD2) {
   EXPECT_NEAR(pd["release_peak_m"], 0.052, 0.005);
 }
 
+// Without bounds that act, the regulator with the same weights and load estimate is as good as the MPC, which
+// plans ahead; where they act, it is not.
+TEST_F(CdprCasesTest, TheHorizonMattersWhereBoundsAct) {
+  const auto ratio = [&](const std::string& scenario) {
+    const auto run = [&](const std::string& controller) {
+      return Run(TENON_CDPR, scenario + " --duration 20 --set log_rate_hz=10 --controller " +
+                                 controller)["tracking_error_rms_m"];
+    };
+    return run("lqr") / run("mpc_equilibrium");
+  };
+  EXPECT_NEAR(ratio("D1"), 1, 0.15);
+  for (const std::string scenario : {"D1-fast", "D1-edge"}) EXPECT_GT(ratio(scenario), 1.5) << scenario;
+}
+
 // Tension bounds act: the solver that knows them tracks better than one that clamps its commands.
 TEST_F(CdprCasesTest, BoundsActInFastCirclesAndNearTheEdge) {
   for (const std::string scenario : {"D1-fast", "D1-edge"}) {

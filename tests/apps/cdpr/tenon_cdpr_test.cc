@@ -151,7 +151,7 @@ TEST_F(TenonCdprTest, FliesWithModelsOfCablesAndWinches) {
 // Delays and errors between controller and plant change the commands of each controller.
 TEST_F(TenonCdprTest, FliesWithTheHardwareOfARobot) {
   for (const std::string controller :
-       {"mpc_equilibrium", "mpc_zero", "pd", "pd_feedforward", "pd_offset_free"}) {
+       {"mpc_equilibrium", "mpc_zero", "lqr", "pd", "pd_feedforward", "pd_offset_free"}) {
     const std::string run = "D1 --duration 0.5 --controller " + controller;
     Run(run);
     const std::vector<double> ideal = Column(out, "loop.command.0 [N]");
