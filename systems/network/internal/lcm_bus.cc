@@ -1,5 +1,6 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/network/internal/lcm_bus.h>
+#include <tenon/systems/network/internal/lcm_filter.h>
 
 #include <fmt/core.h>
 #include <poll.h>
@@ -82,8 +83,12 @@ LcmBus::Subscription::Subscription(std::shared_ptr<LcmBus> bus, const std::strin
     : bus_(std::move(bus)) {
   const std::lock_guard lock(bus_->mutex_);
   mail_ = &bus_->mails_.emplace_back(Mail{bus_.get()});
+  const std::vector<int> before = SharedUdpSockets();
   subscription_ = lcm_subscribe(bus_->lcm_, Quoted(channel).c_str(), &Handle, mail_);
   if (subscription_ == nullptr) ThrowNotOpen(bus_->url_);
+  // The first subscription opens the socket that receives.
+  for (const int socket : SharedUdpSockets())
+    if (std::ranges::count(before, socket) == 0) DropMalformedDatagrams(socket);
   // A full queue of LCM drops new messages. 0 means unlimited, because the watcher empties the queue.
   lcm_subscription_set_queue_capacity(subscription_, on_demand ? static_cast<int>(kMostMessages) : 0);
   if (on_demand || bus_->watcher_) return;

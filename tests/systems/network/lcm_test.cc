@@ -1,6 +1,7 @@
 #include <tenon/systems/network/internal/lcm_bus.h>
 #include <tenon/systems/network/lcm.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/systems/network/peer.h>
 #include <tenon/tests/systems/network/signals.h>
 #include <tenon/tests/testing/temporary_path.h>
 
@@ -9,8 +10,12 @@
 #include <tenon_test/Vec_2Sample.hpp>
 #include <tenon_test_cloud/CloudSample.hpp>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
+#include <optional>
 #include <random>
+#include <span>
 #include <thread>
 
 namespace tenon::lcm_test {
@@ -248,6 +253,60 @@ TEST(LcmTest, DamagedMessagesEndNoRun) {
   EXPECT_GT(input.Tick()[input->refused].count, 1000u);
   EXPECT_TRUE(bus->Publish("X", good));
   EXPECT_EQ(input.Tick()[input->y], test::Extreme());
+}
+
+/// The datagrams of a message to the channel X, as LCM divides it into two fragments.
+std::array<std::string, 2> Fragments(std::span<const char> message, std::uint32_t number) {
+  const std::size_t half = message.size() / 2;
+  const auto fragment = [&](std::uint16_t which, std::string_view channel, std::span<const char> part) {
+    std::string text = "LC03";
+    const auto append = [&](std::uint64_t value, int bytes) {
+      while (bytes-- > 0) text += static_cast<char>(value >> (8 * bytes));
+    };
+    append(number, 4);
+    append(message.size(), 4);
+    append(which == 0 ? 0 : half, 4);
+    append(which, 2);
+    append(2, 2);
+    return text.append(channel).append(part.begin(), part.end());
+  };
+  return {fragment(0, {"X", 2}, message.first(half)), fragment(1, "", message.subspan(half))};
+}
+
+// LCM 1.3.1 trusts the sizes in fragments.
+TEST(LcmTest, DamagedDatagramsEndNoRun) {
+  const test::Peer attacker, friendly;
+  const int port = [] { return test::Peer().port(); }();  // a free one
+  const auto bus = LcmBus::Open(fmt::format("udpm://239.255.76.67:{}?ttl=0", port));
+  std::optional<LcmBus::Subscription> subscription;
+  try {
+    subscription.emplace(bus, "X", true);
+  } catch (const ParameterError&) {
+  }
+  if (!subscription) GTEST_SKIP() << "LCM cannot receive: there is no multicast route";
+
+  const std::vector<char> good = Encoded(test::Extreme(), 0);
+  std::mt19937 random(1);
+  const auto below = [&](std::size_t limit) { return random() % limit; };
+  for (std::uint32_t round = 0; round < 200; ++round) {
+    for (int i = 0; i < 100; ++i) {
+      std::string datagram = Fragments(good, round / 8)[below(2)];
+      if (below(4) == 0) datagram.replace(0, 20, "LC02####");
+      for (std::size_t changes = 1 + below(3); changes > 0; --changes) {
+        const std::size_t at = below(std::min<std::size_t>(datagram.size(), 32));
+        datagram[at] = "\0\1\2\x7f\x80\xff"[below(6)];
+        if (below(4) == 0) datagram.resize(1 + at + below(100), '#');
+      }
+      attacker.Send(port, datagram);
+    }
+    for (const std::string& datagram : Fragments(good, round)) friendly.Send(port, datagram);
+    std::vector<char> message;
+    while (message != good) ASSERT_TRUE(subscription->Take(60, message));
+  }
+  const std::vector<char> large(100'000, 'x');  // in fragments that LCM makes
+  ASSERT_TRUE(bus->Publish("X", large));
+  std::vector<char> message;
+  while (message != large) ASSERT_TRUE(subscription->Take(60, message));
 }
 
 TEST(LcmTest, SendsWithoutAllocating) {
