@@ -14,8 +14,8 @@ Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,
     const double weight = params.robot.cable.mass_per_length * kGravity * cables.rest_length[i];
     if (forbid_slack && cables.tension[i] <= weight) return fmt::format("cable {} is slack", i);
     if (cables.tension[i] > limit)
-      return fmt::format("cable {} pulls with {:.0f} N, more than the {:.0f} N that its winch holds", i,
-                         cables.tension[i], limit);
+      return fmt::format("cable {} pulls with {:.0f} N; its winch holds {:.0f} N", i, cables.tension[i],
+                         limit);
   }
   return {};
 }
@@ -32,7 +32,7 @@ Verdict CdprMonitor::CheckPlace(const PlatformState& platform, double floor) con
     reach = std::max(reach, (cable.anchor_W - middle).norm());
   const double distance = (platform.p_WB - middle).norm();
   if (distance <= 2 * reach) return {};
-  return fmt::format("the platform is {:.4g} m away from the middle of the anchors, more than {:.4g} m",
+  return fmt::format("the platform is {:.4g} m away from the middle of the anchors; the limit is {:.4g} m",
                      distance, 2 * reach);
 }
 
