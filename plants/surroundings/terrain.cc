@@ -68,8 +68,9 @@ std::vector<TerrainBox> BoxField::Boxes() const {
   RandomStream random(seed);
   std::vector<TerrainBox> boxes;
   const Vec<2> pitch = size.array() + gap;
-  const Vec<2> first =
-      lower + size / 2 - Vec<2>(random.Uniform(0, 1) * pitch[0], random.Uniform(0, 1) * pitch[1]);
+  // Drawn one after the other: compilers evaluate the arguments of a call in different orders.
+  const double along_y = random.Uniform(0, 1), along_x = random.Uniform(0, 1);
+  const Vec<2> first = lower + size / 2 - Vec<2>(along_x * pitch[0], along_y * pitch[1]);
   for (Vec<2> centre = first; centre[0] + size[0] / 2 <= upper[0]; centre[0] += pitch[0]) {
     for (centre[1] = first[1]; centre[1] + size[1] / 2 <= upper[1]; centre[1] += pitch[1]) {
       // Draws two numbers for every cell, so that cells do not depend on each other.
