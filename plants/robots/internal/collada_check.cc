@@ -1,4 +1,5 @@
 #include <tenon/plants/robots/internal/mesh_import.h>
+#include <tenon/plants/robots/internal/xml_line.h>
 #include <tenon/systems/text/parse_number.h>
 
 #include <expat.h>
@@ -50,7 +51,7 @@ class ColladaCheck {
 
   void Fail(const std::string& why) {
     if (!failure_.empty()) return;
-    failure_ = fmt::format("line {}: {}", XML_GetCurrentLineNumber(parser_.get()), why);
+    failure_ = fmt::format("line {}: {}", LineOf(parser_.get()), why);
     XML_StopParser(parser_.get(), XML_FALSE);
   }
   static std::string Attribute(const char** attributes, std::string_view name) {
@@ -76,7 +77,7 @@ class ColladaCheck {
       };
       accessors_.push_back({Attribute(attributes, "source"),
                             number("offset", 0) + number("count", 0) * number("stride", 1),
-                            XML_GetCurrentLineNumber(parser_.get())});
+                            LineOf(parser_.get())});
     }
   }
   static void OnEnd(void* self, const char*) {

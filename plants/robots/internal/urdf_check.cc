@@ -1,4 +1,5 @@
 #include <tenon/plants/robots/internal/urdf_check.h>
+#include <tenon/plants/robots/internal/xml_line.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/parse_number.h>
@@ -15,10 +16,6 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
-
-// Expat 2.7 deprecates these functions in favour of others for files above 4 GiB, which older versions lack.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
 
 namespace tenon::internal {
 namespace {
@@ -97,7 +94,7 @@ class Check {
     throw ParameterError(
         fmt::format("{}:{}: {}", file_, line, fmt::format(format, std::forward<Args>(args)...)));
   }
-  std::size_t Line() const { return XML_GetCurrentLineNumber(parser_.get()); }
+  std::size_t Line() const { return LineOf(parser_.get()); }
 
   // Exceptions must not pass through the parser, which is written in C.
   static void OnStart(void* self, const char* name, const char** attributes) {
@@ -123,7 +120,13 @@ class Check {
     }
   }
 
-  std::size_t Byte() const { return static_cast<std::size_t>(XML_GetCurrentByteIndex(parser_.get())); }
+// Expat 2.9 deprecates functions that do not suit files above 2 GiB; a URDF has at most kMaxUrdfBytes.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
+  std::size_t Byte() const {
+    return static_cast<std::size_t>(XML_GetCurrentByteIndex(parser_.get()));
+  }
+#pragma GCC diagnostic pop
 
   void End() {
     const bool inertial = foreign_ == 0 && open_.size() == 3 && open_.back() == "inertial";
@@ -296,5 +299,3 @@ CheckedUrdf CheckUrdf(const std::string& text, const std::string& file) {
 }
 
 }  // namespace tenon::internal
-
-#pragma GCC diagnostic pop
