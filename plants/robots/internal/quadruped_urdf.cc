@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 namespace tenon::internal {
@@ -46,6 +47,7 @@ class Reader {
     for (int leg = 0; leg < kNumLegs; ++leg) FindLeg(leg, reading_.feet[static_cast<std::size_t>(leg)]);
     Add(*FloatingLink(*model_), 0, PoseOfRoot());
     MeasureExtents();
+    for (const std::size_t body : incomplete_) looks_[body] = {};
     for (int leg = 0; leg < kNumLegs; ++leg) FinishLeg(leg);
     robot_.trunk = SumOf(0);
     for (std::size_t i = 0; i < moving_.bodies.size(); ++i) FinishMoving(i);
@@ -208,6 +210,7 @@ class Reader {
   /// Adds a mesh, in B, to the appearance of a body; counts meshes that cannot be read.
   void AddMesh(const std::string& link, const urdf::Mesh& visual, int body, const Eigen::Isometry3d& T_BM) {
     const auto miss = [&](const std::string& why) {
+      incomplete_.insert(static_cast<std::size_t>(body));
       if (num_missing_++ == 0) missing_ = fmt::format("link '{}': {}", link, why);
     };
     const std::optional<std::filesystem::path> file = FindMesh(visual.filename, file_.name);
@@ -235,7 +238,7 @@ class Reader {
                              : others == 1 ? ", nor is 1 other"
                                            : fmt::format(", nor are {} others", others);
     Warn(
-        "{}{}; plain shapes are drawn instead (packages are looked for around the URDF and in "
+        "{}{}; their bodies are drawn as plain shapes (packages are looked for around the URDF and in "
         "ROS_PACKAGE_PATH)",
         missing_, more);
   }
@@ -449,6 +452,7 @@ class Reader {
   MovingParts moving_;
   std::vector<Eigen::Isometry3d> moving_poses_;  // poses of the moving bodies at rest in B
   double leg_extent_ = 0, trunk_extent_ = 0;     // length of a leg, distance of the hips [m]
+  std::set<std::size_t> incomplete_;             // bodies that lack meshes, which plain shapes replace
   int num_missing_ = 0;                          // number of unreadable meshes
   std::string missing_;                          // reason for the first unreadable mesh
   std::vector<std::string> warnings_;

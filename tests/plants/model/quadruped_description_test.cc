@@ -3,6 +3,7 @@
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
+#include <tenon/tests/plants/model/mesh_test_files.h>
 #include <tenon/tests/plants/model/quadruped_test_arm.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
@@ -313,6 +314,25 @@ TEST(QuadrupedDescriptionTest, WarnsOnceAboutMissingMeshes) {
   EXPECT_THAT(warnings[0], AllOf(HasSubstr("a1.urdf:"), HasSubstr("link 'trunk'"),
                                  HasSubstr("package://a1/no.stl"), HasSubstr("1 other")));
   EXPECT_EQ(files.Load().meshes[0], nullptr);
+}
+
+// The mesh of a camera alone would hide the trunk.
+TEST(QuadrupedDescriptionTest, DrawsABodyByItsShapeIfOneOfItsMeshesIsMissing) {
+  const Directory directory;
+  const std::string mesh = directory.path / "my mesh \u00e4.stl";
+  test::WriteTetrahedron(mesh);
+  RobotFiles files("a1");
+  const auto draw = [&](const std::string& link, const std::string& name) {
+    const std::string start = "<link name=\"" + link + "\">";
+    files.Change(&RobotFiles::urdf, start,
+                 start + "<visual><geometry><mesh filename=\"" + name + "\"/></geometry></visual>");
+  };
+  draw("trunk", "file://" + mesh);
+  draw("FL_calf", "file://" + mesh);
+  EXPECT_NE(files.Load().meshes[0], nullptr);
+  draw("trunk", "no.stl");
+  EXPECT_EQ(files.Load().meshes[0], nullptr);
+  EXPECT_NE(files.Load().meshes[1 + kJointsPerLeg * kFrontLeft + 2], nullptr);
 }
 
 // Links that only mark a frame: impossible inertias are corrected, inertias without mass ignored, each with a
