@@ -97,7 +97,8 @@ void CollisionFigures::LeashRow(double time, const LeggedState& x, const Eigen::
 }
 
 void CollisionFigures::Collide(double time, const std::string& one, const std::string& other, double depth) {
-  breaches_.Add(time, one + " and " + other + " collided", fmt::format("they overlap by {:.3g} m", depth));
+  breaches_.Add(time, one + " and " + other + " collided",
+                depth > 0 ? fmt::format("they overlap by {:.3g} m", depth) : "they touch");
 }
 
 void CollisionFigures::AddTo(Summary& summary) const {

@@ -47,7 +47,7 @@ GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
   params.obstacles = scenario.surroundings;
   params.person = scenario.person;
   params.leash = scenario.leash;
-  const auto [weight, length] = RatioOf(scenario);
+  const auto [weight, length, offset] = RatioOf(scenario);
   SupervisorGains& supervisor = params.supervisor.gains;
   AdmittanceGains& admittance = params.admittance.gains;
   PersonParams& person = params.person;
@@ -57,7 +57,7 @@ GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
         &person.damping, &person.stiffness, &person.felt_tension, &params.leash.stiffness})
     *force *= weight;
   for (PersonPhase& phase : person.phases) phase.force *= weight;
-  params.leash.attachment_B *= length;
+  params.leash.attachment_B = length * params.leash.attachment_B + offset;
   return params;
 }
 

@@ -1,4 +1,5 @@
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/quadruped/held_mass.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/plants/model/robot_scale.h>
 #include <tenon/plants/multibody/attached_bodies.h>
@@ -30,10 +31,19 @@ QuadrupedDescription ReadRobot(const LeggedScenario& scenario) {
   return Blame("robot", [&] { return LoadQuadruped(scenario.robot); });
 }
 
+/// The centre of the hips' pitch axes with all joints at 0, in B [m].
+Vec<3> CentreOfHips(const QuadrupedDescription& robot) {
+  Vec<3> centre = Vec<3>::Zero();
+  for (const auto& leg : robot.legs) centre += (leg.joints[0].p_PJ + leg.joints[1].p_PJ) / kNumLegs;
+  return centre;
+}
+
 SizeRatio ReadRatio(const LeggedScenario& scenario, const QuadrupedDescription& robot) {
   if (!scenario.scale_forces) return {};
-  const RobotScale scale = ScaleOf(robot), dogbot = ScaleOf(LoadQuadruped(YamlFile{"dogbot"}));
-  return {scale.mass / dogbot.mass, scale.length / dogbot.length};
+  const QuadrupedDescription dogbot = LoadQuadruped(YamlFile{"dogbot"});
+  const RobotScale scale = ScaleOf(robot), own = ScaleOf(dogbot);
+  const double length = scale.length / own.length;
+  return {scale.mass / own.mass, length, CentreOfHips(robot) - length * CentreOfHips(dogbot)};
 }
 
 RobotFiles ReadRobotFiles(const LeggedScenario& scenario) {
@@ -200,7 +210,7 @@ SizeRatio RatioOf(const LeggedScenario& scenario) {
 }
 
 QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario, const SizeRatio& ratio) {
-  const auto [weight, length] = ratio;
+  const auto& [weight, length, offset] = ratio;
   for (ForceScenario& force : scenario.forces) {
     force.force_N *= weight;
     force.torque_N_m *= weight * length;
@@ -210,13 +220,13 @@ QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario, const SizeRatio& rat
     force.upper_N *= weight;
   }
   for (Rope& rope : scenario.ropes) {
-    rope.attachment_B *= length;
+    rope.attachment_B = length * rope.attachment_B + offset;
     rope.tension_min *= weight;
     rope.tension_max *= weight;
   }
   TrunkLoadScenario& payload = scenario.payload;
   payload.mass_kg *= weight;
-  payload.position_m *= length;
+  payload.position_m = length * payload.position_m + offset;
   payload.edges_m *= length;
   if (payload.slides) payload.slides->reach_m *= length;
   for (TerrainBox& box : scenario.terrain.boxes) {
@@ -246,7 +256,25 @@ QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
 
 QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   const WalkFiles files = ReadWalkFiles(scenario);
-  return TranslateWalk(ScaledToRobot(scenario, files.ratio), files);
+  QuadrupedScenario scaled = ScaledToRobot(scenario, files.ratio);
+  double& load = scaled.payload.mass_kg;
+  if (scenario.scale_forces && load > 0) load = std::min(load, LargestLoad(files.robot));
+  return TranslateWalk(scaled, files);
+}
+
+void AddHoldingNotes(const QuadrupedScenario& scenario, std::vector<std::string>& notes) {
+  if (!scenario.walk) return;
+  const QuadrupedDescription robot = ReadRobot(scenario);
+  const HeldMass held = HeldByTwoLegs(robot);
+  if (held.mass < robot.mass()) notes.push_back(CannotHold(robot));
+  const double load = scenario.payload.mass_kg * ReadRatio(scenario, robot).weight;
+  if (load <= LargestLoad(robot)) return;
+  const JointDescription& joint = robot.joint(held.joint);
+  notes.push_back(fmt::format(
+      "payload: {:.3g} kg, {:.0f} % of the robot's weight, are more than the {:.3g} kg that two legs hold "
+      "beside the robot by the {:.3g} N m of joint '{}'; {}",
+      load, 100 * load / robot.mass(), LargestLoad(robot), joint.torque_limit, joint.name,
+      scenario.scale_forces ? "reduced to this mass" : "the robot may fall"));
 }
 
 }  // namespace tenon::apps

@@ -72,6 +72,7 @@ std::vector<std::string> Notes(const QuadrupedScenario& scenario, double duratio
   const bool placed = payload.slides || !payload.position_m.isZero(0) || !payload.edges_m.isZero(0);
   AddIdle("payload", {}, duration, placed && payload.mass_kg == 0 ? "mass_kg is 0" : "", notes);
   AddNotes(scenario.faults, duration, notes);
+  AddHoldingNotes(scenario, notes);
   return notes;
 }
 

@@ -117,15 +117,20 @@ struct QuadrupedScenario : LeggedScenario {
 
 /// Size of a robot relative to DogBot, for which the thesis gives forces and blocks.
 struct SizeRatio {
-  double weight = 1;  ///< ratio of the weights
-  double length = 1;  ///< ratio of the lengths of a leg
+  double weight = 1;               ///< ratio of the weights
+  double length = 1;               ///< ratio of the lengths of a leg
+  Vec<3> offset = Vec<3>::Zero();  ///< centre of the hips in B, less DogBot's times the ratio of lengths [m]
 };
-/// Returns the size of the scenario's robot, read from its file, or 1 and 1 without `scale_forces`.
+/// Returns the size of the scenario's robot, read from its file, or 1, 1 and 0 without `scale_forces`.
 SizeRatio RatioOf(const LeggedScenario& scenario);
 /// Scales the scenario to a robot of this size. Forces and the payload's mass are multiplied by the ratio of
 /// the weights; heights, sizes and gaps of blocks and lengths of steps and payload by the ratio of the leg
-/// lengths; torques by both. Times, speeds, the path and the positions of blocks do not change.
+/// lengths; torques by both. Points on the trunk keep their places relative to the hips, because the origin
+/// of B may lie anywhere. Times, speeds, the path and the positions of blocks do not change.
 QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario, const SizeRatio& ratio);
+
+/// Adds notes if the torque limits of the robot of a walk can hold neither it nor its load on two legs.
+void AddHoldingNotes(const QuadrupedScenario& scenario, std::vector<std::string>& notes);
 
 /// Notes on keys of the scenario that have no effect in a run of `duration` [s], each with the reason.
 std::vector<std::string> Notes(const QuadrupedScenario& scenario, double duration);

@@ -2,6 +2,7 @@
 #include <tenon/apps/common/read_text.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/summary.h>
+#include <tenon/apps/quadruped/held_mass.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_proposal.h>
 #include <tenon/apps/quadruped/robot_drawing.h>
@@ -90,6 +91,7 @@ int ProposeRobot(const RobotArguments& arguments) {
   fmt::print("{:<28} {:.4g}\n", "leg_length_m", robot.LegLength(kFrontLeft));
   fmt::print("{:<28} {:.4g}\n", "stance_height_m", robot.StanceHeight());
   for (const std::string& note : proposal.notes) fmt::print("note: {}\n", note);
+  if (HeldByTwoLegs(robot).mass < robot.mass()) fmt::print("note: {}\n", CannotHold(robot));
   std::fflush(stdout);
 
   const Summary stand = Try("stand", yaml, kStand, out / "stand");

@@ -1,11 +1,20 @@
 #include <tenon/apps/common/scenario_file.h>
+#include <tenon/apps/quadruped/held_mass.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/plants/model/robot_scale.h>
 
+#include <fmt/core.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <string>
 
 namespace tenon::apps::quadruped_scale_test {
 namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 QuadrupedScenario Load(const char* name, std::vector<std::string> settings) {
   return LoadScenario(name, settings, "tenon-quadruped").Read<QuadrupedScenario>();
@@ -25,6 +34,39 @@ TEST(QuadrupedScaleTest, ForcesGoWithTheWeightAndBlocksWithTheLegs) {
   EXPECT_NEAR(a1.locomotion.swing_planner.step.reflex.height, kLength * 0.1, 1e-12);
   const QuadrupedWalkParams pushed = MakeWalkParams(Load("A3", {"robot=a1", "scale_forces=true"}));
   EXPECT_NEAR(pushed.world.pulses[0].push.force_W[0], kWeight * 80, 1e-9);
+}
+
+TEST(QuadrupedScaleTest, TheLoadIsAtMostWhatTwoLegsHold) {
+  const QuadrupedDescription robot = MakeWalkParams(Load("B1", {})).world.plant.robot;
+  const double knee = HeldByTwoLegs(robot).torque;
+  const auto loaded = [&](double held, const char* scale) {
+    const std::string torque = fmt::format("robot.joint_limits.knee.torque_N_m={}", held * knee);
+    return Load("B1", {torque, scale});
+  };
+  const auto load = [](const QuadrupedScenario& scenario) {
+    return MakeWalkParams(scenario).world.plant.payload.mass;
+  };
+  EXPECT_NEAR(load(loaded(1.3, "scale_forces=true")), 0.3 * robot.mass(), 1e-6);
+  EXPECT_EQ(load(loaded(1.3, "scale_forces=false")), 23);
+  EXPECT_NEAR(load(loaded(3, "scale_forces=true")), 23, 1e-9);
+  EXPECT_EQ(load(loaded(0.9, "scale_forces=true")), 0);
+
+  EXPECT_THAT(Notes(loaded(3, "scale_forces=true"), 10), IsEmpty());
+  EXPECT_THAT(
+      Notes(loaded(1.3, "scale_forces=true"), 10),
+      ElementsAre(HasSubstr("payload: 23 kg, 108 % of the robot's weight, are more than the 6.38 kg")));
+  EXPECT_THAT(Notes(loaded(0.9, "scale_forces=false"), 10),
+              ElementsAre(HasSubstr("in a trot, two legs hold the robot"), HasSubstr("the robot may fall")));
+}
+
+// B's origin may lie anywhere on the trunk.
+TEST(QuadrupedScaleTest, PointsOnTheTrunkKeepTheirPlacesRelativeToTheHips) {
+  const QuadrupedScenario scenario = Load("B1", {"scale_forces=true"});
+  SizeRatio ratio = RatioOf(scenario);
+  EXPECT_LT(ratio.offset.norm(), 1e-12);
+  ratio.length = 2;
+  ratio.offset = {0.1, 0, 0.3};
+  EXPECT_LT((ScaledToRobot(scenario, ratio).payload.position_m - Vec<3>(0.1, 0, 0.5)).norm(), 1e-12);
 }
 
 TEST(QuadrupedScaleTest, DogBotIsNotScaled) {

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <tenon/plants/model/quadruped_description.h>
+
+#include <string>
+
+namespace tenon::apps {
+
+/// The mass that the drives of a quadruped can hold.
+struct HeldMass {
+  double mass = 0;    ///< [kg]
+  int joint = 0;      ///< joint whose torque limit determines it, see QuadrupedDescription::joint()
+  double torque = 0;  ///< torque of this joint while the robot itself is held [N m]
+};
+
+/// Returns the mass, including the robot's own, that two legs hold in the nominal stance by vertical forces at
+/// their feet. In a trot, two legs are in the air.
+HeldMass HeldByTwoLegs(const QuadrupedDescription& robot);
+
+/// Returns the largest load that two legs hold beside the robot [kg]; 0 if they cannot hold the robot.
+double LargestLoad(const QuadrupedDescription& robot);
+
+/// Says that two legs cannot hold the robot, and which joint needs which torque.
+std::string CannotHold(const QuadrupedDescription& robot);
+
+}  // namespace tenon::apps
