@@ -260,6 +260,11 @@ std::vector<Element> ListElements(const TypeInfo& type, const void* value, const
 
 std::size_t CountScalars(const TypeInfo& type, const void* value) {
   if (type.fixed) return type.num_scalars;
+  if (type.kind == TypeInfo::Kind::kMatrix) {  // quickly, because each evaluation of derivatives counts
+    std::size_t rows = 0, cols = 0;
+    type.shape(value, &rows, &cols);
+    return rows * cols;
+  }
   std::size_t count = 0;
   ForEachRun(type, value, [&](const void*, ScalarKind, std::size_t size) { count += size; });
   return count;
