@@ -90,7 +90,7 @@ void CollisionFigures::RobotRow(double time, const LeggedState& x, const Eigen::
 }
 
 void CollisionFigures::LeashRow(double time, const LeggedState& x, const Eigen::Vector3d& hand_W) {
-  const Eigen::Vector3d start_B = clearance_.OnTrunk(loop_.leash.params.attachment_B, kSoft);
+  const Eigen::Vector3d start_B = clearance_.OnTrunk(loop_.leash.params.attachment_B);
   const Eigen::Vector3d hand_B = x.R_WB().transpose() * (hand_W - x.p_WB);
   const QuadrupedClearances::Gap gap = clearance_.To(x.q, start_B, hand_B - start_B, kSoft);
   if (gap.distance < kTogether) Collide(time, kLeash, NameOf(gap.leg), -gap.distance);

@@ -18,7 +18,8 @@ namespace tenon::apps {
 /// The robot has the shapes of QuadrupedClearance, the person and the pillars those that are drawn. Any
 /// overlap of them is a breach that names both. The leash is the straight line from hand to trunk, slack or
 /// taut; it must not run through a pillar, a leg, or the trunk without its outer `kSoft`, over which a leash
-/// can bend. The person holds the leash at an axis inside the body, so these two are not compared.
+/// can bend. An attachment inside the trunk's box counts as one on top of it. The person holds the leash at
+/// an axis inside the body, so these two are not compared.
 class CollisionFigures final : public LogSink {
  public:
   static constexpr double kSoft = 0.05;  ///< outer part of the trunk's box that the leash may touch [m]

@@ -128,10 +128,9 @@ QuadrupedClearances::Gap QuadrupedClearance::To(const Vec<kNumJoints>& q, const 
   return gap;
 }
 
-Eigen::Vector3d QuadrupedClearance::OnTrunk(const Eigen::Vector3d& p_B, double less) const {
-  const Eigen::Vector3d half = (half_.array() - less).max(0);
-  if (((p_B - middle_).cwiseAbs().array() > half.array()).any()) return p_B;
-  return {p_B[0], p_B[1], middle_[2] + half[2] + kAbove};
+Eigen::Vector3d QuadrupedClearance::OnTrunk(const Eigen::Vector3d& p_B) const {
+  if (((p_B - middle_).cwiseAbs().array() > half_.array()).any()) return p_B;
+  return {p_B[0], p_B[1], middle_[2] + half_[2] + kAbove};
 }
 
 }  // namespace tenon

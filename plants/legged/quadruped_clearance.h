@@ -42,8 +42,8 @@ class QuadrupedClearance {
   /// sides.
   QuadrupedClearances::Gap To(const Vec<kNumJoints>& q, const Eigen::Vector3d& p_B,
                               const Eigen::Vector3d& u_B, double less = 0) const;
-  /// The point p in B, lifted just above the trunk's box reduced by `less` if it lies inside.
-  Eigen::Vector3d OnTrunk(const Eigen::Vector3d& p_B, double less) const;
+  /// The point p in B, lifted just above the trunk's box if it lies inside.
+  Eigen::Vector3d OnTrunk(const Eigen::Vector3d& p_B) const;
   /// The largest distance of any part of the robot from B's origin [m].
   double reach() const { return reach_; }
 

@@ -99,6 +99,18 @@ TEST_F(QuadrupedClearanceTest, FindsALegInTheTrunk) {
 }
 
 // A robot that is lowered, on level ground, on a box and on a slope.
+TEST_F(QuadrupedClearanceTest, LiftsAPointInsideTheTrunkOntoIt) {
+  const Vector3d inside = robot.trunk.com, on = clearance.OnTrunk(inside);
+  EXPECT_EQ(on.head<2>(), inside.head<2>());
+  const auto distance = [&](const Vector3d& p_B) {
+    return clearance.To(robot.stance, p_B, Vector3d(0, 0, 1e-3)).distance;
+  };
+  EXPECT_EQ(distance(inside), 0);
+  EXPECT_GT(distance(on), 0);
+  EXPECT_LT(distance(on), 0.002);
+  EXPECT_EQ(clearance.OnTrunk(on), on);
+}
+
 TEST_F(QuadrupedClearanceTest, FindsKneesInTheGround) {
   LeggedState x = Standing();
   const double standing = clearance.At(x).ground.distance;
