@@ -69,6 +69,9 @@ class Check {
     XML_SetStartDoctypeDeclHandler(parser_.get(), &OnDoctype);
     if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
       Fail(1, "the file is in UTF-16; save it as UTF-8");
+    const std::size_t first = text.find_first_not_of("\xef\xbb\xbf \t\r\n");  // after a byte order mark
+    if (first == text.npos || text[first] != '<')
+      Fail(1, "the file is not XML, as a URDF is, but perhaps a mesh; give the path of a URDF");
     const bool parsed =
         XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), XML_TRUE) == XML_STATUS_OK;
     if (failure_) std::rethrow_exception(failure_);

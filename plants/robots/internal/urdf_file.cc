@@ -46,6 +46,8 @@ void UrdfFile::Fail(const std::string& what) const {
 
 UrdfFile ParseUrdf(const std::filesystem::path& path) {
   UrdfFile file{path.string(), {}, {}};
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) file.Fail("this is a directory; give the path of a URDF");
   std::ifstream in(path);
   if (!in)
     file.Fail(

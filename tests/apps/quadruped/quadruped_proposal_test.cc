@@ -210,6 +210,7 @@ TEST_F(QuadrupedProposalTest, SaysWhatIsNoQuadruped) {
     return Throws<ParameterError>([&] { Propose(urdf); }, "robot.urdf", parts...);
   };
   EXPECT_TRUE(refused("<mujoco/>", "MJCF"));
+  EXPECT_TRUE(refused("solid mesh\n", "not XML"));
   EXPECT_TRUE(refused("<sdf/>", "SDF"));
   EXPECT_TRUE(refused("<!DOCTYPE robot [<!ENTITY a \"b\">]><robot name=\"x\"/>", "DOCTYPE"));
   EXPECT_TRUE(refused(std::string("\xff\xfe<\0r\0", 6), "UTF-16"));
