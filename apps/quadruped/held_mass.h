@@ -13,8 +13,8 @@ struct HeldMass {
   double torque = 0;  ///< torque of this joint while the robot itself is held [N m]
 };
 
-/// Returns the mass, including the robot's own, that two legs hold in the nominal stance by vertical forces at
-/// their feet. In a trot, two legs are in the air.
+/// Returns the mass, including the robot's own, that two legs hold in the nominal stance by vertical forces
+/// at their feet. In a trot, two legs are in the air.
 HeldMass HeldByTwoLegs(const QuadrupedDescription& robot);
 
 /// Returns the largest load that two legs hold beside the robot [kg]; 0 if they cannot hold the robot.
