@@ -105,11 +105,18 @@ void ComPlanner::CalcPlan(const double& time, const ContactSchedule& schedule, c
 /// Plans one cycle from the start of the present step.
 void ComPlanner::PlanPendulum(const ContactSchedule& schedule, ComPlan* plan) const {
   plan->pendulum.Begin(plan->path, std::sqrt(params.gravity / stance.com_height));
+  double t = 0;
   ForEachPlannedPhase(plan->path, plan->ground.slope, schedule, stance, schedule.timing.num_steps,
                       [&](double duration, std::span<const Eigen::Vector2d> feet) {
-                        Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-                        for (const Eigen::Vector2d& foot : feet) sum += foot;
-                        plan->pendulum.Add(duration, sum / static_cast<double>(feet.size()));
+                        // Without a foot on the ground the CoM moves evenly above the path.
+                        Eigen::Vector2d zmp = plan->path.At(t + duration / 2).position_W;
+                        if (!feet.empty()) {
+                          Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+                          for (const Eigen::Vector2d& foot : feet) sum += foot;
+                          zmp = sum / static_cast<double>(feet.size());
+                        }
+                        plan->pendulum.Add(duration, zmp);
+                        t += duration;
                       });
   plan->pendulum.Solve();
 }

@@ -10,25 +10,37 @@ namespace {
 
 constexpr double kClockTolerance = 1e-9;  // above the rounding errors of the clock [s]
 
-bool SwingsIn(const ContactSchedule& schedule, std::size_t leg) {
-  return schedule.timing.num_steps > 0 && schedule.timing.step[leg] == schedule.step;
+/// The number of steps from the present one to the leg's own.
+int StepsAhead(const ContactSchedule& schedule, std::size_t leg) {
+  const int n = schedule.timing.num_steps;
+  return n > 0 ? (schedule.timing.step[leg] - schedule.step + n) % n : 0;
+}
+
+/// True if the leg belongs to the group that lifts off during this step. In a gait with flight this is the
+/// next step's group.
+bool LiftsIn(const ContactSchedule& schedule, std::size_t leg) {
+  return schedule.timing.num_steps > 0 && StepsAhead(schedule, leg) == (Flies(schedule.timing) ? 1 : 0);
 }
 
 bool StepIsOver(const ContactSchedule& schedule) {
   return schedule.step_time >= schedule.timing.step_duration() - kClockTolerance;
 }
 
-/// True if the stance of this step is over and its legs have not lifted off.
-bool LiftsOff(const FootScheduler::Memory& memory) {
+/// True if it is time for the lift-off of this step, and it has not happened. Before another gait, the next
+/// group of a gait with flight does not lift off.
+bool LiftsOff(const FootScheduler::Memory& memory, Gait next) {
   const ContactSchedule& schedule = memory.schedule;
-  return schedule.gait != Gait::kStand && !memory.lifted &&
-         schedule.step_time >= schedule.timing.stance - kClockTolerance;
+  const GaitTiming& timing = schedule.timing;
+  if (schedule.gait == Gait::kStand || memory.lifted) return false;
+  if (Flies(timing) && next != schedule.gait) return false;
+  const double lift_off = Flies(timing) ? timing.step_duration() + timing.stance : timing.stance;
+  return schedule.step_time >= lift_off - kClockTolerance;
 }
 
 /// True if a leg that must stand during the swing of this step has no contact.
 bool OthersSearch(const ContactSchedule& schedule) {
   for (std::size_t i = 0; i < kNumLegs; ++i) {
-    if (!SwingsIn(schedule, i) && schedule.legs[i].state == ContactState::kSearching) return true;
+    if (!LiftsIn(schedule, i) && schedule.legs[i].state == ContactState::kSearching) return true;
   }
   return false;
 }
@@ -40,12 +52,14 @@ void PlanLegs(bool lifted, ContactSchedule* schedule) {
     LegContact& leg = schedule->legs[i];
     leg.phase = leg.time_to_lift_off = leg.time_to_touchdown = 0;
     if (timing.num_steps == 0) continue;
-    int steps_ahead = (timing.step[i] - schedule->step + timing.num_steps) % timing.num_steps;
-    if (steps_ahead == 0 && lifted) steps_ahead = timing.num_steps;
+    const int own = StepsAhead(*schedule, i);
+    const bool has_lifted = LiftsIn(*schedule, i) ? lifted : own == 0;
+    const int steps_ahead = own + (has_lifted ? timing.num_steps : 0);
     leg.time_to_lift_off = steps_ahead * timing.step_duration() + timing.stance - schedule->step_time;
     if (leg.state == ContactState::kSwing || leg.state == ContactState::kLate) {
-      leg.phase = std::clamp((schedule->step_time - timing.stance) / timing.swing, 0.0, 1.0);
-      leg.time_to_touchdown = std::max(0.0, timing.step_duration() - schedule->step_time);
+      const double begin = own * timing.step_duration();
+      leg.phase = std::clamp((schedule->step_time - begin - timing.stance) / timing.swing, 0.0, 1.0);
+      leg.time_to_touchdown = std::max(0.0, begin + timing.step_duration() - schedule->step_time);
     } else {
       leg.phase = std::clamp(1 - leg.time_to_lift_off / timing.leg_stance(), 0.0, 1.0);
       if (leg.stance()) leg.time_to_touchdown = leg.time_to_lift_off + timing.swing;
@@ -69,6 +83,10 @@ void BeginStep(Gait gait, const GaitTable& gaits, const GaitTiming& timing, Foot
   schedule.timing = gait == Gait::kStand   ? GaitTiming{}
                     : timing.num_steps > 0 ? timing
                                            : gaits[gait].Timing();
+  if (Flies(schedule.timing)) {  // begins with the lift-off of the first group
+    schedule.step = schedule.timing.num_steps - 1;
+    schedule.step_time = schedule.timing.step_duration() + schedule.timing.stance;
+  }
 }
 
 }  // namespace
@@ -80,8 +98,16 @@ void GaitProperties::Validate() const {
     Demand(!group.empty(), "swing_groups has an empty group: remove it");
     for (const Leg leg : group) ++count[leg];
   }
-  Demand(swing_groups.size() >= 2,
-         "swing_groups must have at least two groups, or all feet are in the air at once");
+  Demand(!swing_groups.empty(), "swing_groups is empty: give at least one group");
+  if (stance < 0) {
+    Demand(swing_groups.size() >= 2 && -stance < swing / 2,
+           fmt::format("stance_s = {} is negative: a group lifts off before the one before it lands, which "
+                       "takes at least two groups and less than half of swing_s = {}",
+                       stance, swing));
+  } else {
+    Demand(swing_groups.size() >= 2 || stance > 0,
+           "swing_groups has one group and stance_s is 0: the feet would never stand");
+  }
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     Demand(count[i] == 1, fmt::format("swing_groups must contain each leg once, but contains '{}' {} times",
                                       kLegNames[i], count[i]));
@@ -160,13 +186,12 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
     schedule.footsteps = 0;
   } else {
     if (schedule.gait != Gait::kStand) {
-      if (StepIsOver(schedule) || LiftsOff(memory)) {
+      if (StepIsOver(schedule) || LiftsOff(memory, command.gait)) {
         memory.waited += dt;
       } else {
         schedule.step_time += dt;
       }
     }
-    const double swing_time = schedule.step_time - schedule.timing.stance;
     for (std::size_t i = 0; i < kNumLegs; ++i) {
       LegContact& leg = schedule.legs[i];
       ContactEvents events;
@@ -174,25 +199,30 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
       double& unloaded = memory.unloaded[i];
       unloaded = leg.stance() && !events.loaded ? unloaded + dt : 0;
       events.unloaded = unloaded >= search_after - kClockTolerance;
+      const bool next = Flies(schedule.timing) && StepsAhead(schedule, i) == 1;
+      const double swing_time =
+          schedule.step_time - schedule.timing.stance - (next ? schedule.timing.step_duration() : 0);
       events.may_land = swing_time >= early_touchdown_phase * schedule.timing.swing - kClockTolerance;
-      events.swing_over = StepIsOver(schedule);
+      events.swing_over = StepIsOver(schedule) && !next;
       events.wait_over = wait_is_over();
       leg.state = NextContactState(leg.state, events);
     }
     const bool late = std::any_of(schedule.legs.begin(), schedule.legs.end(),
                                   [](const LegContact& leg) { return leg.state == ContactState::kLate; });
     if (schedule.gait == Gait::kStand ? command.gait != Gait::kStand : StepIsOver(schedule) && !late) {
-      BeginStep(command.gait, gaits, timing, &memory);
+      // A group in the air lands in its own step, before another gait begins.
+      const bool in_air = Flies(schedule.timing) && memory.lifted;
+      BeginStep(in_air ? schedule.gait : command.gait, gaits, timing, &memory);
     }
   }
-  const bool lift_off = LiftsOff(memory) && (wait_is_over() || !OthersSearch(schedule));
+  const bool lift_off = LiftsOff(memory, command.gait) && (wait_is_over() || !OthersSearch(schedule));
   if (lift_off) {
     memory.lifted = true;
     memory.waited = 0;
   }
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     LegContact& leg = schedule.legs[i];
-    if (lift_off && SwingsIn(schedule, i)) leg.state = NextContactState(leg.state, {.lift_off = true});
+    if (lift_off && LiftsIn(schedule, i)) leg.state = NextContactState(leg.state, {.lift_off = true});
   }
   PlanLegs(memory.lifted, &schedule);
   return schedule;

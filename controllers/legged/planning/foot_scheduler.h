@@ -20,17 +20,24 @@ constexpr auto EnumNames(Leg) {
 /// Gait given by groups of legs that swing together, one group after the other.
 struct GaitProperties {
   std::vector<std::vector<Leg>> swing_groups;  ///< each leg is in one group
-  double stance = 0;                           ///< duration of the stance of all feet before each swing [s]
-  double swing = 0;                            ///< duration of a swing [s]
+  /// duration of the stance of all feet before each swing; if negative, the time by which a group lifts off
+  /// before the group before it lands [s]
+  double stance = 0;
+  double swing = 0;  ///< duration of a swing [s]
 
   static FieldList Fields() {
     return {Required("swing_groups", &GaitProperties::swing_groups),
-            Required("stance_s", &GaitProperties::stance).AtLeast(0),
+            Required("stance_s", &GaitProperties::stance),
             Required("swing_s", &GaitProperties::swing).Positive()};
   }
   void Validate() const;  ///< throws ParameterError
   GaitTiming Timing() const;
 };
+
+/// Whether all feet are in the air between two stances of a gait with several groups.
+inline bool Flies(const GaitTiming& timing) {
+  return timing.stance < 0;
+}
 
 struct GaitTable {
   GaitProperties crawl, trot, pace, gallop;
@@ -113,8 +120,11 @@ ContactState NextContactState(ContactState state, const ContactEvents& events);
 /// its swing is late: the gait clock waits for it up to late_wait, then the foot is searching and the next
 /// step starts. Hence no leg is in swing or late when a step starts. While a leg that must support the robot
 /// is searching, the group of the step does not lift off; the clock waits for that leg as for a late foot.
-/// The gait changes at the start of a step, from standing at once. There is no flight phase: at most one
-/// group is in the air.
+/// The gait changes at the start of a step, from standing at once.
+///
+/// **Flight.** If the stance is negative, the next group lifts off by that time before the group of the
+/// present step lands, and all feet are in the air in between. With a single group, all feet swing together.
+/// Only CentroidalMpc plans the ballistic motion; a TrunkPlanner cannot.
 class FootScheduler final : public LeafSystem<FootSchedulerParams> {
  public:
   using LeafSystem::LeafSystem;

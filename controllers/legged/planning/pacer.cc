@@ -51,7 +51,7 @@ Pacer::Pacer(const PacerParams& p)
 
 GaitTiming Pacer::TimingAt(Gait gait, double speed) const {
   GaitTiming timing = table_[static_cast<std::size_t>(gait)];
-  if (timing.num_steps == 0 || speed <= 0) return timing;
+  if (timing.num_steps < 2 || Flies(timing) || speed <= 0) return timing;
   const PaceProperties& pace = params.pace;
   const double g = params.gravity, h = hip_height_;
   const double stride = pace.stride * h * std::pow(speed * speed / (g * h), 0.3);

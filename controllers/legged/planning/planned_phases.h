@@ -5,6 +5,7 @@
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/motion_signals.h>
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -14,6 +15,8 @@ namespace tenon {
 /// the stance of all feet, then the swing with the remaining stance feet, of each step. `path` is the
 /// commanded path at that start. Footholds are the nominal ones below the path in the middle of each stance,
 /// on ground of this slope.
+/// In a gait with flight the stance is empty, and each swing lasts until the next touchdown: the feet that
+/// stand during a part of it give the mean point of support.
 template <class Visit>
 void ForEachPlannedPhase(const PlanarPath& path, const Vec<2>& slope, const ContactSchedule& schedule,
                          const NominalStance& stance, int steps, Visit&& visit) {
@@ -36,8 +39,9 @@ void ForEachPlannedPhase(const PlanarPath& path, const Vec<2>& slope, const Cont
     for (std::size_t i = 0; i < kNumLegs; ++i) {
       if (steps_ahead(i) != k % timing.num_steps) standing[count++] = foot[i];
     }
-    visit(timing.stance, std::span<const Eigen::Vector2d>(foot));
-    visit(timing.swing, std::span<const Eigen::Vector2d>(standing.data(), count));
+    visit(std::max(timing.stance, 0.0), std::span<const Eigen::Vector2d>(foot));
+    visit(timing.swing + std::min(timing.stance, 0.0),
+          std::span<const Eigen::Vector2d>(standing.data(), count));
     for (std::size_t i = 0; i < kNumLegs; ++i) {
       if (steps_ahead(i) == k % timing.num_steps) {
         plant(i, (k + 1) * timing.step_duration() + timing.leg_stance() / 2);

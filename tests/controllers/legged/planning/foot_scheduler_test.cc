@@ -300,6 +300,56 @@ TEST(FootSchedulerTest, WithoutStanceTheGroupsFollowAtOnce) {
   EXPECT_EQ(walk.schedule().footsteps, 3);
 }
 
+/// The gaits of standard.yaml, the trot with 0.04 s of flight: each pair stands for 0.12 s.
+FootSchedulerParams Flying() {
+  FootSchedulerParams params = Standard();
+  params.gaits.trot.stance = -0.04;
+  params.gaits.trot.swing = 0.2;
+  return params;
+}
+
+TEST(FootSchedulerTest, NegativeStanceIsAFlight) {
+  Walk walk(Gait::kTrot, Flying());
+  std::map<int, int> ticks;  // by the number of feet in stance
+  double planned = 0;
+  for (int n = 0; n < 1680; ++n) {  // four cycles count
+    const ContactSchedule& schedule = walk.Tick();
+    if (n < 400) continue;
+    ++ticks[schedule.num_stance()];
+    const LegContact& leg = schedule.legs[kFrontLeft];
+    if (leg.state == kSwing) {
+      if (planned > 0) EXPECT_NEAR(leg.time_to_touchdown, planned - 1e-3, 1e-9);
+      planned = leg.time_to_touchdown;
+    } else {
+      planned = 0;
+    }
+  }
+  // A cycle of 0.32 s has two flights and two stances of a pair.
+  EXPECT_NEAR(ticks[0], 1280 * 0.08 / 0.32, 16);
+  EXPECT_NEAR(ticks[2], 1280 * 0.24 / 0.32, 16);
+  EXPECT_EQ(ticks[4] + ticks[1] + ticks[3], 0);
+}
+
+TEST(FootSchedulerTest, AGaitWithFlightEndsOnTheGround) {
+  for (int ticks = 1000; ticks < 1320; ticks += 20) {
+    Walk walk(Gait::kTrot, Flying());
+    for (int n = 0; n < ticks; ++n) walk.Tick();
+    walk.Command(Gait::kStand);
+    const int wait = walk.Until([](const ContactSchedule& s) { return s.gait == Gait::kStand; });
+    EXPECT_GT(wait, 0);
+    EXPECT_LE(wait, 322);
+    EXPECT_EQ(walk.schedule().num_stance(), 4) << ticks;
+  }
+}
+
+TEST(FootSchedulerTest, ASingleGroupJumps) {
+  FootSchedulerParams params = Standard();
+  params.gaits.trot.swing_groups = {{kFrontLeft, kFrontRight, kRearLeft, kRearRight}};
+  Walk walk(Gait::kTrot, params);
+  EXPECT_GT(walk.Until([](const ContactSchedule& s) { return s.num_stance() == 0; }), 0);
+  EXPECT_NEAR(walk.Until([](const ContactSchedule& s) { return s.num_stance() == 4; }), 115, 2);
+}
+
 TEST(FootSchedulerTest, DoesNotAllocate) {
   Walk walk(Gait::kTrot);
   walk.Tick();
@@ -322,8 +372,9 @@ TEST(FootSchedulerTest, RefusesNonsense) {
   EXPECT_TRUE(refuses(
       [](auto& p) {
         p.gaits.trot.swing_groups = {{kFrontLeft, kFrontRight, kRearLeft, kRearRight}};
+        p.gaits.trot.stance = 0;
       },
-      "gaits.trot"));
+      "gaits.trot", "never stand"));
   EXPECT_TRUE(refuses([](auto& p) { p.touchdown_force = 0; }, "touchdown_force"));
   EXPECT_TRUE(refuses([](auto& p) { p.early_touchdown_phase = 2; }, "early_touchdown_phase"));
   EXPECT_TRUE(refuses([](auto& p) { p.late_wait = -1; }, "late_wait"));
