@@ -55,10 +55,9 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
   const OutputPort<FootForces>& foot_forces = AddFootForces(params.world);
   Connect(state, locomotion.state);
   Connect(foot_forces, locomotion.foot_forces);
-  Connect(observer.wrench, locomotion.wrench);
   Connect(observer.leg_forces, locomotion.leg_forces);
   Connect(locomotion.torque, world.torque);
-  ConnectKnownWrench(params);
+  ConnectWrenches(params);
   Connect(params.ropes ? AddStop() : walk.command, locomotion.command);
   ConnectObserver(foot_forces);
   ConnectEvaluation();
@@ -98,7 +97,8 @@ const OutputPort<FootForces>& QuadrupedWalk::AddFootForces(const QuadrupedWorldP
 }
 
 /// Adds ropes and returns the wrench of their measured tensions.
-const OutputPort<WrenchEstimate>& QuadrupedWalk::AddRopes(const QuadrupedRopesParams& params) {
+const OutputPort<WrenchEstimate>& QuadrupedWalk::AddRopes(const QuadrupedRopesParams& params,
+                                                          const OutputPort<WrenchEstimate>& external) {
   tensions = &Add<RopeTensions>(
       "tensions", RopeTensionsParams{.robot = locomotion.whole_body.params.robot,
                                      .ropes = params.ropes,
@@ -114,7 +114,7 @@ const OutputPort<WrenchEstimate>& QuadrupedWalk::AddRopes(const QuadrupedRopesPa
   Connect(locomotion.ground, tensions->ground);
   Connect(locomotion.schedule, tensions->schedule);
   Connect(locomotion.body, tensions->body);
-  Connect(observer.wrench, tensions->external);
+  Connect(external, tensions->external);
   Connect(ropes->tension, tensions->tension);
   Connect(tensions->command, winches->u);
   Connect(winches->y, ropes->command);
@@ -139,34 +139,43 @@ const OutputPort<WalkCommand>& QuadrupedWalk::AddStop() {
                      });
 }
 
-void QuadrupedWalk::ConnectKnownWrench(const QuadrupedWalkParams& params) {
-  const OutputPort<WrenchEstimate>* known = params.ropes ? &AddRopes(*params.ropes) : nullptr;
-  if (known != nullptr) Connect(*known, locomotion.steady_wrench);
+/// Adds the measurement of the wrench of additions to the robot, and returns it.
+const OutputPort<WrenchEstimate>& QuadrupedWalk::AddKnownAdditions(double lag) {
+  const Rate rate = locomotion.whole_body.params.rate;
+  auto& added = AddFunction("added_wrench", Uses(world.added_wrench), [](const WrenchEstimate& wrench) {
+    Vec<6> both;
+    both << wrench.force_W, wrench.torque_W;
+    return both;
+  });
+  known_additions =
+      &Add<HeldLag<Vec<6>>>("known_additions", HeldLagParams<Vec<6>>{.time_constant = lag, .rate = rate});
+  Connect(added, known_additions->u);
+  return AddFunction("known_wrench", Sampled{rate}, Uses(known_additions->y),
+                     [](const Vec<6>& additions) -> WrenchEstimate {
+                       return {additions.head<3>(), additions.tail<3>()};
+                     });
+}
+
+void QuadrupedWalk::ConnectWrenches(const QuadrupedWalkParams& params) {
+  const Rate rate = locomotion.whole_body.params.rate;
+  const auto sum = [](const WrenchEstimate& a, const WrenchEstimate& b) -> WrenchEstimate {
+    return {a.force_W + b.force_W, a.torque_W + b.torque_W};
+  };
+  const OutputPort<WrenchEstimate>* wrench = &observer.wrench;
+  const OutputPort<WrenchEstimate>* known = nullptr;
   if (params.known_additions) {
-    const Rate rate = locomotion.whole_body.params.rate;
-    auto& added = AddFunction("added_wrench", Uses(world.added_wrench), [](const WrenchEstimate& wrench) {
-      Vec<6> both;
-      both << wrench.force_W, wrench.torque_W;
-      return both;
-    });
-    known_additions = &Add<HeldLag<Vec<6>>>(
-        "known_additions", HeldLagParams<Vec<6>>{.time_constant = params.additions_lag, .rate = rate});
-    Connect(added, known_additions->u);
-    if (known == nullptr)
-      known = &AddFunction("known_wrench", Sampled{rate}, Uses(known_additions->y),
-                           [](const Vec<6>& additions) -> WrenchEstimate {
-                             return {additions.head<3>(), additions.tail<3>()};
-                           });
-    else
-      known =
-          &AddFunction("known_wrench", Sampled{rate}, Uses(known_additions->y, *known),
-                       [](const Vec<6>& additions, const WrenchEstimate& ropes) -> WrenchEstimate {
-                         return {additions.head<3>() + ropes.force_W, additions.tail<3>() + ropes.torque_W};
-                       });
+    known = &AddKnownAdditions(params.additions_lag);
+    wrench = &AddFunction("wrench", Sampled{rate}, Uses(observer.wrench, *known), sum);
   }
-  if (known == nullptr) return;
-  Connect(*known, locomotion.known_wrench);
-  Connect(*known, observer.known_wrench);
+  Connect(*wrench, locomotion.wrench);
+  if (params.ropes) {
+    const OutputPort<WrenchEstimate>& of_ropes = AddRopes(*params.ropes, *wrench);
+    Connect(of_ropes, locomotion.known_wrench);
+    Connect(of_ropes, locomotion.steady_wrench);
+    known =
+        known == nullptr ? &of_ropes : &AddFunction("all_known", Sampled{rate}, Uses(of_ropes, *known), sum);
+  }
+  if (known != nullptr) Connect(*known, observer.known_wrench);
 }
 
 void QuadrupedWalk::ConnectObserver(const OutputPort<FootForces>& foot_forces) {

@@ -66,11 +66,13 @@ void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params, doubl
 ///
 /// With ropes, `tensions` commands the `winches` of the `ropes`, which pull at world.pull, and locomotion and
 /// observer know the wrench of the measured tensions. If a rope is lost, the robot stops and stands from then
-/// on, since the others may not hold it while it steps. With `known_additions` locomotion and observer also
-/// know world.plant's `added_wrench`, sampled and behind a first-order lag, as a force sensor without errors
-/// under the base of an arm measures it. The observer then estimates the other disturbances alone. The lag
-/// keeps the loop through the reaction of a heavy arm to the acceleration of the trunk stable. Footholds are
-/// displaced by the ropes alone, because the wrench of an arm changes within a step.
+/// on, since the others may not hold it while it steps.
+///
+/// With `known_additions` the observer knows world.plant's `added_wrench`, sampled and behind a first-order
+/// lag, as a force sensor without errors under the base of an arm measures it, and estimates the other
+/// disturbances alone. Locomotion reads the sum of both as `wrench`, because its planners must balance a
+/// heavy arm too. The lag keeps the loop through the reaction of the arm to the acceleration of the trunk
+/// stable.
 class QuadrupedWalk : public Subdiagram {
  public:
   explicit QuadrupedWalk(const QuadrupedWalkParams& params);
@@ -93,9 +95,11 @@ class QuadrupedWalk : public Subdiagram {
  private:
   const OutputPort<LeggedState>& AddEstimator(const std::optional<LeggedStateEstimatorParams>& params);
   const OutputPort<FootForces>& AddFootForces(const QuadrupedWorldParams& params);
-  const OutputPort<WrenchEstimate>& AddRopes(const QuadrupedRopesParams& params);
+  const OutputPort<WrenchEstimate>& AddRopes(const QuadrupedRopesParams& params,
+                                             const OutputPort<WrenchEstimate>& external);
   const OutputPort<WalkCommand>& AddStop();
-  void ConnectKnownWrench(const QuadrupedWalkParams& params);
+  const OutputPort<WrenchEstimate>& AddKnownAdditions(double lag);
+  void ConnectWrenches(const QuadrupedWalkParams& params);
   void ConnectObserver(const OutputPort<FootForces>& foot_forces);
   void ConnectEvaluation();
 };
