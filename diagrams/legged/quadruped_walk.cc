@@ -139,43 +139,46 @@ const OutputPort<WalkCommand>& QuadrupedWalk::AddStop() {
                      });
 }
 
-/// Adds the measurement of the wrench of additions to the robot, and returns it.
-const OutputPort<WrenchEstimate>& QuadrupedWalk::AddKnownAdditions(double lag) {
-  const Rate rate = locomotion.whole_body.params.rate;
-  auto& added = AddFunction("added_wrench", Uses(world.added_wrench), [](const WrenchEstimate& wrench) {
-    Vec<6> both;
-    both << wrench.force_W, wrench.torque_W;
-    return both;
-  });
-  known_additions =
-      &Add<HeldLag<Vec<6>>>("known_additions", HeldLagParams<Vec<6>>{.time_constant = lag, .rate = rate});
-  Connect(added, known_additions->u);
-  return AddFunction("known_wrench", Sampled{rate}, Uses(known_additions->y),
-                     [](const Vec<6>& additions) -> WrenchEstimate {
-                       return {additions.head<3>(), additions.tail<3>()};
-                     });
-}
-
+/// The planners read `wrench` alone, the whole-body controller its sum with `known_wrench`. Therefore
+/// `wrench` contains the slow part of the additions' wrench, and `known_wrench` the rest.
 void QuadrupedWalk::ConnectWrenches(const QuadrupedWalkParams& params) {
-  const Rate rate = locomotion.whole_body.params.rate;
+  const Sampled sampled{locomotion.whole_body.params.rate};
   const auto sum = [](const WrenchEstimate& a, const WrenchEstimate& b) -> WrenchEstimate {
     return {a.force_W + b.force_W, a.torque_W + b.torque_W};
   };
-  const OutputPort<WrenchEstimate>* wrench = &observer.wrench;
-  const OutputPort<WrenchEstimate>* known = nullptr;
+  const OutputPort<WrenchEstimate>*wrench = &observer.wrench, *known = nullptr, *rest = nullptr;
   if (params.known_additions) {
-    known = &AddKnownAdditions(params.additions_lag);
-    wrench = &AddFunction("wrench", Sampled{rate}, Uses(observer.wrench, *known), sum);
+    const auto lag = [&](const char* name, double time_constant) -> HeldLag<Vec<6>>& {
+      return Add<HeldLag<Vec<6>>>(
+          name, HeldLagParams<Vec<6>>{.time_constant = time_constant, .rate = sampled.rate});
+    };
+    const auto as_wrench = [](const Vec<6>& w) -> WrenchEstimate { return {w.head<3>(), w.tail<3>()}; };
+    auto& added = AddFunction("added_wrench", Uses(world.added_wrench), [](const WrenchEstimate& wrench) {
+      Vec<6> both;
+      both << wrench.force_W, wrench.torque_W;
+      return both;
+    });
+    known_additions = &lag("known_additions", params.additions_lag);
+    auto& slow = lag("slow_additions", params.additions_planning_lag);
+    Connect(added, known_additions->u);
+    Connect(known_additions->y, slow.u);
+    known = &AddFunction("known_wrench", sampled, Uses(known_additions->y), as_wrench);
+    wrench = &AddFunction(
+        "wrench", sampled, Uses(observer.wrench, slow.y),
+        [=](const WrenchEstimate& estimate, const Vec<6>& slow) { return sum(estimate, as_wrench(slow)); });
+    rest = &AddFunction("fast_wrench", sampled, Uses(known_additions->y, slow.y),
+                        [=](const Vec<6>& all, const Vec<6>& slow) { return as_wrench(all - slow); });
   }
   Connect(*wrench, locomotion.wrench);
   if (params.ropes) {
     const OutputPort<WrenchEstimate>& of_ropes = AddRopes(*params.ropes, *wrench);
-    Connect(of_ropes, locomotion.known_wrench);
     Connect(of_ropes, locomotion.steady_wrench);
-    known =
-        known == nullptr ? &of_ropes : &AddFunction("all_known", Sampled{rate}, Uses(of_ropes, *known), sum);
+    known = known == nullptr ? &of_ropes : &AddFunction("all_known", sampled, Uses(of_ropes, *known), sum);
+    rest = rest == nullptr ? &of_ropes : &AddFunction("all_fast", sampled, Uses(of_ropes, *rest), sum);
   }
-  if (known != nullptr) Connect(*known, observer.known_wrench);
+  if (known == nullptr) return;
+  Connect(*rest, locomotion.known_wrench);
+  Connect(*known, observer.known_wrench);
 }
 
 void QuadrupedWalk::ConnectObserver(const OutputPort<FootForces>& foot_forces) {

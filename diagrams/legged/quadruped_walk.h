@@ -34,8 +34,9 @@ struct QuadrupedWalkParams {
   DisturbanceObserverParams observer;
   std::optional<LeggedStateEstimatorParams> estimator;  ///< empty: the controller reads the true state
   std::optional<QuadrupedRopesParams> ropes;            ///< empty: no ropes
-  bool known_additions = false;  ///< the controller measures the wrench of additions to the robot
-  double additions_lag = 0.003;  ///< time constant of this measurement [s]
+  bool known_additions = false;          ///< the controller measures the wrench of additions to the robot
+  double additions_lag = 0.003;          ///< time constant of this measurement [s]
+  double additions_planning_lag = 0.25;  ///< further time constant of the part that the planners read [s]
 };
 
 /// Parameters of a walk in `world` whose controller and observers have a `model` of the robot, which may
@@ -70,9 +71,10 @@ void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params, doubl
 ///
 /// With `known_additions` the observer knows world.plant's `added_wrench`, sampled and behind a first-order
 /// lag, as a force sensor without errors under the base of an arm measures it, and estimates the other
-/// disturbances alone. Locomotion reads the sum of both as `wrench`, because its planners must balance a
-/// heavy arm too. The lag keeps the loop through the reaction of the arm to the acceleration of the trunk
-/// stable.
+/// disturbances alone. The lag keeps the loop through the reaction of the arm to the acceleration of the
+/// trunk stable. The whole-body controller balances the whole measurement; the planners of trunk and
+/// footholds read it behind a further lag, about a step long. They must balance a heavy arm, but not its
+/// reaction to the acceleration that they plan.
 class QuadrupedWalk : public Subdiagram {
  public:
   explicit QuadrupedWalk(const QuadrupedWalkParams& params);
@@ -98,7 +100,6 @@ class QuadrupedWalk : public Subdiagram {
   const OutputPort<WrenchEstimate>& AddRopes(const QuadrupedRopesParams& params,
                                              const OutputPort<WrenchEstimate>& external);
   const OutputPort<WalkCommand>& AddStop();
-  const OutputPort<WrenchEstimate>& AddKnownAdditions(double lag);
   void ConnectWrenches(const QuadrupedWalkParams& params);
   void ConnectObserver(const OutputPort<FootForces>& foot_forces);
   void ConnectEvaluation();
