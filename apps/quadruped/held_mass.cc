@@ -12,20 +12,16 @@ namespace tenon::apps {
 
 HeldMass HeldByTwoLegs(const QuadrupedDescription& robot) {
   const Vec<kNumJoints> torque = 2 * StandingTorque(robot, kGravity);  // a foot carries half of the weight
-  HeldMass held{std::numeric_limits<double>::infinity()};
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  HeldMass held{.mass = kAny, .load = kAny};
   for (int j = 0; j < kNumJoints; ++j) {
     const double mass = robot.mass() * robot.joint(j).torque_limit / std::abs(torque[j]);
-    if (mass < held.mass) held = {mass, j, std::abs(torque[j])};
+    if (mass < held.mass) held = {mass, std::max(0.0, mass - robot.mass()), j, std::abs(torque[j])};
   }
   return held;
 }
 
-double LargestLoad(const QuadrupedDescription& robot) {
-  return std::max(0.0, HeldByTwoLegs(robot).mass - robot.mass());
-}
-
-std::string CannotHold(const QuadrupedDescription& robot) {
-  const HeldMass held = HeldByTwoLegs(robot);
+std::string CannotHold(const QuadrupedDescription& robot, const HeldMass& held) {
   const JointDescription& joint = robot.joint(held.joint);
   return fmt::format(
       "in a trot, two legs hold the robot, for which joint '{}' needs {:.3g} N m in the nominal stance, but "

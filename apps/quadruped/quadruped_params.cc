@@ -34,7 +34,8 @@ QuadrupedDescription ReadRobot(const LeggedScenario& scenario) {
 /// The centre of the hips' pitch axes with all joints at 0, in B [m].
 Vec<3> CentreOfHips(const QuadrupedDescription& robot) {
   Vec<3> centre = Vec<3>::Zero();
-  for (const auto& leg : robot.legs) centre += (leg.joints[0].p_PJ + leg.joints[1].p_PJ) / kNumLegs;
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    centre += robot.HipPosition(leg, Vec<kNumJoints>::Zero()) / kNumLegs;
   return centre;
 }
 
@@ -258,7 +259,7 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
   const WalkFiles files = ReadWalkFiles(scenario);
   QuadrupedScenario scaled = ScaledToRobot(scenario, files.ratio);
   double& load = scaled.payload.mass_kg;
-  if (scenario.scale_forces && load > 0) load = std::min(load, LargestLoad(files.robot));
+  if (scenario.scale_forces && load > 0) load = std::min(load, HeldByTwoLegs(files.robot).load);
   return TranslateWalk(scaled, files);
 }
 
@@ -266,14 +267,14 @@ void AddHoldingNotes(const QuadrupedScenario& scenario, std::vector<std::string>
   if (!scenario.walk) return;
   const QuadrupedDescription robot = ReadRobot(scenario);
   const HeldMass held = HeldByTwoLegs(robot);
-  if (held.mass < robot.mass()) notes.push_back(CannotHold(robot));
+  if (held.mass < robot.mass()) notes.push_back(CannotHold(robot, held));
   const double load = scenario.payload.mass_kg * ReadRatio(scenario, robot).weight;
-  if (load <= LargestLoad(robot)) return;
+  if (load <= held.load) return;
   const JointDescription& joint = robot.joint(held.joint);
   notes.push_back(fmt::format(
       "payload: {:.3g} kg, {:.0f} % of the robot's weight, are more than the {:.3g} kg that two legs hold "
       "beside the robot by the {:.3g} N m of joint '{}'; {}",
-      load, 100 * load / robot.mass(), LargestLoad(robot), joint.torque_limit, joint.name,
+      load, 100 * load / robot.mass(), held.load, joint.torque_limit, joint.name,
       scenario.scale_forces ? "reduced to this mass" : "the robot may fall"));
 }
 

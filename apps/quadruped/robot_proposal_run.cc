@@ -91,7 +91,8 @@ int ProposeRobot(const RobotArguments& arguments) {
   fmt::print("{:<28} {:.4g}\n", "leg_length_m", robot.LegLength(kFrontLeft));
   fmt::print("{:<28} {:.4g}\n", "stance_height_m", robot.StanceHeight());
   for (const std::string& note : proposal.notes) fmt::print("note: {}\n", note);
-  if (HeldByTwoLegs(robot).mass < robot.mass()) fmt::print("note: {}\n", CannotHold(robot));
+  const HeldMass held = HeldByTwoLegs(robot);
+  if (held.mass < robot.mass()) fmt::print("note: {}\n", CannotHold(robot, held));
   std::fflush(stdout);
 
   const Summary stand = Try("stand", yaml, kStand, out / "stand");
