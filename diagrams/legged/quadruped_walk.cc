@@ -146,7 +146,8 @@ void QuadrupedWalk::ConnectWrenches(const QuadrupedWalkParams& params) {
   const auto sum = [](const WrenchEstimate& a, const WrenchEstimate& b) -> WrenchEstimate {
     return {a.force_W + b.force_W, a.torque_W + b.torque_W};
   };
-  const OutputPort<WrenchEstimate>*wrench = &observer.wrench, *known = nullptr, *rest = nullptr;
+  const OutputPort<WrenchEstimate>*wrench = &observer.wrench, *known = nullptr;
+  const OutputPort<Vec<6>>* slow = nullptr;
   if (params.known_additions) {
     const auto lag = [&](const char* name, double time_constant) -> HeldLag<Vec<6>>& {
       return Add<HeldLag<Vec<6>>>(
@@ -159,26 +160,29 @@ void QuadrupedWalk::ConnectWrenches(const QuadrupedWalkParams& params) {
       return both;
     });
     known_additions = &lag("known_additions", params.additions_lag);
-    auto& slow = lag("slow_additions", params.additions_planning_lag);
+    auto& slow_additions = lag("slow_additions", params.additions_planning_lag);
+    slow = &slow_additions.y;
     Connect(added, known_additions->u);
-    Connect(known_additions->y, slow.u);
+    Connect(known_additions->y, slow_additions.u);
     known = &AddFunction("known_wrench", sampled, Uses(known_additions->y), as_wrench);
     wrench = &AddFunction(
-        "wrench", sampled, Uses(observer.wrench, slow.y),
+        "wrench", sampled, Uses(observer.wrench, *slow),
         [=](const WrenchEstimate& estimate, const Vec<6>& slow) { return sum(estimate, as_wrench(slow)); });
-    rest = &AddFunction("fast_wrench", sampled, Uses(known_additions->y, slow.y),
-                        [=](const Vec<6>& all, const Vec<6>& slow) { return as_wrench(all - slow); });
   }
   Connect(*wrench, locomotion.wrench);
   if (params.ropes) {
     const OutputPort<WrenchEstimate>& of_ropes = AddRopes(*params.ropes, *wrench);
     Connect(of_ropes, locomotion.steady_wrench);
     known = known == nullptr ? &of_ropes : &AddFunction("all_known", sampled, Uses(of_ropes, *known), sum);
-    rest = rest == nullptr ? &of_ropes : &AddFunction("all_fast", sampled, Uses(of_ropes, *rest), sum);
   }
   if (known == nullptr) return;
-  Connect(*rest, locomotion.known_wrench);
   Connect(*known, observer.known_wrench);
+  if (slow != nullptr)
+    known = &AddFunction("fast_wrench", sampled, Uses(*known, *slow),
+                         [](const WrenchEstimate& all, const Vec<6>& slow) -> WrenchEstimate {
+                           return {all.force_W - slow.head<3>(), all.torque_W - slow.tail<3>()};
+                         });
+  Connect(*known, locomotion.known_wrench);
 }
 
 void QuadrupedWalk::ConnectObserver(const OutputPort<FootForces>& foot_forces) {
