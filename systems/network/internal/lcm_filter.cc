@@ -100,8 +100,8 @@ void DropMalformedDatagrams(int socket) {
     filter.DropIf(BPF_JGE | BPF_X);
     filter.Do(BPF_LDX | BPF_IMM, 0);
     filter.If(0, [&] { filter.MeasureChannel(kDivided); });
-    filter.Do(BPF_LD | BPF_W |
-              BPF_LEN);  // the data's size is that of the datagram without what comes before it
+    // The data's size is that of the datagram without what comes before it.
+    filter.Do(BPF_LD | BPF_W | BPF_LEN);
     filter.Do(BPF_ALU | BPF_SUB | BPF_K, kDivided);
     filter.Do(BPF_ALU | BPF_SUB | BPF_X);
     filter.Do(BPF_MISC | BPF_TAX);
