@@ -3,12 +3,27 @@
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
 #include <string>
 
 namespace tenon {
+namespace {
+
+/// Whether the diagram has the state of a shipped block: another block may have replaced it.
+bool Exists(const Source& state) {
+  try {
+    state.Current();
+    return true;
+  } catch (const BuildError&) {
+    return false;
+  }
+}
+
+}  // namespace
+
 void LeggedIntegration::Validate() const {
   Demand(method != LeggedIntegrator::kStabilized || order <= 3,
          fmt::format("order = {} must be 2 or 3 with the method 'stabilized'", order));
@@ -17,17 +32,20 @@ void LeggedIntegration::Validate() const {
 // Ticks restart the integrator every few milliseconds, and the plants declare their jumps. Open tables are
 // sufficient then, and save one evaluation per tick.
 
-SimulatorOptions LeggedIntegration::Options(const std::string& plant) const {
+SimulatorOptions LeggedIntegration::Options(const QuadrupedPlant& plant) const {
   const bool stabilized = method == LeggedIntegrator::kStabilized;
-  return {.method = stabilized ? Method::kStabilized : Method::kErkOpen,
-          .order = order,
-          .rtol = rtol,
-          .atol = atol_position,
-          .state_atol = {{plant + ".motion.v_W", atol_velocity},
-                         {plant + ".motion.w_W", atol_velocity},
-                         {plant + ".motion.qd", atol_velocity},
-                         {plant + ".bristles", atol_bristles}},
-          .seed = kRecommendedSeed};
+  SimulatorOptions options{.method = stabilized ? Method::kStabilized : Method::kErkOpen,
+                           .order = order,
+                           .rtol = rtol,
+                           .atol = atol_position,
+                           .seed = kRecommendedSeed};
+  const auto add = [&](const Source& state, const std::string& part, double atol) {
+    if (Exists(state)) options.state_atol.push_back({state.path() + part, atol});
+  };
+  for (const char* part : {".v_W", ".w_W", ".qd"}) add(plant.motion, part, atol_velocity);
+  add(plant.bristles, "", atol_bristles);
+  if (plant.additions.u.initial.size() > 0) add(plant.added_u, "", atol_velocity);
+  return options;
 }
 
 SimulatorOptions CdprIntegration::Options() const {
@@ -35,11 +53,7 @@ SimulatorOptions CdprIntegration::Options() const {
 }
 
 SimulatorOptions RecommendedOptions(const QuadrupedWorld& world) {
-  const LeggedIntegration integration;
-  SimulatorOptions options = integration.Options(world.plant.path());
-  if (world.plant.additions.u.initial.size() > 0)
-    options.state_atol.push_back({world.plant.path() + ".added_u", integration.atol_velocity});
-  return options;
+  return LeggedIntegration().Options(world.plant);
 }
 SimulatorOptions RecommendedOptions(const QuadrupedStand& stand) {
   return RecommendedOptions(stand.world);

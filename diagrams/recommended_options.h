@@ -10,6 +10,7 @@
 namespace tenon {
 
 class CdprLoop;
+class QuadrupedPlant;
 class QuadrupedStand;
 class QuadrupedWalk;
 class QuadrupedWorld;
@@ -52,8 +53,9 @@ struct LeggedIntegration {
             Field("atol_bristles", &LeggedIntegration::atol_bristles).Between(1e-300, 0.1)};
   }
   void Validate() const;  ///< throws ParameterError
-  /// Options for a diagram whose QuadrupedPlant has the path `plant`, such as "loop.world.plant".
-  SimulatorOptions Options(const std::string& plant) const;
+  /// Options for a diagram with this plant, or with a block that replaced it. Each state that this block
+  /// lacks is left out; its other states get `atol_position`.
+  SimulatorOptions Options(const QuadrupedPlant& plant) const;
 };
 
 /// Integration of a CdprLoop. The defaults take one step per millisecond on D1, and the platform is within 3

@@ -64,7 +64,7 @@ double EndOfWalk(const WalkScenario& walk) {
 }
 
 SimulatorOptions MakeSimulatorOptions(const LeggedScenario& scenario, const QuadrupedPlant& plant) {
-  SimulatorOptions options = scenario.integrator.Options(plant.path());
+  SimulatorOptions options = scenario.integrator.Options(plant);
   options.seed = scenario.seed;
   return options;
 }
