@@ -223,7 +223,7 @@ Trotting RunTenon(Method method, int order, double rtol) {
 
 Trotting RunMuJoCo(int integrator, int steps_per_ms) {
   const QuadrupedDescription robot = test::DogBot();
-  const test::MuJoCoModel model = test::LoadMuJoCo(test::Mjcf(robot, true));
+  const test::MuJoCoModel model = test::LoadMuJoCo(test::Mjcf(robot, test::kLevelGround));
   model->opt.integrator = integrator;
   model->opt.timestep = 1e-3 / steps_per_ms;
   const test::MuJoCoData data(mj_makeData(model.get()));

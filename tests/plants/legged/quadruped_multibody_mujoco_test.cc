@@ -28,7 +28,7 @@ TEST(QuadrupedMultibodyMuJoCoTest, AnArmInFreeFallHasTheSameTrajectory) {
   TestRig<QuadrupedPlant> rig(params);
   rig.Fix(rig->torque, Vec<12>::Zero()).Set(rig->added_u, Eigen::Vector2d(2, -3));
 
-  std::string mjcf = test::Mjcf(params.robot, false, test::Mjcf(upper) + test::Mjcf(fore) + "</body></body>");
+  std::string mjcf = test::Mjcf(params.robot, "", test::Mjcf(upper) + test::Mjcf(fore) + "</body></body>");
   const std::string option = "<option ";
   mjcf.insert(mjcf.find(option) + option.size(), "integrator=\"RK4\" timestep=\"5e-4\" ");
   const test::MuJoCoModel model = test::LoadMuJoCo(mjcf);

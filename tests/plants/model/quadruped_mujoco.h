@@ -29,20 +29,22 @@ inline std::string Inertial(const RigidInertia& body) {
                      Numbers(body.com), q[0], q[1], q[2], q[3], body.mass, Numbers(principal.eigenvalues));
 }
 
-/// The robot in MJCF with MuJoCo's default contact parameters and joints in Tenon's order. With `ground` the
-/// feet, and only they, touch the plane z = 0 with friction 1. `on_trunk` are further bodies.
-inline std::string Mjcf(const QuadrupedDescription& robot, bool ground = false,
+/// The plane z = 0, which the feet can touch, with friction 1.
+inline constexpr const char* kLevelGround =
+    R"(<geom type="plane" size="9 9 1" contype="1" conaffinity="0"/>)";
+
+/// The robot in MJCF with MuJoCo's default contact parameters and joints in Tenon's order. The feet, and only
+/// they, touch the `ground`; without it they have no shapes. `on_trunk` are further bodies.
+inline std::string Mjcf(const QuadrupedDescription& robot, const std::string& ground = "",
                         const std::string& on_trunk = "") {
-  std::string text =
-      "<mujoco><compiler angle=\"radian\"/><option gravity=\"0 0 -9.81\"/><worldbody>" +
-      std::string(ground ? "<geom type=\"plane\" size=\"9 9 1\" contype=\"1\" conaffinity=\"0\"/>" : "") +
-      "<body><freejoint/>" + Inertial(robot.trunk);
+  std::string text = "<mujoco><compiler angle=\"radian\"/><option gravity=\"0 0 -9.81\"/><worldbody>" +
+                     ground + "<body><freejoint/>" + Inertial(robot.trunk);
   for (const LegDescription& leg : robot.legs) {
     for (std::size_t i = 0; i < kJointsPerLeg; ++i)
       text += fmt::format("<body pos=\"{}\"><joint type=\"hinge\" axis=\"{}\" armature=\"{}\"/>{}",
                           Numbers(leg.joints[i].p_PJ), Numbers(leg.joints[i].axis), robot.drive.rotor_inertia,
                           Inertial(leg.bodies[i]));
-    if (ground)
+    if (!ground.empty())
       text += fmt::format("<geom type=\"sphere\" size=\"{}\" pos=\"{}\" contype=\"0\" conaffinity=\"1\"/>",
                           robot.foot_radius, Numbers(leg.foot_J));
     text += "</body></body></body>";
