@@ -33,8 +33,9 @@ struct WalkArguments {
 void AddWalkArguments(CLI::App& line, WalkArguments& walk) {
   line.add_option("--gait", walk.gait, "crawl, trot, pace or gallop (default: the scenario's)");
   line.add_option("--speed", walk.speed, "forward speed [m/s] (default: the scenario's)");
-  line.add_option("--observer", walk.observer,
-                  "none, legs, com, hybrid, focchi, ndo_m or ndo_inverse (default: the scenario's)");
+  line.add_option(
+      "--observer", walk.observer,
+      "none, legs, com, hybrid, focchi, ndo_m, ndo_inverse or ndo_hybrid (default: the scenario's)");
   line.add_flag(
           "--compare", walk.compare,
           "make one run for each observer, each in its own directory below --out, and one report of all")

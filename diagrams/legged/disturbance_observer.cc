@@ -12,9 +12,10 @@ DisturbanceObserver::DisturbanceObserver(const DisturbanceObserverParams& params
     Connect(foot_forces, legs->foot_forces);
     Connect(ground, legs->ground);
     Connect(legs->estimate, leg_forces);
-  } else if (kind == ObserverKind::kNdoM || kind == ObserverKind::kNdoInverse) {
+  } else if (kind == ObserverKind::kNdoM || kind == ObserverKind::kNdoInverse ||
+             kind == ObserverKind::kNdoHybrid) {
     NonlinearDisturbanceObserverParams reading = params.ndo;
-    reading.reading = kind == ObserverKind::kNdoM ? NdoReading::kM : NdoReading::kInverse;
+    reading.reading = kind == ObserverKind::kNdoInverse ? NdoReading::kInverse : NdoReading::kM;
     ndo = &Add<NonlinearDisturbanceObserver>("ndo", reading);
     Connect(state, ndo->state);
     Connect(torque, ndo->torque);
@@ -24,7 +25,8 @@ DisturbanceObserver::DisturbanceObserver(const DisturbanceObserverParams& params
   } else {
     Connect(Add<ConstantSource<LegForceEstimate>>("no_leg_forces").y, leg_forces);
   }
-  if (kind == ObserverKind::kCom || kind == ObserverKind::kHybrid || kind == ObserverKind::kFocchi) {
+  if (kind == ObserverKind::kCom || kind == ObserverKind::kHybrid || kind == ObserverKind::kFocchi ||
+      kind == ObserverKind::kNdoHybrid) {
     ComObserverParams of_kind = params.com;
     if (kind == ObserverKind::kFocchi) of_kind.gains = CentroidalMomentumObserver();
     com = &Add<ComObserver>("com", of_kind);

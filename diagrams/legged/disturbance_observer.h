@@ -26,8 +26,8 @@ class DisturbanceObserver final : public Subdiagram {
   InputPort<WrenchEstimate> known_wrench{this, {"known_wrench"}, WrenchEstimate()};
 
   LegMomentumObserver* legs = nullptr;          ///< null except for kLegs and kHybrid
-  NonlinearDisturbanceObserver* ndo = nullptr;  ///< null except for kNdoM and kNdoInverse
-  ComObserver* com = nullptr;                   ///< null except for kCom, kHybrid and kFocchi
+  NonlinearDisturbanceObserver* ndo = nullptr;  ///< null except for kNdoM, kNdoInverse and kNdoHybrid
+  ComObserver* com = nullptr;                   ///< null except for kCom, kHybrid, kFocchi and kNdoHybrid
 
   OutputPort<WrenchEstimate> wrench{this, {"wrench"}};
   OutputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}};

@@ -29,6 +29,7 @@ enum class ObserverKind {
   kFocchi,      ///< net wrench by CentroidalMomentumObserver
   kNdoM,        ///< forces on the legs by NonlinearDisturbanceObserver with NdoReading::kM
   kNdoInverse,  ///< forces on the legs by NonlinearDisturbanceObserver with NdoReading::kInverse
+  kNdoHybrid,   ///< kNdoM and kCom
 };
 constexpr auto EnumNames(ObserverKind) {
   return std::array{Named{ObserverKind::kNone, "none"},
@@ -37,7 +38,8 @@ constexpr auto EnumNames(ObserverKind) {
                     Named{ObserverKind::kHybrid, "hybrid"},
                     Named{ObserverKind::kFocchi, "focchi"},
                     Named{ObserverKind::kNdoM, "ndo_m"},
-                    Named{ObserverKind::kNdoInverse, "ndo_inverse"}};
+                    Named{ObserverKind::kNdoInverse, "ndo_inverse"},
+                    Named{ObserverKind::kNdoHybrid, "ndo_hybrid"}};
 }
 
 /// Parameters of a DisturbanceObserver. `kind` selects the blocks that are made. For kFocchi the gains of

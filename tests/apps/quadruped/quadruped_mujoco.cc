@@ -30,10 +30,9 @@ int main(int argc, char** argv) {
   return apps::QuadrupedApp()
       .Customise<test::Keys>([](DiagramBuilder& builder, QuadrupedWalk& walk, const test::Keys& keys) {
         if (keys.engine == test::Engine::kMujoco)
-          builder.Replace<test::MujocoQuadruped>(
-              walk.world.plant, {.plant = walk.world.plant.params,
-                                 .steps_per_ms = keys.steps_per_ms,
-                                 .contact_time = keys.contact_time});
+          builder.Replace<test::MujocoQuadruped>(walk.world.plant, {.plant = walk.world.plant.params,
+                                                                    .steps_per_ms = keys.steps_per_ms,
+                                                                    .contact_time = keys.contact_time});
       })
       .Run(argc, argv);
 }

@@ -145,10 +145,10 @@ TEST(DisturbanceObserverTest, EveryKindEstimatesItsPart) {
   for (const auto& [kind, name] : EnumNames(ObserverKind{})) {
     Cell cell(kind, Push(PointOnLeg(DogBot(), 1, 0), force));
     cell.simulator->RunTo(1);
-    const bool legs = kind == ObserverKind::kLegs || kind == ObserverKind::kHybrid ||
-                      kind == ObserverKind::kNdoM || kind == ObserverKind::kNdoInverse;
-    const bool com =
-        kind == ObserverKind::kCom || kind == ObserverKind::kHybrid || kind == ObserverKind::kFocchi;
+    const bool hybrid = kind == ObserverKind::kHybrid || kind == ObserverKind::kNdoHybrid;
+    const bool legs = hybrid || kind == ObserverKind::kLegs || kind == ObserverKind::kNdoM ||
+                      kind == ObserverKind::kNdoInverse;
+    const bool com = hybrid || kind == ObserverKind::kCom || kind == ObserverKind::kFocchi;
     EXPECT_EQ(cell.observer->com != nullptr, com) << name;
     EXPECT_EQ(cell.observer->legs != nullptr || cell.observer->ndo != nullptr, legs) << name;
     EXPECT_THAT(cell.wrench().force_W, IsNear(com ? force : Vec<3>(Vec<3>::Zero()), com ? 0.3 : 0)) << name;

@@ -54,7 +54,8 @@ Eigen::Map<const Eigen::Vector3d> At(const mjtNum* numbers, int index) {
 void MujocoQuadrupedParams::Validate() const {
   plant.Validate();
   if (plant.extend) throw ParameterError("the plant has additions, which MuJoCo's model leaves out");
-  if (!(steps_per_ms > 0)) throw ParameterError(fmt::format("steps_per_ms is {}; give 1 or more", steps_per_ms));
+  if (!(steps_per_ms > 0))
+    throw ParameterError(fmt::format("steps_per_ms is {}; give 1 or more", steps_per_ms));
   if (!(contact_time * steps_per_ms >= 2e-3))
     throw ParameterError(fmt::format("contact_time is {} s; give two steps or more", contact_time));
 }
@@ -81,9 +82,9 @@ void MujocoRobot::Step(const Vec<12>& torque, const ExternalForces& external, Mu
   Eigen::Map<Vec<18>>(d->qacc_warmstart) = step->last_acceleration;
   mj_step1(m, d);
 
-  const Vec<3> com = (m->body_subtreemass[1] * At(d->subtree_com, 1) -
-                      payload_.mass * (x.p_WB + x.R_WB() * payload_.com)) /
-                     (m->body_subtreemass[1] - payload_.mass);
+  const Vec<3> com =
+      (m->body_subtreemass[1] * At(d->subtree_com, 1) - payload_.mass * (x.p_WB + x.R_WB() * payload_.com)) /
+      (m->body_subtreemass[1] - payload_.mass);
   WrenchEstimate& wrench = step->external_wrench;
   wrench.force_W = payload_.mass * At(m->opt.gravity, 0);
   wrench.torque_W = (x.p_WB + x.R_WB() * payload_.com - com).cross(wrench.force_W);
@@ -102,7 +103,8 @@ void MujocoRobot::Step(const Vec<12>& torque, const ExternalForces& external, Mu
 
   const Vec<18> acceleration = Eigen::Map<Vec<18>>(d->qacc);
   step->last_acceleration = acceleration;
-  step->acceleration = {acceleration.head<3>(), x.R_WB() * acceleration.segment<3>(3), acceleration.tail<12>()};
+  step->acceleration = {acceleration.head<3>(), x.R_WB() * acceleration.segment<3>(3),
+                        acceleration.tail<12>()};
   step->energy = {d->energy[1], d->energy[0]};
   AddContacts(step);
   x.p_WB = q.head<3>();
@@ -147,7 +149,8 @@ Vec<12> MujocoQuadruped::CalcJointTorque(const MujocoStep& step, const Vec<12>& 
 
 void MujocoQuadruped::CalcGeometry(const MujocoStep& step, const ExternalForces& external,
                                    Geometry* out) const {
-  MoveQuadrupedGeometry(params.plant.robot, params.plant.payload, step.state, step.foot_forces, external, out);
+  MoveQuadrupedGeometry(params.plant.robot, params.plant.payload, step.state, step.foot_forces, external,
+                        out);
 }
 
 MujocoStep MujocoQuadruped::Advance(const MujocoStep& step, const Vec<12>& torque,

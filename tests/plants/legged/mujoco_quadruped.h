@@ -72,29 +72,35 @@ class MujocoQuadruped final : public LeafSystem<MujocoQuadrupedParams> {
   DiscreteState<MujocoStep> step{this, {"step"}, MujocoStep{.state = params.plant.initial}};
   Workspace<MujocoRobot> robot{this, "robot", MujocoRobot(params)};
 
-  OutputPort<LeggedState> state{
-      this, {"state"}, Uses(step), [](const MujocoStep& s) { return s.state; }};
+  OutputPort<LeggedState> state{this, {"state"}, Uses(step), [](const MujocoStep& s) { return s.state; }};
   OutputPort<Vec<12>> joint_torque{
       this, {"joint_torque", "N m", kJointElements}, Uses(step, torque), &MujocoQuadruped::CalcJointTorque};
   OutputPort<LeggedAcceleration> acceleration{
       this, {"acceleration"}, Uses(step), [](const MujocoStep& s) { return s.acceleration; }};
   OutputPort<FootForces> foot_forces{
       this, {"foot_forces"}, Uses(step), [](const MujocoStep& s) { return s.foot_forces; }};
-  OutputPort<Vec<4>> foot_depths{this, {"foot_depths", "m", kLegElements}, Uses(step),
-                                 [](const MujocoStep& s) { return s.foot_depths; }};
-  OutputPort<std::array<Vec<3>, kNumLegs>> foot_slips{this, {"foot_slips", "m/s", kLegElements}, Uses(step),
-                                                      [](const MujocoStep& s) { return s.foot_slips; }};
-  OutputPort<LeggedEnergy> energy{
-      this, {"energy"}, Uses(step), [](const MujocoStep& s) { return s.energy; }};
+  OutputPort<Vec<4>> foot_depths{
+      this, {"foot_depths", "m", kLegElements}, Uses(step), [](const MujocoStep& s) {
+        return s.foot_depths;
+      }};
+  OutputPort<std::array<Vec<3>, kNumLegs>> foot_slips{
+      this, {"foot_slips", "m/s", kLegElements}, Uses(step), [](const MujocoStep& s) {
+        return s.foot_slips;
+      }};
+  OutputPort<LeggedEnergy> energy{this, {"energy"}, Uses(step), [](const MujocoStep& s) { return s.energy; }};
   OutputPort<WrenchEstimate> external_wrench{
       this, {"external_wrench"}, Uses(step), [](const MujocoStep& s) { return s.external_wrench; }};
-  OutputPort<Vec<12>> external_torque{this, {"external_torque", "N m", kJointElements}, Uses(step),
-                                      [](const MujocoStep& s) { return s.external_torque; }};
+  OutputPort<Vec<12>> external_torque{
+      this, {"external_torque", "N m", kJointElements}, Uses(step), [](const MujocoStep& s) {
+        return s.external_torque;
+      }};
   OutputPort<WrenchEstimate> added_wrench{this, {"added_wrench"}, Uses(), [] { return WrenchEstimate{}; }};
   OutputPort<Geometry> geometry{
-      this, {"geometry"},
+      this,
+      {"geometry"},
       MakeQuadrupedGeometry(params.plant.robot, params.plant.payload, params.plant.terrain),
-      Uses(step, external), &MujocoQuadruped::CalcGeometry};
+      Uses(step, external),
+      &MujocoQuadruped::CalcGeometry};
 
   Update<MujocoStep> advance{step, Sampled{Hz(1000 * params.steps_per_ms)},
                              Uses(step, joint_torque, external, robot), &MujocoQuadruped::Advance};
