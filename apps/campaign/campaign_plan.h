@@ -36,7 +36,6 @@ class CampaignPlan {
 
   const CampaignFile& file() const { return file_; }
   std::size_t num_points() const { return points_; }
-  std::size_t num_levels() const { return levels_; }
   std::size_t num_seeds() const { return file_.seeds.count; }
   std::size_t size() const { return points_ * levels_ * num_seeds(); }
 

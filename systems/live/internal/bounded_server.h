@@ -19,7 +19,6 @@ class BoundedServer : public httplib::Server {
   /// Uses at most 64 connections and at most a quarter of the descriptors that the process may open.
   BoundedServer();
 
-  std::size_t max_connections() const { return max_; }
   /// Marks the request of this thread as complete. For handlers.
   void Received();
   /// Removes the limit of the time to read the answer. Returns false if half of the connections have done so.

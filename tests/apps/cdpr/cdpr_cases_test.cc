@@ -86,6 +86,7 @@ TEST_F(CdprCasesTest, D2) {
     const test::Case &mpc = runs["mpc_equilibrium"], &pd = runs["pd_feedforward"];
     EXPECT_LE(ours, 2);
     EXPECT_LE(mpc["loaded_error_rms_m"], 0.01);
+    EXPECT_LE(mpc["release_peak_m"], pd["release_peak_m"]);
     for (const char* key : {"loaded_error_rms_m", "loaded_swing_rms_rad"})
       EXPECT_GE(pd[key], 1.5 * mpc[key]) << key;
     EXPECT_GT(mpc["command_min_N"], 0) << "a bound";
@@ -93,18 +94,21 @@ TEST_F(CdprCasesTest, D2) {
   }
 }
 
-// The MPC in the thesis's form settles 1.8 times faster than the PD; the thesis reports 1.75. It does not
-// know the load, which leaves an error.
+// With weights that give up position to damp rotation, the MPC in the thesis's form settles 1.8 times faster
+// than the PD; the thesis, which does not print its weights, reports 1.75. It does not know the load, which
+// leaves an error.
 TEST_F(CdprCasesTest, ThesisMpcInD2) {
-  const auto run = [&](const std::string& controller) {
-    return Run(TENON_CDPR, "D2 --set log_rate_hz=10 --controller " + controller);
+  const auto run = [&](const std::string& options) {
+    return Run(TENON_CDPR, "D2 --set log_rate_hz=10 " + options);
   };
-  const test::Case thesis = run("mpc_thesis"), pd = run("pd"), ours = run("mpc_equilibrium");
+  const test::Case pd = run("--controller pd"),
+                   thesis =
+                       run("mpc.weights.position_per_m2=1000 mpc.weights.velocity_s2_per_m2=20 "
+                           "mpc.weights.attitude_per_rad2=20 "
+                           "mpc.weights.angular_velocity_s2_per_rad2=4 --controller mpc_thesis");
   EXPECT_TRUE(thesis.finished());
   EXPECT_NEAR(pd["settling_time_s"] / thesis["settling_time_s"], 1.84, 0.1);
   EXPECT_NEAR(thesis["loaded_error_rms_m"], 0.35, 0.01);
-  EXPECT_NEAR(ours["release_peak_m"], 0.109, 0.005);
-  EXPECT_NEAR(pd["release_peak_m"], 0.052, 0.005);
 }
 
 // Without bounds that act, the regulator with the same weights and load estimate is as good as the MPC, which
