@@ -22,7 +22,7 @@ Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,
 
 Verdict CdprMonitor::CheckPlace(const PlatformState& platform, double floor) const {
   const double lowest = LowestCorner(half_, platform.p_WB, platform.R_WB());
-  if (lowest < floor) return fmt::format("the platform reaches {:.3f} m below the floor", floor - lowest);
+  if (lowest < floor) return fmt::format("the platform reaches {:.3g} m below the floor", floor - lowest);
 
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const CableDescription& cable : params.robot.cables)
