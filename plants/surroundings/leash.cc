@@ -19,11 +19,11 @@ LeashState Leash::CalcLeash(const LeggedState& robot, const PersonState& person,
   leash.length = along.norm();
   if (leash.length > 0) leash.direction_W = along / leash.length;
   const double elongation = leash.length - nominal_length;
-  if (elongation > 0) {
-    const Eigen::Vector3d velocity = robot.v_W + robot.w_W.cross(arm) - person.v_W;
-    const double rate = leash.direction_W.dot(velocity);
+  const double rate = leash.direction_W.dot(robot.v_W + robot.w_W.cross(arm) - person.v_W);
+  if (params.handle)
+    leash.tension = stiffness * (elongation + params.damping_time * rate);
+  else if (elongation > 0)
     leash.tension = stiffness * elongation * std::max(0.0, 1 + dissipation * rate);
-  }
   return leash;
 }
 

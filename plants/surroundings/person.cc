@@ -30,7 +30,7 @@ Eigen::Vector2d WantedVelocity(const PersonIntent& intent, const LeashState& lea
   const Eigen::Vector2d led = leash.direction_W.head<2>();
   const double length = led.norm();
   if (intent.activity == Activity::kFollow && length > 0)
-    return intent.speed * std::min(1.0, leash.tension / felt_tension) / length * led;
+    return intent.speed * std::clamp(leash.tension / felt_tension, 0.0, 1.0) / length * led;
   return intent.speed * intent.direction_W;
 }
 

@@ -123,7 +123,7 @@ struct PersonMotion {
 ///
 /// A person who walks yields to the leash by f / K and keeps the desired mean speed; the equilibrium of a
 /// person who pulls moves along. For kFollow, u has the horizontal direction of the leash and the desired
-/// speed, reduced below felt_tension: |u| = speed min(1, T / felt_tension), 0 for a slack leash.
+/// speed, reduced below felt_tension: |u| = speed min(1, T / felt_tension), 0 if T <= 0.
 /// With an `acceleration` above 0, u changes at most at that rate, in steps at the ticks, whatever the
 /// intent.
 ///

@@ -29,12 +29,14 @@ void ExpectSteady(const Case& run) {
   EXPECT_EQ(run["qp_failures"], 0);
 }
 
-TEST_F(GuideDogCasesTest, C1) {
-  const Case run = RunCase("C1");
-  ExpectSteady(run);
-  EXPECT_GT(run["tension_max_N"], 50) << "the person has stopped the robot";
-  EXPECT_LT(run["tension_max_N"], 60);
-  EXPECT_LT(run["stop_delay_s"], 1);
+TEST_F(GuideDogCasesTest, C1OnALeashAndByAHandle) {
+  for (const char* scenario : {"C1", "C1-handle"}) {
+    const Case run = RunCase(scenario);
+    ExpectSteady(run);
+    EXPECT_GT(run["tension_max_N"], 50) << "the person has stopped the robot";
+    EXPECT_LT(run["tension_max_N"], 60);
+    EXPECT_LT(run["stop_delay_s"], 1);
+  }
 }
 
 TEST_F(GuideDogCasesTest, C1Sine) {

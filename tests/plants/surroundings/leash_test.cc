@@ -68,6 +68,22 @@ TEST(LeashTest, DampsItsElongation) {
   EXPECT_EQ(rig[leash.leash].tension, 0);
 }
 
+TEST(LeashTest, AHandleAlsoPushes) {
+  LeashParams params = kParams;
+  params.handle = true;
+  params.damping_time = 0.05;
+  TestRig<Leash> rig(params);
+  LeggedState robot = Robot({0, 0, 0.4});
+  robot.v_W = {-0.3, 0.5, 0};
+  for (const double length : {1.2, 1.5, 1.6}) {
+    const Vec<3> attachment_W = robot.p_WB + kParams.attachment_B;
+    rig.Fix(rig->robot, robot).Fix(rig->person, HandAt(attachment_W - Vec<3>(length, 0, 0)));
+    const double tension = 120 * (length - 1.5 - 0.05 * 0.3);
+    EXPECT_NEAR(rig[rig->leash].tension, tension, 1e-9) << length;
+    EXPECT_THAT(rig[rig->force].force_W, IsNear(Vec<3>(-tension, 0, 0), 1e-9));
+  }
+}
+
 TEST(LeashTest, EndsInOnePlaceDoNotPull) {
   TestRig<Leash> rig(kParams);
   auto& leash = rig.system();
