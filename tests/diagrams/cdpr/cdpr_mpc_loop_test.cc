@@ -2,6 +2,7 @@
 
 #include <tenon/controllers/cdpr/goal_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
+#include <tenon/diagrams/recommended_options.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
 #include <tenon/tests/testing/matchers.h>
@@ -20,10 +21,10 @@ constexpr SimulatorOptions kOptions{.order = 2, .rtol = 1e-3, .atol = 1e-5};
 
 /// The loop in a diagram of its own, run to `end`.
 struct Flight {
-  Flight(const CdprLoopParams& params, double end)
+  Flight(const CdprLoopParams& params, double end, const SimulatorOptions& options = kOptions)
       : loop(builder.Add<CdprLoop>("loop", params)),
         diagram(builder.Build()),
-        simulator(*diagram, kOptions),
+        simulator(*diagram, options),
         log(simulator.AddLog(Hz(200),
                              {&loop.world.plant.platform, &loop.reference.reference, &loop.command})),
         status(simulator.AdvanceTo(end)) {}
@@ -39,6 +40,23 @@ struct Flight {
   std::shared_ptr<MemoryLog> log;
   RunStatus status;
 };
+
+// The circle of D1 with the apps' options, against CVODE's Adams-Moulton method of order 12 at 1e-12, which
+// shares neither steps nor coefficients with the Runge-Kutta method of the options.
+TEST(CdprMpcLoop, AnotherIntegratorGivesTheSameFlight) {
+  const CdprLoopParams params =
+      WithMpc(test::ShippedFourCableRobot(), test::CirclePath(test::ShippedFourCableRobot()));
+  Flight usual(params, 2, CdprIntegration().Options());
+  SimulatorOptions exact = CdprIntegration().Options();
+  exact.method = Method::kAdams;
+  exact.order = 12;
+  exact.rtol = 1e-12;
+  exact.atol = 1e-14;
+  Flight adams(params, 2, exact);
+  EXPECT_THAT(usual.simulator.context().Eval(usual.loop.world.plant.platform).p_WB,
+              IsNear(adams.simulator.context().Eval(adams.loop.world.plant.platform).p_WB, 3e-6));
+  EXPECT_GT(adams.simulator.statistics().evaluations, 10 * usual.simulator.statistics().evaluations);
+}
 
 // The goal arrives in the middle of a circle. The PD controller follows the reference too.
 TEST(CdprMpcLoop, FollowsAGoalThatIsSetInFlight) {
