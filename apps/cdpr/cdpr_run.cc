@@ -89,8 +89,8 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   if (live) live->AddTo(signals);
   outputs.AddTo(signals, shapes);
 
-  const CableProperties& cable = loop.world.plant.params.robot.cable;
-  const Limits tension{.low = cable.tension_min, .high = cable.tension_max};
+  const CdprDescription& robot = loop.world.plant.params.robot;
+  const Limits tension{.low = robot.tension_min().minCoeff(), .high = robot.tension_max().maxCoeff()};
   const std::string controller(EnumName(scenario.controller));
   const auto judge = [&](Summary& summary) {
     summary.Set("controller", controller);
@@ -110,7 +110,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
     summary.Limit("command_min_N", {.low = tension.low});
     summary.Limit("command_max_N", {.high = tension.high});
     if (scenario.forbid_slack) summary.Limit("tension_min_N", {.low = 0});
-    summary.Limit("tension_max_N", {.high = scenario.max_tension_ratio * cable.tension_max});
+    summary.Limit("tension_max_N", {.high = scenario.max_tension_ratio * *tension.high});
     limits->AddTo(summary);
     figures->path().AddTo(summary);
     if (solves) {

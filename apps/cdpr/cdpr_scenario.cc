@@ -119,7 +119,11 @@ PlatformPath MakePath(const PathScenario& path) {
     case PathKind::kCircle:
       break;
   }
-  return {Path::Circle(path.center_m, path.radius_m, path.period_s, path.ramp_s), {}};
+  const Eigen::Vector3d along =
+      path.plane == CirclePlane::kYz ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d across =
+      path.plane == CirclePlane::kXy ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+  return {Path::Circle(path.center_m, path.radius_m, path.period_s, path.ramp_s, along, across), {}};
 }
 
 }  // namespace
@@ -335,11 +339,12 @@ std::string PayOutNote(const EquilibriumPath& equilibria) {
   for (int k = 0; k <= kSamples; ++k) {
     const double time = begin + (end - begin) * k / kSamples;
     equilibria.At(time, &at);
-    const CableVector least = (b * at.length_rate).cwiseMax(0).array() + robot.cable.tension_min;
+    const CableVector least = (b * at.length_rate).cwiseMax(0) + robot.tension_min();
     const CableMatrix6 structure =
         CalcCableKinematics(robot, at.position, RotationFromEuler(at.euler)).structure;
     const Vector6d wrench = -GravityWrench(robot) - structure * least;
-    if (DistributeTension(structure, wrench, 0, robot.cable.tension_max, 0, kTolerance).feasible) continue;
+    const CableVector none = CableVector::Zero(robot.num_cables());
+    if (DistributeTension(structure, wrench, none, robot.tension_max(), 0, kTolerance).feasible) continue;
     Eigen::Index i = 0;
     at.length_rate.maxCoeff(&i);
     return fmt::format(

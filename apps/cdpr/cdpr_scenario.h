@@ -29,6 +29,13 @@ constexpr auto EnumNames(PathKind) {
                     Named{PathKind::kWaypoints, "waypoints"}, Named{PathKind::kFile, "file"}};
 }
 
+/// The plane of a circle, and the axes between which it turns.
+enum class CirclePlane { kXy, kXz, kYz };
+constexpr auto EnumNames(CirclePlane) {
+  return std::array{Named{CirclePlane::kXy, "xy"}, Named{CirclePlane::kXz, "xz"},
+                    Named{CirclePlane::kYz, "yz"}};
+}
+
 /// Waypoint of the platform. The platform rests at the first and the last waypoint and wherever it dwells; it
 /// passes through the others without stopping.
 struct WaypointScenario {
@@ -61,6 +68,7 @@ struct PathScenario {
   double radius_m = 0.5;                  ///< radius of the circle
   double period_s = 10;                   ///< duration of one turn of the circle
   double ramp_s = 5;                      ///< time in which the platform reaches the circle's speed
+  CirclePlane plane = CirclePlane::kXy;   ///< plane of the circle; `xz` and `yz` for planar robots
   std::vector<Eigen::Vector3d> points_m;  ///< one point for a hold, two for a line, or those of a spline
   std::vector<double> times_s;            ///< times of the points of a line or a spline
   /// Constant roll, pitch and yaw, for robots with six or more cables; empty: those of the equilibria.
@@ -79,6 +87,7 @@ struct PathScenario {
             Field("radius_m", &PathScenario::radius_m).Positive(),
             Field("period_s", &PathScenario::period_s).Positive(),
             Field("ramp_s", &PathScenario::ramp_s).AtLeast(0),
+            {"plane", &PathScenario::plane},
             Field("points_m", &PathScenario::points_m).In(Places()),
             {"times_s", &PathScenario::times_s},
             {"attitude_rad", &PathScenario::attitude_rad},

@@ -47,7 +47,7 @@ std::vector<double> Stiffness(const CdprDescription& robot, double load, const W
     const PoseBall pose = map.options.PoseAt(cell.centre(map.options.grid));
     CalcCableKinematics(robot, pose.p_WB, pose.R_WB, &cables);
     const TensionDistribution& found =
-        distributor.Solve(cables.structure, wrench, robot.cable.tension_min, robot.cable.tension_max);
+        distributor.Solve(cables.structure, wrench, robot.tension_min(), robot.tension_max());
     if (!found.feasible) continue;
     stiffness.back() =
         CalcLeastTranslationalStiffness(CalcElasticStiffness(robot.cable, cables, found.tension));
@@ -170,8 +170,7 @@ Geometry Shapes(const WorkspaceStudy& study, const WorkspaceMap& map) {
   if (middle) {
     const CableKinematics cables = CalcCableKinematics(robot, platform.p_WB, platform.R_WB());
     const Vector6d wrench = RequiredWrenches(robot, {.load = study.params.demand.load}).centre;
-    tension =
-        DistributeTension(cables.structure, wrench, robot.cable.tension_min, robot.cable.tension_max).tension;
+    tension = DistributeTension(cables.structure, wrench, robot.tension_min(), robot.tension_max()).tension;
   }
   std::vector<CableStatics> cables(robot.cables.size());
   for (std::size_t i = 0; i < cables.size(); ++i) cables[i].exit_W = robot.cables[i].anchor_W;
@@ -222,8 +221,8 @@ std::string Describe(const WorkspaceStudy& study) {
   if (demand.acceleration > 0) text += fmt::format(", {:.4g} m/s² along each axis", demand.acceleration);
   if (demand.force > 0) text += fmt::format(", {:.4g} N along each axis", demand.force);
   if (demand.torque > 0) text += fmt::format(", {:.4g} N m about each axis", demand.torque);
-  return text +
-         fmt::format("; tensions from {:.4g} to {:.4g} N", robot.cable.tension_min, robot.cable.tension_max);
+  return text + fmt::format("; tensions from {:.4g} to {:.4g} N", robot.tension_min().minCoeff(),
+                            robot.tension_max().maxCoeff());
 }
 
 }  // namespace
@@ -284,8 +283,8 @@ void WriteWorkspaceStudy(const WorkspaceStudy& study, const std::filesystem::pat
   nlohmann::ordered_json summary{{"robot", robot.name},
                                  {"num_cables", robot.num_cables()},
                                  {"mass_kg", robot.mass},
-                                 {"tension_min_N", robot.cable.tension_min},
-                                 {"tension_max_N", robot.cable.tension_max},
+                                 {"tension_min_N", robot.tension_min().minCoeff()},
+                                 {"tension_max_N", robot.tension_max().maxCoeff()},
                                  {"load_kg", demand.load},
                                  {"acceleration_m_per_s2", demand.acceleration},
                                  {"force_N", demand.force},

@@ -59,6 +59,15 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     wanted.noalias() += by_turn * (shift.turn_W / turn_scale);
     wanted.noalias() -= cables_.structure * at.tension;
   }
+  // The equations out of the plane of a planar robot become 0 = multiplier, and it turns about the normal.
+  Vector6d solved = Vector6d::Ones();
+  if (plane_) {
+    solved.setZero();
+    for (const int motion : plane_->motions) solved[motion] = 1;
+    by_turn = solved.asDiagonal() * by_turn;
+    for (const int other : {1 - plane_->normal, 2}) by_turn.col(other).setZero();
+    wanted = solved.asDiagonal() * wanted;
+  }
   // Fixes tensions at the bounds that they exceed, one at a time and the largest excess first, as long as
   // enough cables remain free.
   Vector6d multiplier;
@@ -77,6 +86,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     for (Eigen::Index i = 0; i < cables; ++i)
       if (held_[static_cast<std::size_t>(i)] == 0)
         gram.noalias() += cables_.structure.col(i) * cables_.structure.col(i).transpose();
+    gram.diagonal() += Vector6d::Ones() - solved;
     multiplier = gram.ldlt().solve(wanted);
     excess = 0;
     Eigen::Index worst = 0;
@@ -84,14 +94,14 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
       if (held_[static_cast<std::size_t>(i)] != 0) continue;
       tension_[i] = at.tension[i] + cables_.structure.col(i).dot(multiplier);
       const double beyond =
-          std::max(robot_.cable.tension_min - tension_[i], tension_[i] - robot_.cable.tension_max);
+          std::max(robot_.tension_min(i) - tension_[i], tension_[i] - robot_.tension_max(i));
       if (beyond > excess) {
         excess = beyond;
         worst = i;
       }
     }
     if (excess == 0 || spare == 0) break;
-    const double bound = std::clamp(tension_[worst], robot_.cable.tension_min, robot_.cable.tension_max);
+    const double bound = std::clamp(tension_[worst], robot_.tension_min(worst), robot_.tension_max(worst));
     held_[static_cast<std::size_t>(worst)] = 1;
     wanted.noalias() -= (bound - at.tension[worst]) * cables_.structure.col(worst);
     tension_[worst] = bound;

@@ -4,6 +4,7 @@
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 
+#include <optional>
 #include <vector>
 
 namespace tenon {
@@ -35,12 +36,15 @@ struct ReferenceShift {
 /// of cables permits: four and five cables leave one and two free parameters, six and more the whole
 /// attitude. Broken cables have no tension.
 ///
+/// A planar robot balances the forces in its plane (CablePlane) and remains in it; those out of it make its
+/// platform swing.
+///
 /// Without load and with all cables intact, the equation is linearised at the equilibrium. Otherwise each
 /// call takes one step of Newton's method from the shift of the last call; this follows slow changes to
 /// rounding.
 class BalancedReference {
  public:
-  explicit BalancedReference(const CdprDescription& robot) : robot_(robot) {}
+  explicit BalancedReference(const CdprDescription& robot) : robot_(robot), plane_(PlaneOf(robot)) {}
 
   /// Balances the reference `at`. `shift` is the start of the search and its result; without load and with
   /// all cables intact it is set to 0. `broken` has a 1 for each broken cable, else 0; if it is empty, all
@@ -55,6 +59,7 @@ class BalancedReference {
 
  private:
   CdprDescription robot_;
+  std::optional<CablePlane> plane_;
   CableKinematics cables_;
   Eigen::Matrix3d R_WB_ = Eigen::Matrix3d::Identity();
   Eigen::Vector3d euler_ = Eigen::Vector3d::Zero();

@@ -7,9 +7,9 @@ void CablePd::CalcCommand(const CableSignals& cables, const CdprReference& refer
                           double damping, CableVector* command) const {
   for (const Eigen::Index num : {cables.length.size(), reference.length.size()})
     CheckNumCables(params.robot.num_cables(), num, "CablePd");
-  const auto tension = reference.tension + stiffness * (cables.length - reference.length) +
-                       damping * (cables.length_rate - reference.length_rate);
-  *command = tension.cwiseMax(params.robot.cable.tension_min).cwiseMin(params.robot.cable.tension_max);
+  *command = reference.tension + stiffness * (cables.length - reference.length) +
+             damping * (cables.length_rate - reference.length_rate);
+  params.robot.LimitTension(command);
 }
 
 }  // namespace tenon

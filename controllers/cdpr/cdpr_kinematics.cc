@@ -22,6 +22,7 @@ namespace {
 constexpr double kShortestCable = 1e-9;  // [m]
 constexpr double kSlackTension = 1e-9;   // [m g]
 constexpr double kRankTolerance = 1e-9;
+constexpr double kInPlane = 1e-9;  // [m]
 
 /// Extends `line` over a pulley; its arm must be set, and `span` is the vector from attachment to anchor.
 void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector3d& span, CableLine& line) {
@@ -120,6 +121,18 @@ CableVector CalcCableLengthRates(const CableKinematics& cables, const Eigen::Vec
   Vector6d twist;
   twist << v_W, w_W;
   return -cables.structure.transpose() * twist;
+}
+
+std::optional<CablePlane> PlaneOf(const CdprDescription& robot) {
+  for (const int normal : {0, 1}) {
+    const double at = robot.cables[0].anchor_W[normal];
+    const bool within = std::ranges::all_of(robot.cables, [&](const CableDescription& cable) {
+      return std::abs(cable.anchor_W[normal] - at) < kInPlane &&
+             std::abs(cable.attachment_B[normal]) < kInPlane;
+    });
+    if (within) return CablePlane{normal, at, {1 - normal, 2, 3 + normal}};
+  }
+  return {};
 }
 
 Vector6d GravityWrench(const CdprDescription& robot) {

@@ -4,6 +4,9 @@
 
 #include <Eigen/Core>
 
+#include <array>
+#include <optional>
+
 namespace tenon {
 
 /// One column per cable.
@@ -72,6 +75,17 @@ CableKinematics CalcCableKinematics(const CdprDescription& robot, const Eigen::V
 /// Rates of the cable lengths [m/s] for the platform's velocity v_W [m/s] and angular velocity w_W [rad/s].
 CableVector CalcCableLengthRates(const CableKinematics& cables, const Eigen::Vector3d& v_W,
                                  const Eigen::Vector3d& w_W);
+
+/// The vertical plane of a planar robot: all anchors are in it, and so are all attachments of a platform with
+/// its CoM in it that has only turned about its normal. To first order the tensions neither move the platform
+/// out of the plane nor turn it out of it; there it swings like a pendulum.
+struct CablePlane {
+  int normal = 0;              ///< 0 for a plane of constant x, 1 for one of constant y
+  double at = 0;               ///< x or y of the plane [m]
+  std::array<int, 3> motions;  ///< entries of the twist [v; w], and of a wrench, in the plane
+};
+/// Returns the plane of a planar robot; empty for all other robots, whose motions are in space.
+std::optional<CablePlane> PlaneOf(const CdprDescription& robot);
 
 /// The wrench of gravity on the platform, [0 0 -m 9.81 0 0] [N, N m].
 Vector6d GravityWrench(const CdprDescription& robot);

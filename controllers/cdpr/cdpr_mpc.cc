@@ -55,7 +55,7 @@ void CdprMpc::CalcCommand(const double& time, const PlatformEstimate& estimate, 
   (path.path ? *path.path : *params.path).At(time + robot.winch.time_constant, &reference);
   *command -= robot.winch.reel_damping * reference.length_rate;
   *command += robot.winch.time_constant * plan.reference_rate;
-  *command = command->cwiseMax(robot.cable.tension_min).cwiseMin(robot.cable.tension_max);
+  robot.LimitTension(command);
   for (Eigen::Index i = 0; i < broken.size(); ++i)
     if (broken[i] != 0) (*command)[i] = 0;
 }

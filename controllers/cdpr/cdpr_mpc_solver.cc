@@ -56,7 +56,8 @@ auto ForCables(int cables, const Make& make) {
 }
 
 /// Returns the infinite-horizon cost to go of the model, linearised at rest at the start of the path and
-/// discretised with `period` [s].
+/// discretised with `period` [s]. For a planar robot it is that of the motion in the plane; the tensions do
+/// not change the others.
 template <int n>
 Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double period, const CdprMpcCost& cost) {
   using Problem = CdprTrackingProblem<n>;
@@ -71,10 +72,16 @@ Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double perio
   Problem problem(path.robot(), 1);
   problem.SetPose(path.robot(), rest.position, RotationFromEuler(rest.euler));
   RungeKutta<Problem>(12, cables).Linearize(problem, StepMethod::kRungeKutta4, 1, &period, &x, &u, &AB);
-  const Eigen::VectorXd R = Eigen::VectorXd::Constant(cables, period * cost.R);
-  return SolveDiscreteRiccati(AB.leftCols(12), AB.rightCols(cables),
-                              Eigen::MatrixXd((period * cost.Q).asDiagonal()),
-                              Eigen::MatrixXd(R.asDiagonal()));
+  const Eigen::MatrixXd A = AB.leftCols(12), B = AB.rightCols(cables),
+                        R = Eigen::VectorXd::Constant(cables, period * cost.R).asDiagonal(),
+                        Q = (period * cost.Q).asDiagonal();
+  const auto plane = PlaneOf(path.robot());
+  if (!plane) return SolveDiscreteRiccati(A, B, Q, R);
+  std::vector<int> states(plane->motions.begin(), plane->motions.end());
+  for (const int motion : plane->motions) states.push_back(6 + motion);
+  Eigen::Matrix<double, 12, 12> S = Eigen::Matrix<double, 12, 12>::Zero();
+  S(states, states) = SolveDiscreteRiccati(A(states, states), B(states, Eigen::all), Q(states, states), R);
+  return S;
 }
 
 }  // namespace
@@ -250,11 +257,10 @@ class CdprMpcSolver::Impl {
   }
   void SetBounds(PathNode& node) const {
     const CdprDescription& robot = path_->robot();
-    const CableProperties& cable = robot.cable;
     for (int i = 0; i < robot.num_cables(); ++i) {
       const double reel = robot.winch.reel_damping * node.at.length_rate[i];
-      node.target.lower[i] = std::max(reel + cable.tension_min, cable.tension_min);
-      node.target.upper[i] = std::min(reel + cable.tension_max, cable.tension_max);
+      node.target.lower[i] = std::max(reel + robot.tension_min(i), robot.tension_min(i));
+      node.target.upper[i] = std::min(reel + robot.tension_max(i), robot.tension_max(i));
     }
   }
 

@@ -54,7 +54,8 @@ Eigen::Matrix<double, 3, 6> HermiteQuintic(double h, const PathPoint& a, const P
 
 }  // namespace
 
-Path Path::Circle(const Eigen::Vector3d& center, double radius, double period, double ramp) {
+Path Path::Circle(const Eigen::Vector3d& center, double radius, double period, double ramp,
+                  const Eigen::Vector3d& along, const Eigen::Vector3d& across) {
   RequireFinite("Path::Circle", "the centre", center);
   RequirePositive("Path::Circle", "the radius", radius, "m");
   RequirePositive("Path::Circle", "the period", period, "s");
@@ -64,6 +65,8 @@ Path Path::Circle(const Eigen::Vector3d& center, double radius, double period, d
   path.radius_ = radius;
   path.period_ = period;
   path.ramp_ = ramp;
+  path.along_ = along;
+  path.across_ = across;
   return path;
 }
 
@@ -199,10 +202,10 @@ PathPoint Path::At(double time) const {
   if (is_periodic()) {
     const Parameter angle = ParameterAt(time);
     const double c = radius_ * std::cos(angle.value), s = radius_ * std::sin(angle.value);
-    point.position = center_ + Eigen::Vector3d(c, s, 0);
-    point.velocity = Eigen::Vector3d(-s, c, 0) * angle.rate;
-    point.acceleration =
-        Eigen::Vector3d(-s, c, 0) * angle.acceleration - Eigen::Vector3d(c, s, 0) * (angle.rate * angle.rate);
+    const Eigen::Vector3d outwards = c * along_ + s * across_, onwards = c * across_ - s * along_;
+    point.position = center_ + outwards;
+    point.velocity = onwards * angle.rate;
+    point.acceleration = onwards * angle.acceleration - outwards * (angle.rate * angle.rate);
     return point;
   }
   if (pieces_.empty() || time >= times_.back()) {
@@ -225,7 +228,7 @@ PathPoint Path::At(double time) const {
 
 Eigen::Vector3d Path::PositionOf(double parameter) const {
   if (!is_periodic()) return At(parameter).position;
-  return center_ + radius_ * Eigen::Vector3d(std::cos(parameter), std::sin(parameter), 0);
+  return center_ + radius_ * (std::cos(parameter) * along_ + std::sin(parameter) * across_);
 }
 
 double Path::TimeOf(double parameter) const {
@@ -349,8 +352,7 @@ void EquilibriumPath::At(double time, CdprReference* reference) const {
     reference->euler_rate = slope.head<3>() * parameter.rate;
     reference->tension = value.tail(n);
   }
-  reference->tension =
-      reference->tension.cwiseMax(robot_.cable.tension_min).cwiseMin(robot_.cable.tension_max);
+  robot_.LimitTension(&reference->tension);
 
   const Eigen::Matrix3d R_WB = RotationFromEuler(reference->euler);
   Vector6d twist;

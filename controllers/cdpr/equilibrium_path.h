@@ -25,10 +25,13 @@ struct PathPoint {
 /// that make paths throw a ParameterError that names the invalid number.
 class Path {
  public:
-  /// Returns an endless, horizontal, counter-clockwise circle about `center`, from center + (radius, 0, 0).
-  /// The angular rate grows from zero to 2 pi / period within `ramp` [s], as 10 x^3 - 15 x^4 + 6 x^5 of x = t
-  /// / ramp; during the ramp, the path covers half of the angle that it would cover at full rate.
-  static Path Circle(const Eigen::Vector3d& center, double radius, double period, double ramp);
+  /// Returns an endless circle about `center` from center + radius `along` to center + radius `across` and
+  /// on; these are unit vectors at right angles. By default it is horizontal and counter-clockwise. The
+  /// angular rate grows from zero to 2 pi / period within `ramp` [s], as 10 x^3 - 15 x^4 + 6 x^5 of x = t /
+  /// ramp; during the ramp, the path covers half of the angle that it would cover at full rate.
+  static Path Circle(const Eigen::Vector3d& center, double radius, double period, double ramp,
+                     const Eigen::Vector3d& along = Eigen::Vector3d::UnitX(),
+                     const Eigen::Vector3d& across = Eigen::Vector3d::UnitY());
 
   /// Returns a line from rest to rest: p = from + (to - from) (10 x^3 - 15 x^4 + 6 x^5), x = t / duration.
   static Path Line(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double duration);
@@ -70,6 +73,7 @@ class Path {
   std::vector<Quintic> pieces_;
   Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // centre of the circle, or the point of Hold()
   double radius_ = 0, period_ = 0, ramp_ = 0;         // parameters of the circle
+  Eigen::Vector3d along_ = Eigen::Vector3d::UnitX(), across_ = Eigen::Vector3d::UnitY();
 };
 
 /// The quasi-static reference at a time.

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ constexpr double kLargestAngle = 1.4;       // largest roll, pitch and yaw of a 
 constexpr double kLargestNewtonStep = 0.2;  // saturation of a Newton step [rad]
 constexpr double kBoundTolerance = 1e-9;    // tolerance of a tension at a bound [m g]
 constexpr double kLeastExcess = 1e-6;       // least excess over a bound that is reported [N]
+constexpr double kInPlane = 1e-9;           // distance from the plane of a planar robot [m]
 constexpr double kLeastStiffness = 1e-6;    // least stiffness of a stable equilibrium [N/m]
 
 using Eigen::MatrixXd;
@@ -33,11 +35,12 @@ using Eigen::VectorXd;
 using ActiveSet = std::vector<int>;
 
 // min |u|^2 / 2 subject to F(x) = 0 and lower <= u <= upper, with x = [Theta; u]. Tensions and forces are in
-// units of the weight m g, torques in units of m g times the longest arm.
+// units of the weight m g, torques in units of m g times the longest arm. For a planar robot Theta is the
+// angle in its plane, and F has the three equations in it.
 class StaticsProblem {
  public:
-  StaticsProblem(const CdprDescription& robot, const Eigen::Vector3d& p_WB, double tension_min,
-                 double tension_max)
+  StaticsProblem(const CdprDescription& robot, const Eigen::Vector3d& p_WB, const CableVector& tension_min,
+                 const CableVector& tension_max)
       : robot_(robot),
         p_WB_(p_WB),
         weight_(-GravityWrench(robot)[2]),
@@ -45,35 +48,54 @@ class StaticsProblem {
         upper_(tension_max / weight_) {
     for (const CableDescription& cable : robot.cables) arm_ = std::max(arm_, cable.attachment_B.norm());
     if (!(arm_ > 0)) arm_ = 1;
+    if (const auto plane = PlaneOf(robot)) {
+      angles_ = {plane->normal};
+      equations_ = {plane->motions.begin(), plane->motions.end()};
+    }
   }
 
-  int num_unknowns() const { return 3 + robot_.num_cables(); }
+  int num_angles() const { return static_cast<int>(angles_.size()); }
+  int num_equations() const { return static_cast<int>(equations_.size()); }
+  int num_unknowns() const { return num_angles() + robot_.num_cables(); }
   double weight() const { return weight_; }
+  Eigen::Vector3d Euler(const VectorXd& x) const {
+    Eigen::Vector3d euler = Eigen::Vector3d::Zero();
+    euler(angles_) = x.head(num_angles());
+    return euler;
+  }
+  VectorXd At(const StaticEquilibrium& equilibrium) const {
+    VectorXd x(num_unknowns());
+    x << equilibrium.euler(angles_), equilibrium.tension / weight_;
+    return x;
+  }
   CableVector Tension(const VectorXd& x) const { return weight_ * x.tail(robot_.num_cables()); }
 
-  Vector6d Residual(const VectorXd& x, MatrixXd* jacobian) const {
+  VectorXd Residual(const VectorXd& x, MatrixXd* jacobian) const {
     const int n = robot_.num_cables();
-    const Eigen::Vector3d euler = x.head<3>();
+    const Eigen::Vector3d euler = Euler(x);
     const CableVector u = x.tail(n);
     const CableKinematics cables = CalcCableKinematics(robot_, p_WB_, RotationFromEuler(euler));
     Vector6d residual = cables.structure * u;
     residual[2] -= 1;
     residual.tail<3>() /= arm_;
     if (jacobian) {
-      jacobian->resize(6, 3 + n);
-      jacobian->leftCols<3>() = CalcWrenchJacobian(cables, u).rightCols<3>() * EulerRateMatrix(euler);
-      jacobian->rightCols(n) = cables.structure;
-      jacobian->bottomRows<3>() /= arm_;
+      Eigen::Matrix<double, 6, 3> by_angles =
+          CalcWrenchJacobian(cables, u).rightCols<3>() * EulerRateMatrix(euler);
+      CableMatrix6 structure = cables.structure;
+      by_angles.bottomRows<3>() /= arm_;
+      structure.bottomRows<3>() /= arm_;
+      jacobian->resize(num_equations(), num_unknowns());
+      *jacobian << by_angles(equations_, angles_), structure(equations_, Eigen::all);
     }
-    return residual;
+    return residual(equations_);
   }
 
   // The tensions with the least residual at an attitude, clamped to the bounds.
   VectorXd Start(const Eigen::Vector3d& euler) const {
     VectorXd x = VectorXd::Zero(num_unknowns());
-    x.head<3>() = euler;
+    x.head(num_angles()) = euler(angles_);
     MatrixXd jacobian;
-    const Vector6d residual = Residual(x, &jacobian);
+    const VectorXd residual = Residual(x, &jacobian);
     const MatrixXd structure = jacobian.rightCols(robot_.num_cables());
     x.tail(robot_.num_cables()) = SolveLeastSquaresBasic(structure, -residual);
     Clamp(&x);
@@ -84,16 +106,17 @@ class StaticsProblem {
   VectorXd Search(const VectorXd& x) const {
     const int size = num_unknowns();
     nlopt::opt optimizer(nlopt::LD_SLSQP, size);
-    std::vector<double> lower(size, lower_), upper(size, upper_), point(x.data(), x.data() + size);
-    for (int i = 0; i < 3; ++i) {
-      lower[i] = std::min(-kLargestAngle, point[i]);
-      upper[i] = std::max(kLargestAngle, point[i]);
+    std::vector<double> lower(size), upper(size), point(x.data(), x.data() + size);
+    for (int i = 0; i < size; ++i) {
+      const int cable = i - num_angles();
+      lower[i] = cable < 0 ? std::min(-kLargestAngle, point[i]) : lower_[cable];
+      upper[i] = cable < 0 ? std::max(kLargestAngle, point[i]) : upper_[cable];
     }
     optimizer.set_lower_bounds(lower);
     optimizer.set_upper_bounds(upper);
     auto* self = const_cast<StaticsProblem*>(this);
-    optimizer.set_min_objective(&Objective, nullptr);
-    optimizer.add_equality_mconstraint(&Constraint, self, std::vector<double>(6, 1e-8));
+    optimizer.set_min_objective(&Objective, self);
+    optimizer.add_equality_mconstraint(&Constraint, self, std::vector<double>(num_equations(), 1e-8));
     optimizer.set_ftol_rel(1e-9);
     optimizer.set_xtol_rel(1e-9);
     optimizer.set_maxeval(200);
@@ -111,8 +134,8 @@ class StaticsProblem {
     const int n = robot_.num_cables();
     ActiveSet side(n);
     for (int i = 0; i < n; ++i) {
-      const double u = (*x)[3 + i];
-      side[i] = u < lower_ + 1e-6 ? -1 : u > upper_ - 1e-6 ? 1 : 0;
+      const double u = (*x)[num_angles() + i];
+      side[i] = u < lower_[i] + 1e-6 ? -1 : u > upper_[i] - 1e-6 ? 1 : 0;
     }
     for (int round = 0; round < 2 * n; ++round) {
       VectorXd gradient;
@@ -122,17 +145,18 @@ class StaticsProblem {
       int worst = -1, change = 0;
       double excess = kBoundTolerance;
       for (int i = 0; i < n; ++i) {
-        const double u = (*x)[3 + i];
-        if (side[i] == 0 && std::max(lower_ - u, u - upper_) > excess) {
-          excess = std::max(lower_ - u, u - upper_);
+        const double u = (*x)[num_angles() + i];
+        const double beyond = std::max(lower_[i] - u, u - upper_[i]);
+        if (side[i] == 0 && beyond > excess) {
+          excess = beyond;
           worst = i;
-          change = u < lower_ ? -1 : 1;
+          change = u < lower_[i] ? -1 : 1;
         }
       }
       if (worst < 0) {
         for (int i = 0; i < n; ++i) {
-          if (side[i] != 0 && side[i] * gradient[3 + i] > excess) {
-            excess = side[i] * gradient[3 + i];
+          if (side[i] != 0 && side[i] * gradient[num_angles() + i] > excess) {
+            excess = side[i] * gradient[num_angles() + i];
             worst = i;
           }
         }
@@ -147,25 +171,25 @@ class StaticsProblem {
   }
 
  private:
-  static double Objective(const std::vector<double>& x, std::vector<double>& gradient, void*) {
+  static double Objective(const std::vector<double>& x, std::vector<double>& gradient, void* data) {
+    const std::size_t angles = static_cast<const StaticsProblem*>(data)->angles_.size();
     double sum = 0;
-    for (std::size_t i = 3; i < x.size(); ++i) sum += x[i] * x[i] / 2;
+    for (std::size_t i = angles; i < x.size(); ++i) sum += x[i] * x[i] / 2;
     if (!gradient.empty()) {
       std::copy(x.begin(), x.end(), gradient.begin());
-      std::fill(gradient.begin(), gradient.begin() + 3, 0.0);
+      std::fill_n(gradient.begin(), angles, 0.0);
     }
     return sum;
   }
 
-  static void Constraint(unsigned, double* result, unsigned size, const double* x, double* gradient,
+  static void Constraint(unsigned count, double* result, unsigned size, const double* x, double* gradient,
                          void* data) {
     const auto* problem = static_cast<const StaticsProblem*>(data);
     MatrixXd jacobian;
-    Eigen::Map<Vector6d> residual(result);
-    residual = problem->Residual(Eigen::Map<const VectorXd>(x, size), &jacobian);
+    Eigen::Map<VectorXd>(result, count) = problem->Residual(Eigen::Map<const VectorXd>(x, size), &jacobian);
     if (!gradient) return;
-    using RowMajor = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
-    Eigen::Map<RowMajor>(gradient, 6, size) = jacobian;
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    Eigen::Map<RowMajor>(gradient, count, size) = jacobian;
   }
 
   void Clamp(VectorXd* x) const {
@@ -175,11 +199,11 @@ class StaticsProblem {
 
   // The Hessian of |u|^2 / 2 + multiplier . F: exact in the tensions, in which F is linear, and by central
   // differences of the exact Jacobian in the angles.
-  MatrixXd CalcHessian(const VectorXd& x, const Vector6d& multiplier) const {
+  MatrixXd CalcHessian(const VectorXd& x, const VectorXd& multiplier) const {
     constexpr double kStep = 1e-5;
-    const int size = num_unknowns();
+    const int size = num_unknowns(), angles = num_angles();
     MatrixXd hessian = MatrixXd::Identity(size, size);
-    for (int j = 0; j < 3; ++j) {
+    for (int j = 0; j < angles; ++j) {
       MatrixXd ahead, behind;
       VectorXd moved = x;
       moved[j] = x[j] + kStep;
@@ -188,44 +212,46 @@ class StaticsProblem {
       Residual(moved, &behind);
       hessian.col(j) = (ahead - behind).transpose() * multiplier / (2 * kStep);
     }
-    hessian.topRightCorner(3, size - 3) = hessian.bottomLeftCorner(size - 3, 3).transpose();
+    hessian.topRightCorner(angles, size - angles) =
+        hessian.bottomLeftCorner(size - angles, angles).transpose();
     return hessian;
   }
 
   // Newton's method with the tensions of `side` held at their bounds. `gradient` is that of the Lagrangian,
   // which is nonzero only in the held tensions.
   bool Converge(const ActiveSet& side, VectorXd* x, VectorXd* gradient) const {
-    const int n = robot_.num_cables();
-    std::vector<int> free{0, 1, 2};
+    const int n = robot_.num_cables(), angles = num_angles(), equations = num_equations();
+    std::vector<int> free(angles);
+    std::iota(free.begin(), free.end(), 0);
     for (int i = 0; i < n; ++i) {
       if (side[i] == 0) {
-        free.push_back(3 + i);
+        free.push_back(angles + i);
       } else {
-        (*x)[3 + i] = side[i] < 0 ? lower_ : upper_;
+        (*x)[angles + i] = side[i] < 0 ? lower_[i] : upper_[i];
       }
     }
     const int count = static_cast<int>(free.size());
-    if (count < 6) return false;
+    if (count < equations) return false;
 
-    Vector6d multiplier;
+    VectorXd multiplier;
     for (int iteration = 0; iteration < 25; ++iteration) {
       MatrixXd jacobian;
-      const Vector6d residual = Residual(*x, &jacobian);
+      const VectorXd residual = Residual(*x, &jacobian);
       const MatrixXd reduced = jacobian(Eigen::all, free);
       VectorXd objective = *x;
-      objective.head<3>().setZero();
+      objective.head(angles).setZero();
       if (iteration == 0) {
         multiplier = SolveLeastSquaresBasic(reduced.transpose(), -objective(free));
       }
       *gradient = objective + jacobian.transpose() * multiplier;
 
-      VectorXd defect(count + 6);
+      VectorXd defect(count + equations);
       defect << (*gradient)(free), residual;
       const MatrixXd hessian = CalcHessian(*x, multiplier);
-      MatrixXd kkt = MatrixXd::Zero(count + 6, count + 6);
+      MatrixXd kkt = MatrixXd::Zero(count + equations, count + equations);
       kkt.topLeftCorner(count, count) = hessian(free, free);
-      kkt.topRightCorner(count, 6) = reduced.transpose();
-      kkt.bottomLeftCorner(6, count) = reduced;
+      kkt.topRightCorner(count, equations) = reduced.transpose();
+      kkt.bottomLeftCorner(equations, count) = reduced;
       const double scale = 1 + multiplier.cwiseAbs().maxCoeff();
       if (defect.head(count).cwiseAbs().maxCoeff() < 1e-12 * scale &&
           residual.cwiseAbs().maxCoeff() < 1e-13) {
@@ -233,20 +259,21 @@ class StaticsProblem {
       }
       VectorXd step = SolveLinear(kkt, -defect);
       if (!step.allFinite()) return false;
-      const double turn = step.head<3>().norm();
+      const double turn = step.head(angles).norm();
       if (turn > kLargestNewtonStep) step *= kLargestNewtonStep / turn;
       for (int c = 0; c < count; ++c) (*x)[free[c]] += step[c];
-      multiplier += step.tail<6>();
+      multiplier += step.tail(equations);
     }
     return false;
   }
 
   // Returns whether the Hessian is positive definite on the null space of the constraints.
   static bool IsMinimum(const MatrixXd& kkt, int count) {
-    if (count == 6) return true;
-    const MatrixXd constraints = kkt.topRightCorner(count, 6);
+    const Eigen::Index equations = kkt.cols() - count;
+    if (count == equations) return true;
+    const MatrixXd constraints = kkt.topRightCorner(count, equations);
     const MatrixXd Q = CalcRangeBasis(constraints).Q;
-    const MatrixXd tangent = Q.rightCols(count - 6);
+    const MatrixXd tangent = Q.rightCols(count - equations);
     const MatrixXd reduced = tangent.transpose() * kkt.topLeftCorner(count, count) * tangent;
     return Eigen::LLT<MatrixXd>(reduced).info() == Eigen::Success;
   }
@@ -254,8 +281,9 @@ class StaticsProblem {
   const CdprDescription& robot_;
   Eigen::Vector3d p_WB_;
   double weight_;
-  double lower_, upper_;
+  CableVector lower_, upper_;
   double arm_ = 0;
+  std::vector<int> angles_{0, 1, 2}, equations_{0, 1, 2, 3, 4, 5};  // of roll, pitch, yaw and of the wrench
 };
 
 [[noreturn]] void Refuse(const CdprDescription& robot, const Eigen::Vector3d& p, const std::string& reason) {
@@ -292,13 +320,15 @@ std::optional<StaticEquilibrium> SearchAttitudes(const CdprDescription& robot, c
     const Eigen::Vector3d euler(kGrid[start % 3], kGrid[start / 3 % 3], kGrid[start / 9]);
     VectorXd x;
     try {
-      x = problem.Search(problem.Start(euler));
-      if (!problem.Polish(&x) || x.head<3>().cwiseAbs().maxCoeff() > kLargestAngle) continue;
+      x = problem.Start(euler);
+      if (problem.num_angles() < 3 && problem.Euler(x) != euler) continue;  // another start has this angle
+      x = problem.Search(x);
+      if (!problem.Polish(&x) || problem.Euler(x).cwiseAbs().maxCoeff() > kLargestAngle) continue;
     } catch (const RunError& error) {  // an attachment coincides with its anchor or touches its pulley
       if (start == 0) *obstacle = error.what();
       continue;
     }
-    const StaticEquilibrium found = MakeEquilibrium(robot, p_WB, x.head<3>(), problem.Tension(x));
+    const StaticEquilibrium found = MakeEquilibrium(robot, p_WB, problem.Euler(x), problem.Tension(x));
     const bool stable = IsStable(found), best_stable = best && IsStable(*best);
     if (!best || (stable && !best_stable) ||
         (stable == best_stable && found.tension.norm() < best->tension.norm())) {
@@ -316,12 +346,21 @@ void CheckRobot(const CdprDescription& robot, const StaticsOptions& options) {
   require(n >= kMinCables, fmt::format("it has {} cables, fewer than {}", n, kMinCables));
   require(robot.mass > 0, fmt::format("its mass is {:g} kg", robot.mass));
   require(robot.inertia_B.llt().info() == Eigen::Success, "its inertia is not positive definite");
-  require(robot.cable.tension_min >= 0 && robot.cable.tension_min < robot.cable.tension_max,
-          fmt::format("the tension bounds [{:g}, {:g}] N are empty or let a cable push",
-                      robot.cable.tension_min, robot.cable.tension_max));
-  require(!options.attitude || n >= 6,
-          fmt::format(
-              "an attitude is prescribed, which takes 6 cables, and it has {}; leave the attitude free", n));
+  const CableVector lower = robot.tension_min(), upper = robot.tension_max();
+  for (int i = 0; i < n; ++i)
+    require(lower[i] >= 0 && lower[i] < upper[i],
+            fmt::format("the tension bounds [{:g}, {:g}] N of cable {} are empty or let it push", lower[i],
+                        upper[i], i));
+  const auto plane = PlaneOf(robot);
+  require(n >= 3 || plane,
+          "two cables hold a platform only in the vertical plane of their anchors; turn and move the axes so "
+          "that the anchors have the same x or the same y, and the attachments have x or y 0, or add a third "
+          "cable");
+  const int enough = plane ? 3 : 6;
+  require(!options.attitude || n >= enough,
+          fmt::format("an attitude is prescribed, which takes {} cables, and it has {}; leave the attitude "
+                      "free",
+                      enough, n));
   require(!options.warm_start || options.warm_start->tension.size() == n,
           fmt::format("the warm start has {} tensions for {} cables",
                       options.warm_start ? options.warm_start->tension.size() : 0, n));
@@ -333,7 +372,15 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
                                                const StaticsOptions& options) {
   CheckRobot(robot, options);
   if (!p_WB.allFinite()) Refuse(robot, p_WB, "the position is not finite");
-  const double lower = robot.cable.tension_min, upper = robot.cable.tension_max;
+  if (const auto plane = PlaneOf(robot)) {
+    const char axis = "xy"[plane->normal];
+    if (std::abs(p_WB[plane->normal] - plane->at) > kInPlane)
+      Refuse(robot, p_WB, fmt::format("its cables move it in the plane {} = {:.4g} m only", axis, plane->at));
+    const Eigen::Vector3d euler = options.attitude.value_or(Eigen::Vector3d::Zero());
+    if (euler[1 - plane->normal] != 0 || euler[2] != 0)
+      Refuse(robot, p_WB, fmt::format("its cables turn it about {} only", axis));
+  }
+  const CableVector lower = robot.tension_min(), upper = robot.tension_max();
   const auto refuse_if_above = [&] {
     double height = -kInfinity;
     for (const CableDescription& cable : robot.cables) height = std::max(height, cable.anchor_W.z());
@@ -367,11 +414,10 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
 
   const StaticsProblem problem(robot, p_WB, lower, upper);
   if (options.warm_start) {
-    VectorXd x(problem.num_unknowns());
-    x << options.warm_start->euler, options.warm_start->tension / problem.weight();
+    VectorXd x = problem.At(*options.warm_start);
     try {
       if (problem.Polish(&x)) {
-        const StaticEquilibrium found = MakeEquilibrium(robot, p_WB, x.head<3>(), problem.Tension(x));
+        const StaticEquilibrium found = MakeEquilibrium(robot, p_WB, problem.Euler(x), problem.Tension(x));
         if (IsStable(found)) return found;
       }
     } catch (const RunError&) {  // as in the search
@@ -389,15 +435,15 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
   }
   if (!obstacle.empty()) Refuse(robot, p_WB, obstacle);
   // Finds the bound that prevents an equilibrium.
-  const StaticsProblem unbounded(robot, p_WB, -kInfinity, kInfinity);
+  const CableVector infinite = CableVector::Constant(robot.num_cables(), kInfinity);
+  const StaticsProblem unbounded(robot, p_WB, -infinite, infinite);
   if (const std::optional<StaticEquilibrium> pushed = SearchAttitudes(robot, p_WB, unbounded, &obstacle)) {
     int worst = 0;
-    const double excess =
-        (pushed->tension.array() - upper).max(lower - pushed->tension.array()).maxCoeff(&worst);
+    const double excess = (pushed->tension - upper).cwiseMax(lower - pushed->tension).maxCoeff(&worst);
     if (excess > kLeastExcess) {
       Refuse(robot, p_WB,
              fmt::format("cable {} of {} would need {:.2f} N, outside its bounds [{:g}, {:g}] N", worst,
-                         robot.num_cables(), pushed->tension[worst], lower, upper));
+                         robot.num_cables(), pushed->tension[worst], lower[worst], upper[worst]));
     }
   }
   CdprDescription point_mass = robot;

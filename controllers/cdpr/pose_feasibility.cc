@@ -25,6 +25,10 @@ double Lever(const CdprDescription& robot) {
 }
 
 int WrenchRows(const CdprDescription& robot) {
+  if (PlaneOf(robot))
+    throw ParameterError(fmt::format(
+        "robot '{}' moves in a vertical plane; workspaces are computed only for robots that move in space",
+        robot.name));
   const int rows = Lever(robot) > kPoint ? 6 : 3;
   if (robot.num_cables() < rows) {
     throw ParameterError(fmt::format(
@@ -65,10 +69,14 @@ WrenchBox RequiredWrenches(const CdprDescription& robot, const PlatformDemand& d
 
 PoseFeasibility::PoseFeasibility(const CdprDescription& robot, const WrenchBox& required)
     : robot_(robot),
+      low_(robot.tension_min()),
+      high_(robot.tension_max()),
+      inner_low_(low_),
+      inner_high_(high_),
       lever_(Lever(robot)),
       rows_(WrenchRows(robot)),
       required_{required.centre.head(rows_), required.half_width.head(rows_)},
-      wrenches_(rows_, robot.num_cables()),
+      wrenches_(rows_, low_, high_),
       distributor_(robot.num_cables()),
       interference_(robot),
       structure_(rows_, robot.num_cables()),
@@ -78,7 +86,6 @@ PoseFeasibility::PoseFeasibility(const CdprDescription& robot, const WrenchBox& 
       derivative_(static_cast<std::size_t>(robot.num_cables()), Matrix6d::Zero()),
       gain_(robot.num_cables()),
       spread_(robot.num_cables()) {
-  robot.cable.Validate();
   robot_.winch.pulley_radius = 0;
   if (rows_ == 6) {
     required_.centre.tail(3) /= lever_;
@@ -105,7 +112,7 @@ WrenchMargins PoseFeasibility::At(const Eigen::Vector3d& p_WB, const Eigen::Matr
   margins_ = {-kInfinity, -kInfinity, 0};
   if (!Move(p_WB, R_WB)) return margins_;
   wrenches_.SetStructure(structure_);
-  margins_ = wrenches_.Margins(required_, robot_.cable.tension_min, robot_.cable.tension_max);
+  margins_ = wrenches_.Margins(required_);
   return margins_;
 }
 
@@ -196,21 +203,19 @@ bool PoseFeasibility::HoldsOver() {
 
 /// `gain` times sum_j u_j d_j bounds the change of a tension.
 bool PoseFeasibility::HoldsByMargin(double gain) const {
-  const CableProperties& cable = robot_.cable;
-  const double rounding = kRounding * cable.tension_max;
+  const double rounding = kRounding * high_.maxCoeff();
   if (gain * TensionSum(0) * change_.maxCoeff() + rounding <= margins_.tension) return true;
-  double bound = cable.tension_max, margin = margins_.tension;
+  double share = 1, margin = margins_.tension;
   for (int i = 0; i <= kTighterBounds && margin > 0; ++i) {
-    if (gain * (bound - margin) * change_.sum() + rounding <= margin) return true;
-    bound /= 2;
-    if (bound <= cable.tension_min) return false;
-    margin = wrenches_.Margins(required_, cable.tension_min, bound).tension;
+    const double changes = ((1 - share) * low_ + share * high_).dot(change_) - margin * change_.sum();
+    if (gain * changes + rounding <= margin) return true;
+    share /= 2;
+    margin = wrenches_.Margins(required_, share).tension;
   }
   return false;
 }
 
 bool PoseFeasibility::HoldsByTensions(const SmallMatrix& gram_inverse, double contraction) {
-  const CableProperties& cable = robot_.cable;
   const int n = robot_.num_cables();
   // Spread of the tensions over the box of required wrenches.
   double spread_max = 0, spread_change = 0;
@@ -222,12 +227,13 @@ bool PoseFeasibility::HoldsByTensions(const SmallMatrix& gram_inverse, double co
     spread_change += spread_[i] * change_[i];
   }
   const double away = kAway * margins_.tension + spread_max;
-  if (!(cable.tension_min + away < cable.tension_max - away)) return false;
+  if (!((high_ - low_).minCoeff() > 2 * away)) return false;
   Vector6d wrench = Vector6d::Zero();
   wrench.head(rows_) = required_.centre;
   if (rows_ == 6) wrench.tail(3) *= lever_;
-  const TensionDistribution& found =
-      distributor_.Solve(cables_.structure, wrench, cable.tension_min + away, cable.tension_max - away);
+  inner_low_ = low_.array() + away;
+  inner_high_ = high_.array() - away;
+  const TensionDistribution& found = distributor_.Solve(cables_.structure, wrench, inner_low_, inner_high_);
   if (!found.feasible) return false;
 
   Matrix6d first_order = Matrix6d::Zero();
@@ -240,21 +246,20 @@ bool PoseFeasibility::HoldsByTensions(const SmallMatrix& gram_inverse, double co
   for (int i = 0; i < n; ++i) {
     const SmallVector row = gram_inverse * structure_.col(i);
     const Eigen::Matrix<double, 1, 6> gradient = row.transpose() * first_order.topRows(rows_);
-    const double room =
-        std::min(found.tension[i] - cable.tension_min, cable.tension_max - found.tension[i]) - spread_[i];
-    if (!(OverBall(gradient) + gain_[i] * beyond + kRounding * cable.tension_max <= room)) return false;
+    const double room = std::min(found.tension[i] - low_[i], high_[i] - found.tension[i]) - spread_[i];
+    if (!(OverBall(gradient) + gain_[i] * beyond + kRounding * high_.maxCoeff() <= room)) return false;
   }
   return true;
 }
 
 bool PoseFeasibility::FailsOver() const {
   if (!(margins_.tension < 0)) return false;
-  const CableProperties& cable = robot_.cable;
   const auto& normal = wrenches_.normal(margins_.facet);
-  double sum = 0;
-  for (int i = 0; i < robot_.num_cables(); ++i) sum += normal.dot(structure_.col(i));
   // Selects the more violated of two opposite facets, and the required wrench that is farthest beyond it.
-  const bool opposite = (cable.tension_max + cable.tension_min) / 2 * sum > normal.dot(required_.centre);
+  double middle = 0;
+  for (int i = 0; i < robot_.num_cables(); ++i)
+    middle += (low_[i] + high_[i]) / 2 * normal.dot(structure_.col(i));
+  const bool opposite = middle > normal.dot(required_.centre);
   const SmallVector c = normal * ((opposite ? -1 : 1) / normal.norm());
   SmallVector wrench = required_.centre;
   for (int k = 0; k < rows_; ++k) wrench[k] += c[k] < 0 ? -required_.half_width[k] : required_.half_width[k];
@@ -262,17 +267,16 @@ bool PoseFeasibility::FailsOver() const {
 }
 
 bool PoseFeasibility::FailsByFixedNormal(const SmallVector& c, const SmallVector& wrench) const {
-  const double low = robot_.cable.tension_min, high = robot_.cable.tension_max;
   double by_bounds = 0, at_least = 0, largest = 0;
   for (int i = 0; i < robot_.num_cables(); ++i) {
     const double x = c.dot(structure_.col(i)) + ChangeAlong(c, i);
-    by_bounds += x * (x > 0 ? high : low);
-    at_least += x * low;
+    by_bounds += x * (x > 0 ? high_ : low_)[i];
+    at_least += x * low_[i];
     largest = std::max(largest, x);
   }
-  const double spare = TensionSum(1) - robot_.num_cables() * low;  // total tension above the lower bounds
+  const double spare = TensionSum(1) - low_.sum();  // total tension above the lower bounds
   const double by_sum = largest > 0 ? at_least + std::max(spare, 0.0) * largest : at_least;
-  return std::min(by_bounds, by_sum) + kRounding * high < c.dot(wrench);
+  return std::min(by_bounds, by_sum) + kRounding * high_.maxCoeff() < c.dot(wrench);
 }
 
 /// The normal c + e of the same cables at another pose satisfies (c + e) . (w_j + D_j) = 0 for the cables in
@@ -300,9 +304,9 @@ bool PoseFeasibility::FailsByMovingNormal(const SmallVector& c, const SmallVecto
     if ((facet.array() == i).any()) continue;
     const double x =
         c.dot(structure_.col(i)) + ChangeAlong(c, i) + turn * (structure_.col(i).norm() + change_[i]);
-    most += x * (x > 0 ? robot_.cable.tension_max : robot_.cable.tension_min);
+    most += x * (x > 0 ? high_ : low_)[i];
   }
-  return most + kRounding * robot_.cable.tension_max < c.dot(wrench) - turn * wrench.norm();
+  return most + kRounding * high_.maxCoeff() < c.dot(wrench) - turn * wrench.norm();
 }
 
 PoseVerdict PoseFeasibility::IsClearOver(const PoseBall& poses, double diameter) {

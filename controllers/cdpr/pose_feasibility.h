@@ -108,7 +108,9 @@ class PoseFeasibility {
   double TensionSum(double turned) const;
 
   CdprDescription robot_;
-  double lever_;  // divisor of torques: the distance of the farthest attachment [m]
+  CableVector low_, high_;              // tension bounds [N]
+  CableVector inner_low_, inner_high_;  // bounds that are tightened [N]
+  double lever_;                        // divisor of torques: the distance of the farthest attachment [m]
   int rows_;
   WrenchBox required_;  // torques over the lever
   WrenchFeasibility wrenches_;

@@ -18,8 +18,8 @@ void ReferenceBalancer::CalcBalanced(const CdprReference& reference, const LoadE
   work.Calc(reference, load, broken, shift);
   *balanced = reference;
   balanced->euler = work.euler();
-  balanced->tension =
-      work.tension().cwiseMax(params.robot.cable.tension_min).cwiseMin(params.robot.cable.tension_max);
+  balanced->tension = work.tension();
+  params.robot.LimitTension(&balanced->tension);
   const Eigen::Matrix3d R_WB = RotationFromEuler(work.euler());
   const Eigen::Vector3d w_W = EulerRateMatrix(reference.euler) * reference.euler_rate;
   for (int i = 0; i < params.robot.num_cables(); ++i) {

@@ -12,15 +12,15 @@ namespace {
 constexpr double kSingular = 1e-10;  // threshold of singular values, relative to the largest
 constexpr double kSlack = 1e-10;     // tolerance of a tension, relative to the largest
 
-int MostOutOfBounds(const Eigen::VectorXd& u, double lower, double upper) {
+int MostOutOfBounds(const Eigen::VectorXd& u, const CableVector& lower, const CableVector& upper) {
   int worst = 0;
-  (u.array() - upper).max(lower - u.array()).maxCoeff(&worst);
+  (u - upper).cwiseMax(lower - u).maxCoeff(&worst);
   return worst;
 }
 
-bool IsWithin(const Eigen::VectorXd& u, double lower, double upper) {
+bool IsWithin(const Eigen::VectorXd& u, const CableVector& lower, const CableVector& upper) {
   const double slack = kSlack * u.cwiseAbs().maxCoeff();
-  return u.minCoeff() >= lower - slack && u.maxCoeff() <= upper + slack;
+  return (u.array() >= lower.array() - slack).all() && (u.array() <= upper.array() + slack).all();
 }
 
 }  // namespace
@@ -42,19 +42,19 @@ TensionDistributor::TensionDistributor(int num_cables)
 
 // Finds the point of u_ + span(N) in the box that is closest to u_; returns false if there is none. u_ is
 // normal to N, so the closest point has the least norm.
-bool TensionDistributor::MoveIntoBounds(int rank, double lower, double upper) {
+bool TensionDistributor::MoveIntoBounds(int rank, const CableVector& lower, const CableVector& upper) {
   const Eigen::Index n = Q_.rows(), k = n - rank;
   if (k == 0) return false;
   const auto N = Q_.rightCols(k);
   Eigen::Index count = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    if (std::isfinite(lower)) {
+    if (std::isfinite(lower[i])) {
       rows_.row(count).head(k) = N.row(i);
-      bounds_[count++] = lower - u_[i];
+      bounds_[count++] = lower[i] - u_[i];
     }
-    if (std::isfinite(upper)) {
+    if (std::isfinite(upper[i])) {
       rows_.row(count).head(k) = -N.row(i);
-      bounds_[count++] = u_[i] - upper;
+      bounds_[count++] = u_[i] - upper[i];
     }
   }
   const QpReport report =
@@ -67,8 +67,8 @@ bool TensionDistributor::MoveIntoBounds(int rank, double lower, double upper) {
 }
 
 const TensionDistribution& TensionDistributor::Solve(const CableMatrix6& structure, const Vector6d& wrench,
-                                                     double tension_min, double tension_max,
-                                                     double tolerance) {
+                                                     const CableVector& tension_min,
+                                                     const CableVector& tension_max, double tolerance) {
   const Eigen::Index n = Q_.rows();
   if (structure.cols() != n)
     throw ParameterError(
@@ -121,7 +121,8 @@ const TensionDistribution& TensionDistributor::Solve(const CableMatrix6& structu
     result_.reason = fmt::format(
         "no tensions within [{:g}, {:g}] N balance the wrench: cable {} of {} would need "
         "{:.2f} N{}",
-        tension_min, tension_max, worst, n, u_[worst], rank < n ? " in the solution of least norm" : "");
+        tension_min[worst], tension_max[worst], worst, n, u_[worst],
+        rank < n ? " in the solution of least norm" : "");
     return result_;
   }
   result_.feasible = true;
@@ -130,12 +131,13 @@ const TensionDistribution& TensionDistributor::Solve(const CableMatrix6& structu
 }
 
 TensionDistribution DistributeTension(const CableMatrix6& structure, const Vector6d& wrench,
-                                      double tension_min, double tension_max, double aim, double tolerance) {
+                                      const CableVector& tension_min, const CableVector& tension_max,
+                                      double aim, double tolerance) {
   TensionDistributor distributor(static_cast<int>(structure.cols()));
   if (aim != 0) {
     const CableVector middle = CableVector::Constant(structure.cols(), aim);
-    TensionDistribution found = distributor.Solve(structure, wrench - structure * middle, tension_min - aim,
-                                                  tension_max - aim, tolerance);
+    TensionDistribution found = distributor.Solve(structure, wrench - structure * middle,
+                                                  tension_min - middle, tension_max - middle, tolerance);
     found.tension += middle;
     if (found.feasible) return found;  // otherwise its reason would name other bounds
   }

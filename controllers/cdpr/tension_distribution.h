@@ -38,13 +38,14 @@ class TensionDistributor {
   explicit TensionDistributor(int num_cables);
 
   /// `tolerance` is the largest |b - W u| relative to the largest force and the largest torque in the
-  /// balance. Either bound may be infinite. The result is valid until the next call.
+  /// balance. Bounds may be infinite. The result is valid until the next call.
   /// @throws ParameterError if the number of columns of W is not the number of cables.
-  const TensionDistribution& Solve(const CableMatrix6& structure, const Vector6d& wrench, double tension_min,
-                                   double tension_max, double tolerance = 1e-8);
+  const TensionDistribution& Solve(const CableMatrix6& structure, const Vector6d& wrench,
+                                   const CableVector& tension_min, const CableVector& tension_max,
+                                   double tolerance = 1e-8);
 
  private:
-  bool MoveIntoBounds(int rank, double lower, double upper);
+  bool MoveIntoBounds(int rank, const CableVector& lower, const CableVector& upper);
 
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd>
       qr_;  // decomposition of W^T with torques divided by the longest lever
@@ -61,7 +62,7 @@ class TensionDistributor {
 /// Solves one problem for the tensions with the smallest distance |u - aim| [N], instead of the smallest
 /// norm. The result changes continuously with structure and wrench.
 TensionDistribution DistributeTension(const CableMatrix6& structure, const Vector6d& wrench,
-                                      double tension_min, double tension_max, double aim = 0,
-                                      double tolerance = 1e-8);
+                                      const CableVector& tension_min, const CableVector& tension_max,
+                                      double aim = 0, double tolerance = 1e-8);
 
 }  // namespace tenon

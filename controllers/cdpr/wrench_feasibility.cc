@@ -51,8 +51,14 @@ int Choose(int n, int k) {
 
 }  // namespace
 
-WrenchFeasibility::WrenchFeasibility(int rows, int num_cables)
-    : rows_(rows), num_cables_(num_cables), width_(Padded(num_cables + rows) + kLanes) {
+WrenchFeasibility::WrenchFeasibility(int rows, const CableVector& tension_min, const CableVector& tension_max)
+    : rows_(rows),
+      num_cables_(static_cast<int>(tension_min.size())),
+      width_(Padded(num_cables_ + rows) + kLanes),
+      low_(tension_min),
+      half_((tension_max - tension_min) / 2),
+      most_(half_.size() > 0 ? half_.maxCoeff() : 0) {
+  const int num_cables = num_cables_;
   if (rows < 2 || num_cables < rows) {
     throw ParameterError(
         fmt::format("wrench feasibility of {} cables with {} rows of wrenches: needs two rows or more and at "
@@ -60,8 +66,12 @@ WrenchFeasibility::WrenchFeasibility(int rows, int num_cables)
                     "cables; with fewer, wrenches fill no volume",
                     num_cables, rows));
   }
-  levels_.emplace_back(std::max(rows, kRowsOfCross) * width_);
-  for (int left = rows - 1; left >= kRowsOfCross; --left) levels_.emplace_back(left * width_);
+  if (!(half_.allFinite() && half_.minCoeff() > 0 && low_.allFinite()))
+    throw ParameterError("wrench feasibility: the tension bounds must be finite, the lower below the upper");
+  levels_.emplace_back((std::max(rows, kRowsOfCross) + 1) * width_);
+  for (int left = rows - 1; left >= kRowsOfCross; --left) levels_.emplace_back((left + 1) * width_);
+  double* weights = levels_[0].data() + std::max(rows, kRowsOfCross) * width_;
+  for (int i = 0; i < num_cables; ++i) weights[i] = half_[i] / most_;
   const int chosen = rows - 1;
   num_facets_ = Choose(num_cables, chosen);
   cables_.resize(chosen, num_facets_);
@@ -76,8 +86,10 @@ WrenchFeasibility::WrenchFeasibility(int rows, int num_cables)
   const int size = Padded(num_facets_) + kLanes;
   cross_.setZero(size, 3);
   normals_.setZero(size, rows);
-  sum_.setZero(size);
+  low_wrench_.setZero(rows);
+  half_wrench_.setZero(rows);
   absolute_sum_.setZero(size);
+  half_sum_.setZero(size);
   square_.setZero(size);
 }
 
@@ -93,10 +105,12 @@ void WrenchFeasibility::SetStructure(const Eigen::Ref<const Eigen::MatrixXd>& st
     for (int i = 0; i < num_cables_; ++i) row[i] = structure(r, i);
     for (int k = 0; k < rows_; ++k) row[num_cables_ + k] = k == r ? 1 : 0;
   }
+  low_wrench_.noalias() = structure * low_;
+  half_wrench_.noalias() = structure * half_;
   smallest_pivot_ = kSmallestPivot * structure.cwiseAbs().maxCoeff();
   facets_done_ = 0;
   Eliminate(0, 0);
-  SkipFacets(static_cast<int>(sum_.size()) - num_facets_);
+  SkipFacets(static_cast<int>(square_.size()) - num_facets_);
 }
 
 /// Chooses each column from `first` on, eliminates it from the rows of this level, and continues with the
@@ -129,6 +143,8 @@ TENON_VECTOR_CLONES void WrenchFeasibility::Eliminate(int level, int first) {
         *PacketAt(to + i) = *PacketAt(row + i + 1) - factor * *PacketAt(pivot_row + i + 1);
       to += width;
     }
+    const double* weights = from + rows * width;
+    for (int i = 0; i + 1 < columns; ++i) to[i] = weights[i < column ? i : i + 1];
     Eliminate(level + 1, column);
   }
 }
@@ -161,26 +177,24 @@ TENON_VECTOR_CLONES int WrenchFeasibility::Cross(const double* rows, int columns
 
 /// Adds the facets whose normals in the space of these rows are in cross_.
 TENON_VECTOR_CLONES void WrenchFeasibility::AddFacets(const double* rows, int columns, int count) {
-  const double *a = rows, *b = a + width_, *c = b + width_;
-  double sum[3] = {};
-  for (int i = 0; i < columns; ++i) {
-    sum[0] += a[i];
-    sum[1] += b[i];
-    sum[2] += c[i];
-  }
+  const double *a = rows, *b = a + width_, *c = b + width_, *weights = c + width_;
   for (int facet = 0; facet < count; facet += kLanes) {
     const Lanes x = *PacketAt(&cross_(facet, 0)), y = *PacketAt(&cross_(facet, 1)),
                 z = *PacketAt(&cross_(facet, 2));
-    Lanes absolute = {}, square = {};
-    for (int i = 0; i < columns; ++i) AddAbsolute(x * a[i] + y * b[i] + z * c[i], absolute);
+    Lanes absolute = {}, weighted = {}, square = {};
+    for (int i = 0; i < columns; ++i) {
+      const Lanes along = x * a[i] + y * b[i] + z * c[i];
+      AddAbsolute(along, absolute);
+      AddAbsolute(weights[i] * along, weighted);
+    }
     const int to = facets_done_ + facet;
     for (int k = 0; k < rows_; ++k) {
       const Lanes normal = x * a[columns + k] + y * b[columns + k] + z * c[columns + k];
       *PacketAt(&normals_(to, k)) = normal;
       square += normal * normal;
     }
-    *PacketAt(&sum_[to]) = x * sum[0] + y * sum[1] + z * sum[2];
     *PacketAt(&absolute_sum_[to]) = absolute;
+    *PacketAt(&half_sum_[to]) = weighted;
     *PacketAt(&square_[to]) = square;
   }
   facets_done_ += count;
@@ -189,34 +203,33 @@ TENON_VECTOR_CLONES void WrenchFeasibility::AddFacets(const double* rows, int co
 /// Facets of dependent columns, and the padding of the last lanes, have the normal 0.
 void WrenchFeasibility::SkipFacets(int count) {
   normals_.middleRows(facets_done_, count).setZero();
-  sum_.segment(facets_done_, count).setZero();
   absolute_sum_.segment(facets_done_, count).setZero();
+  half_sum_.segment(facets_done_, count).setZero();
   square_.segment(facets_done_, count).setZero();
   facets_done_ += count;
 }
 
-TENON_VECTOR_CLONES WrenchMargins WrenchFeasibility::Margins(const WrenchBox& required, double tension_min,
-                                                             double tension_max) const {
-  const double mid = (tension_max + tension_min) / 2, half = (tension_max - tension_min) / 2;
+TENON_VECTOR_CLONES WrenchMargins WrenchFeasibility::Margins(const WrenchBox& required, double share) const {
+  const double most = share * most_;
   Least capacity, tension;  // capacity is squared, with its sign
   for (int facet = 0; facet < num_facets_; facet += kLanes) {
-    Lanes offset = mid * *PacketAt(&sum_[facet]), width = {}, distance = {};
+    Lanes offset = {}, width = {}, distance = {};
     for (int k = 0; k < rows_; ++k) {
       const Lanes c = *PacketAt(&normals_(facet, k));
       Lanes absolute = {};
       AddAbsolute(c, absolute);
-      offset -= required.centre[k] * c;
+      offset += (low_wrench_[k] + share * half_wrench_[k] - required.centre[k]) * c;
       width += required.half_width[k] * absolute;
     }
     // The worse one of the facets c and -c.
     AddAbsolute(offset, distance);
-    const Lanes square = *PacketAt(&square_[facet]), absolute_sum = *PacketAt(&absolute_sum_[facet]);
-    const Lanes gap = half * absolute_sum - width - distance;
+    const Lanes square = *PacketAt(&square_[facet]);
+    const Lanes gap = most * *PacketAt(&half_sum_[facet]) - width - distance;
     Lanes size = {};
     AddAbsolute(gap, size);
     const Lanes signed_square = gap * size;
     capacity.Take(signed_square, square, facet);
-    tension.Take(gap, absolute_sum, facet);
+    tension.Take(gap, *PacketAt(&absolute_sum_[facet]), facet);
   }
   const Lanes capacities = capacity.over / capacity.under, tensions = tension.over / tension.under;
   int lane = 0;
@@ -226,8 +239,8 @@ TENON_VECTOR_CLONES WrenchMargins WrenchFeasibility::Margins(const WrenchBox& re
     least = std::min(least, static_cast<double>(capacities[l]));
   }
   if (least == kLargest) return {-kInfinity, -kInfinity, 0};  // all columns parallel
-  return {tensions[lane], std::copysign(std::sqrt(std::abs(least)), least),
-          static_cast<int>(tension.which[lane]) + lane};
+  return {std::min(static_cast<double>(tensions[lane]), share * half_.minCoeff()),
+          std::copysign(std::sqrt(std::abs(least)), least), static_cast<int>(tension.which[lane]) + lane};
 }
 
 }  // namespace tenon

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tenon/plants/signals/cable_vector.h>
+
 #include <Eigen/Core>
 
 #include <vector>
@@ -34,7 +36,7 @@ struct WrenchMargins {
 /// which each facet is normal to d - 1 independent columns of W with d rows. Z is therefore the intersection
 /// of half-spaces c . w <= h(c), one pair for each choice of columns, with the support function
 ///
-///     h(c) = mid sum_i c.w_i + half sum_i |c.w_i|,      mid, half = (hi + lo) / 2, (hi - lo) / 2
+///     h(c) = sum_i mid_i c.w_i + half_i |c.w_i|,      mid, half = (hi + lo) / 2, (hi - lo) / 2
 ///
 /// This is the hyperplane shifting method (Bouchard, Gosselin, Moore, J. Mechanisms Robotics 2(1), 2010;
 /// Gouttefarde, Krut, Advances in Robot Kinematics, 2010). The support function of the required wrenches is
@@ -43,7 +45,8 @@ struct WrenchMargins {
 ///
 ///     tension:  (h(c) - r(c)) / sum_i |c.w_i|         capacity:  (h(c) - r(c)) / |c|
 ///
-/// The tension margin follows from h: tightening all bounds by m decreases h by m sum_i |c.w_i|.
+/// The tension margin follows from h: tightening all bounds by m decreases h by m sum_i |c.w_i|. It is at
+/// most the least half_i, at which the bounds of a cable meet.
 ///
 /// SetStructure() finds all normals by Gaussian elimination of [W | 1], one chosen column after the other,
 /// until three rows remain. Choices that begin with the same columns share these steps. In the space of the
@@ -54,8 +57,8 @@ struct WrenchMargins {
 /// constructor.
 class WrenchFeasibility {
  public:
-  /// @throws ParameterError unless 2 <= rows <= cables.
-  WrenchFeasibility(int rows, int num_cables);
+  /// @throws ParameterError unless 2 <= rows <= cables, or if bounds [N] are not finite and increasing.
+  WrenchFeasibility(int rows, const CableVector& tension_min, const CableVector& tension_max);
 
   /// Sets the structure matrix, see CableKinematics: one column for each cable, the wrench of a unit tension.
   /// Rows of torques, and those of the required wrenches, must be divided by a lever [m], such as the size of
@@ -63,8 +66,8 @@ class WrenchFeasibility {
   /// @throws ParameterError if the matrix has another size.
   void SetStructure(const Eigen::Ref<const Eigen::MatrixXd>& structure);
 
-  /// Sets the tension bounds [N], which must be finite.
-  WrenchMargins Margins(const WrenchBox& required, double tension_min, double tension_max) const;
+  /// Margins to the limits of tensions from lo to lo + share (hi - lo).
+  WrenchMargins Margins(const WrenchBox& required, double share = 1) const;
 
   int num_facets() const { return num_facets_; }  ///< number of pairs of facets, n over d - 1
   /// Returns the normal of a facet, not of unit length, or 0 if its cables are dependent. The opposite facet
@@ -79,17 +82,20 @@ class WrenchFeasibility {
   void AddFacets(const double* rows, int columns, int count);
   void SkipFacets(int count);
 
-  int rows_, num_cables_, width_;  // width: number of columns of [W | 1], padded
-  // Remaining d - k rows after k elimination steps, without the eliminated columns.
+  int rows_, num_cables_, width_;             // width: number of columns of [W | 1], padded
+  CableVector low_, half_;                    // lo and half of each cable [N]
+  double most_ = 0;                           // the largest half [N]
+  Eigen::VectorXd low_wrench_, half_wrench_;  // W lo and W half
+  // Remaining d - k rows after k elimination steps, without the eliminated columns, and a row half_i / most.
   std::vector<std::vector<double>> levels_;
   double smallest_pivot_ = 0;
   Eigen::MatrixXi cables_;  // one column for each facet
   Eigen::MatrixX3d cross_;  // normals n, one row for each of the facets that are computed together
   int num_facets_ = 0, facets_done_ = 0;
   // Matrices with one row for each facet, padded.
-  Eigen::MatrixXd normals_;             // c
-  Eigen::VectorXd sum_, absolute_sum_;  // of c.w_i over the cables
-  Eigen::VectorXd square_;              // |c|^2
+  Eigen::MatrixXd normals_;                  // c
+  Eigen::VectorXd absolute_sum_, half_sum_;  // sums over the cables of |c.w_i| and of half_i |c.w_i| / most
+  Eigen::VectorXd square_;                   // |c|^2
 };
 
 }  // namespace tenon

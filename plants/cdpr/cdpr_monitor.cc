@@ -8,11 +8,11 @@
 namespace tenon {
 Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,
                                   double max_tension_ratio) const {
-  const double limit = max_tension_ratio * params.robot.cable.tension_max;
   for (Eigen::Index i = 0; i < cables.tension.size(); ++i) {
     // A cable whose tension is at most its weight is slack.
     const double weight = params.robot.cable.mass_per_length * kGravity * cables.rest_length[i];
     if (forbid_slack && cables.tension[i] <= weight) return fmt::format("cable {} is slack", i);
+    const double limit = max_tension_ratio * params.robot.tension_max(i);
     if (cables.tension[i] > limit)
       return fmt::format("cable {} pulls with {:.0f} N; its winch holds {:.0f} N", i, cables.tension[i],
                          limit);

@@ -31,7 +31,7 @@ struct CdprPlantParams {
   void Validate() const;
 };
 
-/// A cable-driven parallel robot: a rigid platform, 4 or more elastic cables, one winch each.
+/// A cable-driven parallel robot: a rigid platform, 2 or more elastic cables, one winch each.
 ///
 ///     ports in   command       commanded tension of each winch [N]; negative values count as 0
 ///                payload       point mass on the platform (optional)

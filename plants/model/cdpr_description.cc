@@ -26,7 +26,7 @@ void CheckCables(const std::vector<CableDescription>& cables) {
     throw ParameterError(fmt::format("cables has {} entries but must have at least {}; add cables",
                                      cables.size(), kMinCables));
   for (std::size_t i = 0; i < cables.size(); ++i) {
-    const auto& [anchor, attachment] = cables[i];
+    const Eigen::Vector3d &anchor = cables[i].anchor_W, &attachment = cables[i].attachment_B;
     if (!anchor.allFinite() || !attachment.allFinite())
       throw ParameterError(fmt::format("cables.{} has a coordinate that is not finite; give all in m", i));
     constexpr double kFar = 1e4;  // m
@@ -75,11 +75,38 @@ void WinchProperties::Validate() const {
   if (differential) differential->Validate();
 }
 
+double CdprDescription::tension_min(Eigen::Index i) const {
+  return cables[static_cast<std::size_t>(i)].tension_min.value_or(cable.tension_min);
+}
+
+double CdprDescription::tension_max(Eigen::Index i) const {
+  return cables[static_cast<std::size_t>(i)].tension_max.value_or(cable.tension_max);
+}
+
+CableVector CdprDescription::tension_min() const {
+  return CableVector::NullaryExpr(num_cables(), [this](Eigen::Index i) { return tension_min(i); });
+}
+
+CableVector CdprDescription::tension_max() const {
+  return CableVector::NullaryExpr(num_cables(), [this](Eigen::Index i) { return tension_max(i); });
+}
+
+void CdprDescription::LimitTension(CableVector* tension) const {
+  for (Eigen::Index i = 0; i < tension->size(); ++i)
+    (*tension)[i] = std::min(std::max((*tension)[i], tension_min(i)), tension_max(i));
+}
+
 void CdprDescription::Validate() const {
   CheckRanges(*this);
   CheckInertia(inertia_B);
   CheckCables(cables);
   cable.Validate();
+  for (int i = 0; i < num_cables(); ++i)
+    if (tension_min(i) >= tension_max(i))
+      throw ParameterError(
+          fmt::format("cables.{}: tension_min = {} N must be below tension_max = {} N; raise its "
+                      "tension_max_N or lower its tension_min_N, or those of cable_properties",
+                      i, tension_min(i), tension_max(i)));
   winch.Validate();
   if (!winch.differential) return;
   for (const auto& [i, j] : winch.differential->pairs)

@@ -14,17 +14,21 @@
 
 namespace tenon {
 
-inline constexpr int kMinCables = 4;
+inline constexpr int kMinCables = 2;
 
 /// The cable between a platform attachment and an anchor.
 struct CableDescription {
   Eigen::Vector3d anchor_W = Eigen::Vector3d::Zero();  ///< anchor point in the world [m]
   Eigen::Vector3d attachment_B =
-      Eigen::Vector3d::Zero();  ///< attachment, from the CoM, in the platform frame [m]
+      Eigen::Vector3d::Zero();             ///< attachment, from the CoM, in the platform frame [m]
+  std::optional<double> tension_min = {};  ///< limit of this cable; empty: that of all cables [N]
+  std::optional<double> tension_max = {};  ///< limit of this cable; empty: that of all cables [N]
 
   static FieldList Fields() {
     return {Required("anchor_m", &CableDescription::anchor_W),
-            Required("attachment_m", &CableDescription::attachment_B)};
+            Required("attachment_m", &CableDescription::attachment_B),
+            Field("tension_min_N", &CableDescription::tension_min).AtLeast(0).Because("a cable cannot push"),
+            Field("tension_max_N", &CableDescription::tension_max).Finite()};
   }
 };
 
@@ -33,8 +37,8 @@ struct CableProperties {
   double axial_stiffness = 0;  ///< EA [N]; the stiffness of a cable of rest length l0 is EA / l0
   double axial_damping =
       0;  ///< EA times the material's damping time [N s]; the damping of a cable is this over l0
-  double tension_min = 0;  ///< lower bound of the commanded tension [N]
-  double tension_max = 0;  ///< upper bound of the commanded tension [N]
+  double tension_min = 0;  ///< lower bound of the commanded tension, where a cable has none of its own [N]
+  double tension_max = 0;  ///< upper bound of the commanded tension, where a cable has none of its own [N]
   double mass_per_length =
       0;  ///< mass per unstrained length [kg/m]; only for the plant, controllers assume massless cables
 
@@ -136,7 +140,7 @@ struct WinchProperties {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// A cable-driven parallel robot: one rigid platform, 4 or more cables, one winch each.
+/// A cable-driven parallel robot: one rigid platform, 2 or more cables, one winch each.
 ///
 /// Frames: W is the world, z up; B has its origin at the platform's CoM. The keys of a file are those of
 /// Fields(); the inertia is a list of three rows, or of the diagonal elements.
@@ -144,11 +148,16 @@ struct CdprDescription {
   std::string name;                                     ///< name of the robot
   double mass = 0;                                      ///< mass of the platform [kg]
   Eigen::Matrix3d inertia_B = Eigen::Matrix3d::Zero();  ///< inertia about the CoM, in B [kg m^2]
-  std::vector<CableDescription> cables;                 ///< four cables or more
+  std::vector<CableDescription> cables;                 ///< two cables or more
   CableProperties cable;                                ///< properties of all cables
   WinchProperties winch;                                ///< properties of all winches
 
   int num_cables() const { return static_cast<int>(cables.size()); }
+  double tension_min(Eigen::Index i) const;  ///< lower bound of the commanded tension of a cable [N]
+  double tension_max(Eigen::Index i) const;  ///< upper bound of the commanded tension of a cable [N]
+  CableVector tension_min() const;
+  CableVector tension_max() const;
+  void LimitTension(CableVector* tension) const;  ///< clamps tensions [N] to these bounds; does not allocate
 
   static FieldList Fields() {
     return {Required("name", &CdprDescription::name),

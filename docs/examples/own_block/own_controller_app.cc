@@ -40,7 +40,7 @@ class IntegralPd final : public tenon::LeafSystem<IntegralPdParams> {
     integral += rate.period() * (cables.length - reference.length);
     *command = reference.tension + kp * (cables.length - reference.length) +
                kd * (cables.length_rate - reference.length_rate) + params.integral_N_per_m_s * integral;
-    *command = command->cwiseMax(robot.cable.tension_min).cwiseMin(robot.cable.tension_max);
+    robot.LimitTension(command);
   }
 };
 

@@ -54,6 +54,18 @@ TEST_F(CablePdTest, StaysInsideTheBounds) {
   EXPECT_EQ(command[3], 800);
 }
 
+TEST(CablePdLimitsTest, EveryCableHasLimitsOfItsOwn) {
+  CablePdParams params{test::FourCableRobot(), 1000, 50};
+  params.robot.cables[1].tension_max = 200;
+  params.robot.cables[2].tension_min = 30;
+  TestRig<CablePd> rig(params);
+  CdprReference reference;
+  reference.length = reference.length_rate = CableVector::Zero(4);
+  reference.tension = CableVector{{300, 300, 10, 10}};
+  rig.Fix(rig->cables, CableSignals::Zero(4)).Fix(rig->reference, reference).Tick();
+  EXPECT_EQ(rig[rig->command], (CableVector{{300, 200, 30, 10}}));
+}
+
 TEST(CablePdParamsTest, GainsThatMakeNoSenseAreRefused) {
   const CdprDescription robot = test::FourCableRobot();
   EXPECT_TRUE(Refuses<CablePd>({robot, 0, 50}, "stiffness = 0"));

@@ -97,7 +97,7 @@ TEST(CdprWorkspaceTest, EveryPointOfAFeasibleCellIsFeasible) {
     }
     const CableMatrix6 W = CalcCableKinematics(robot, p, Matrix3d::Identity()).structure;
     const bool feasible =
-        distributor.Solve(W, required.centre, robot.cable.tension_min, robot.cable.tension_max).feasible;
+        distributor.Solve(W, required.centre, robot.tension_min(), robot.tension_max()).feasible;
     ASSERT_EQ(feasible, cell.wrench == PoseVerdict::kHolds) << p.transpose();
     holds += feasible ? 1 : 0;
   }
@@ -126,9 +126,8 @@ TEST(CdprWorkspaceTest, EveryAttitudeOfAFeasibleCellIsFeasible) {
     for (int k = 0; k < 3; ++k) rotation[k] += uniform(random) * cell.size[k] * grid.cell()[k];
     const Matrix3d R = Eigen::AngleAxisd(rotation.norm(), rotation.normalized()).toRotationMatrix();
     const CableMatrix6 W = CalcCableKinematics(robot, options.p_WB, R).structure;
-    EXPECT_EQ(
-        distributor.Solve(W, required.centre, robot.cable.tension_min, robot.cable.tension_max).feasible,
-        cell.wrench == PoseVerdict::kHolds)
+    EXPECT_EQ(distributor.Solve(W, required.centre, robot.tension_min(), robot.tension_max()).feasible,
+              cell.wrench == PoseVerdict::kHolds)
         << rotation.transpose();
   }
 }

@@ -1,4 +1,5 @@
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
+#include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/block_test.h>
@@ -148,12 +149,92 @@ TEST(InverseGeometricoStatic, SixAndEightCablesHoldAPrescribedAttitude) {
   }
 }
 
+TEST(InverseGeometricoStatic, ThreeCablesHoldThePlatformAtOneAttitude) {
+  const CdprDescription robot = test::ThreeCableRobot();
+  for (const Vector3d& p : {Vector3d(0, 0, 2), Vector3d(0.6, -0.4, 1.5)}) {
+    const StaticEquilibrium found = SolveInverseGeometricoStatic(robot, p);
+    EXPECT_LT(RelativeResidual(robot, found), 1e-12);
+    EXPECT_GT(found.stiffness_min, 0);
+  }
+}
+
+// The lines of two cables and that of the weight meet in one point.
+TEST(InverseGeometricoStatic, TwoCablesHoldThePlatformInTheirPlane) {
+  for (const int normal : {1, 0}) {
+    CdprDescription robot = test::PlanarRobot(2);
+    Vector3d p(0.8, 0, 2.3);
+    if (normal == 0) {
+      for (CableDescription& cable : robot.cables) {
+        std::swap(cable.anchor_W[0], cable.anchor_W[1]);
+        std::swap(cable.attachment_B[0], cable.attachment_B[1]);
+      }
+      std::swap(p[0], p[1]);
+    }
+    const StaticEquilibrium found = SolveInverseGeometricoStatic(robot, p);
+    EXPECT_LT(RelativeResidual(robot, found), 1e-12);
+    EXPECT_GT(found.stiffness_min, 0);
+    EXPECT_EQ(found.euler[1 - normal], 0);
+    EXPECT_EQ(found.euler[2], 0);
+    const CableKinematics cables = Cables(robot, found);
+    double height[2];
+    for (const int i : {0, 1}) {
+      const Vector3d arm = cables.arm_W.col(i), along = cables.direction.col(i);
+      height[i] = arm[2] - arm[1 - normal] / along[1 - normal] * along[2];  // of the line, above the CoM
+    }
+    EXPECT_NEAR(height[0], height[1], 1e-9);
+    EXPECT_GT(std::abs(found.euler[normal]), 0.01);
+  }
+}
+
+// No angle in the plane has smaller tensions.
+TEST(InverseGeometricoStatic, FourCablesOfAPlanarRobotHaveTheLeastTensions) {
+  CdprDescription robot = test::PlanarRobot(4);
+  robot.cable.tension_min = 10;
+  const Vector3d p(0.8, 0, 2.3);
+  const StaticEquilibrium found = SolveInverseGeometricoStatic(robot, p);
+  EXPECT_LT(RelativeResidual(robot, found), 1e-12);
+  EXPECT_GE(found.tension.minCoeff(), 10);
+  int feasible = 0;
+  for (double pitch = -1; pitch < 1; pitch += 0.002) {
+    const CableKinematics cables = CalcCableKinematics(robot, p, RotationFromEuler({0, pitch, 0}));
+    const TensionDistribution other =
+        DistributeTension(cables.structure, -GravityWrench(robot), robot.tension_min(), robot.tension_max());
+    if (!other.feasible) continue;
+    ++feasible;
+    EXPECT_GE(other.tension.norm(), found.tension.norm() - 1e-9) << pitch;
+  }
+  EXPECT_GT(feasible, 20);
+
+  StaticsOptions options{.attitude = Vector3d(0, found.euler[1] + 0.01, 0), .tension_aim = 100};
+  const StaticEquilibrium turned = SolveInverseGeometricoStatic(robot, p, options);
+  EXPECT_LT(RelativeResidual(robot, turned), 1e-12);
+}
+
+TEST(InverseGeometricoStatic, RefusesPlacesOutOfThePlane) {
+  const CdprDescription planar = test::PlanarRobot(4);
+  EXPECT_TRUE(RefusesPlace(planar, {0, 0.1, 2}, {}, "'planar'", "in the plane y = 0 m only"));
+  EXPECT_TRUE(RefusesPlace(planar, {0, 0, 2}, {.attitude = Vector3d(0.1, 0, 0)}, "turn it about y only"));
+  EXPECT_TRUE(
+      RefusesPlace(test::PlanarRobot(2), {0, 0, 2}, {.attitude = Vector3d::Zero()}, "takes 3 cables"));
+  CdprDescription oblique = test::PlanarRobot(2);
+  oblique.cables[0].anchor_W[1] = 1;
+  EXPECT_TRUE(RefusesPlace(oblique, {0, 0, 2}, {}, "the vertical plane of their anchors"));
+}
+
 TEST(InverseGeometricoStatic, BoundsAreKept) {
   CdprDescription robot = test::FourCableRobot();
   robot.cable.tension_min = 15;
   const StaticEquilibrium found = SolveInverseGeometricoStatic(robot, {3, 0.8, 2});
   EXPECT_EQ(found.tension.minCoeff(), 15);
   EXPECT_LT(RelativeResidual(robot, found), 1e-12);
+
+  const double highest = found.tension.maxCoeff();
+  int cable = 0;
+  found.tension.maxCoeff(&cable);
+  robot.cables[static_cast<std::size_t>(cable)].tension_max = highest - 2;
+  const StaticEquilibrium relieved = SolveInverseGeometricoStatic(robot, {3, 0.8, 2});
+  EXPECT_DOUBLE_EQ(relieved.tension[cable], highest - 2);
+  EXPECT_LT(RelativeResidual(robot, relieved), 1e-12);
 }
 
 TEST(InverseGeometricoStatic, RefusesPlacesWhereItCannotRest) {
@@ -207,7 +288,7 @@ TEST(InverseGeometricoStatic, RefusesNonsense) {
     change(robot);
     return RefusesPlace(robot, {0, 0, 2}, {}, "'four'", key);
   };
-  EXPECT_TRUE(refuses([](auto& robot) { robot.cables.resize(3); }, "3 cables"));
+  EXPECT_TRUE(refuses([](auto& robot) { robot.cables.resize(1); }, "1 cables"));
   EXPECT_TRUE(refuses([](auto& robot) { robot.mass = 0; }, "mass"));
   EXPECT_TRUE(refuses([](auto& robot) { robot.inertia_B.setZero(); }, "inertia"));
   EXPECT_TRUE(refuses([](auto& robot) { robot.cable.tension_min = 900; }, "[900, 800] N"));

@@ -31,7 +31,8 @@ struct Case {
   const char* name;
   int cables;
   PlatformDemand demand;
-  double angle;  ///< of a ball, per metre of its radius [rad/m]
+  double angle;          ///< of a ball, per metre of its radius [rad/m]
+  bool unequal = false;  ///< whether each cable has limits of its own
 };
 
 class PoseFeasibilityTest : public ::testing::TestWithParam<Case> {};
@@ -40,8 +41,12 @@ class PoseFeasibilityTest : public ::testing::TestWithParam<Case> {};
 // ball is feasible by the quadratic program of tension_distribution.h; if it is kFails, none is. Small balls
 // are undecided only at the boundary.
 TEST_P(PoseFeasibilityTest, ProofsHoldAtEveryPoseOfTheBall) {
-  const auto [name, num_cables, demand, angle] = GetParam();
-  const CdprDescription robot = test::RobotWithCables(num_cables);
+  const auto [name, num_cables, demand, angle, unequal] = GetParam();
+  CdprDescription robot = test::RobotWithCables(num_cables);
+  for (int i = 0; unequal && i < num_cables; ++i) {
+    robot.cables[i].tension_min = robot.cable.tension_min * (0.5 + 0.3 * (i % 3));
+    robot.cables[i].tension_max = robot.cable.tension_max * (0.2 + 0.1 * (i % 4));
+  }
   const WrenchBox required = RequiredWrenches(robot, demand);
   PoseFeasibility feasibility(robot, required);
   TensionDistributor distributor(num_cables);
@@ -50,7 +55,7 @@ TEST_P(PoseFeasibilityTest, ProofsHoldAtEveryPoseOfTheBall) {
     for (int bits = 0; bits < 64; ++bits) {
       Vector6d wrench = required.centre;
       for (int k = 0; k < 6; ++k) wrench[k] += ((bits >> k & 1) != 0 ? 1 : -1) * required.half_width[k];
-      if (!distributor.Solve(W, wrench, robot.cable.tension_min, robot.cable.tension_max, 1e-7).feasible)
+      if (!distributor.Solve(W, wrench, robot.tension_min(), robot.tension_max(), 1e-7).feasible)
         return false;
       if (required.half_width.isZero()) return true;
     }
@@ -91,6 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
     Robots, PoseFeasibilityTest,
     ::testing::Values(Case{"six", 6, {}, 0}, Case{"eight", 8, {}, 0.5},
                       Case{"eight_accelerating", 8, {.load = 3, .acceleration = 1, .torque = 1}, 0.5},
+                      Case{"eight_with_limits_of_their_own", 8, {.load = 10}, 0.5, true},
                       Case{"twelve", 12, {.load = 10}, 0.5}),
     [](const auto& info) { return info.param.name; });
 
@@ -170,6 +176,12 @@ TEST(PoseFeasibilityTest, RefusesRobotsThatHaveNoSuchWorkspace) {
   EXPECT_NO_THROW(PoseFeasibility(robot, RequiredWrenches(robot, {})));
   EXPECT_TRUE(Throws<ParameterError>([&] { PoseFeasibility(robot, RequiredWrenches(robot, {.torque = 1})); },
                                      "torque"));
+}
+
+TEST(PoseFeasibilityPlanarTest, APlanarRobotIsRefused) {
+  const CdprDescription robot = test::PlanarRobot(4);
+  EXPECT_TRUE(Throws<ParameterError>([&] { PoseFeasibility(robot, RequiredWrenches(robot, {})); }, "'planar'",
+                                     "vertical plane"));
 }
 
 }  // namespace

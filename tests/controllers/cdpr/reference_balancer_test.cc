@@ -77,6 +77,26 @@ TEST(ReferenceBalancerTest, TensionsStayWithinTheBounds) {
   EXPECT_LT(Imbalance(robot, held, load).norm(), 1e-6);
 }
 
+// A load beside the plane of a planar robot: what is in the plane is balanced.
+TEST(ReferenceBalancerTest, APlanarRobotRemainsInItsPlane) {
+  for (const int cables : {2, 4}) {
+    const CdprDescription robot = test::PlanarRobot(cables);
+    const CdprReference reference = Hold(robot, {0.3, 0, 2.2});
+    LoadEstimate load;
+    load.payload = {3, {0.05, 0.2, -0.1}};
+    load.rest = {{4, 7, 0}, {1, 0.5, 2}};
+    ReferenceShift shift;
+    BalancedReference balanced(robot);
+    for (int k = 0; k < 30; ++k) balanced.Calc(reference, load, {}, shift);
+    CdprReference held = reference;
+    held.euler = balanced.euler();
+    held.tension = balanced.tension();
+    EXPECT_LT(std::abs(held.euler[0]) + std::abs(held.euler[2]), 1e-12) << cables;
+    const Vector6d missing = Imbalance(robot, held, load);
+    for (const int motion : {0, 2, 4}) EXPECT_LT(std::abs(missing[motion]), 1e-6) << cables << ", " << motion;
+  }
+}
+
 CableVector Broken(int cables, std::initializer_list<int> which) {
   CableVector broken = CableVector::Zero(cables);
   for (const int i : which) broken[i] = 1;

@@ -20,19 +20,24 @@ using ::testing::HasSubstr;
 
 constexpr double kInfinity = INFINITY;
 
+CableVector All(int num_cables, double tension) {
+  return CableVector::Constant(num_cables, tension);
+}
+
 CableMatrix6 Structure(const CdprDescription& robot, const Vector3d& p,
                        const Vector3d& euler = Vector3d::Zero()) {
   return CalcCableKinematics(robot, p, RotationFromEuler(euler)).structure;
 }
 
 // Stationarity: u + W^T mu is zero where u is free, and pushes outwards where it is at a bound.
-void ExpectKkt(const CableMatrix6& W, const Vector6d& b, const CableVector& u, double lower, double upper) {
+void ExpectKkt(const CableMatrix6& W, const Vector6d& b, const CableVector& u, const CableVector& lower,
+               const CableVector& upper) {
   EXPECT_LT((W * u - b).norm(), 1e-9 * b.norm());
   std::vector<int> free;
   for (int i = 0; i < u.size(); ++i) {
-    EXPECT_GE(u[i], lower);
-    EXPECT_LE(u[i], upper);
-    if (u[i] > lower + 1e-8 && u[i] < upper - 1e-8) free.push_back(i);
+    EXPECT_GE(u[i], lower[i]);
+    EXPECT_LE(u[i], upper[i]);
+    if (u[i] > lower[i] + 1e-8 && u[i] < upper[i] - 1e-8) free.push_back(i);
   }
   const MatrixXd columns = MatrixXd(W)(Eigen::all, free).transpose();
   const VectorXd mu = columns.completeOrthogonalDecomposition().solve(-VectorXd(u)(free));
@@ -41,24 +46,25 @@ void ExpectKkt(const CableMatrix6& W, const Vector6d& b, const CableVector& u, d
   // With fewer free tensions than equations mu is not unique, and its sign says nothing.
   if (free.size() < 6) return;
   for (int i = 0; i < u.size(); ++i) {
-    if (u[i] <= lower + 1e-8) {
+    if (u[i] <= lower[i] + 1e-8) {
       EXPECT_GE(gradient[i], -1e-8);
     }
-    if (u[i] >= upper - 1e-8) {
+    if (u[i] >= upper[i] - 1e-8) {
       EXPECT_LE(gradient[i], 1e-8);
     }
   }
 }
 
-VectorXd SolveWithNlopt(const CableMatrix6& W, const Vector6d& b, double lower, double upper) {
+VectorXd SolveWithNlopt(const CableMatrix6& W, const Vector6d& b, const CableVector& lower,
+                        const CableVector& upper) {
   struct Problem {
     const CableMatrix6& W;
     const Vector6d& b;
   } problem{W, b};
   const int n = static_cast<int>(W.cols());
   nlopt::opt optimizer(nlopt::LD_SLSQP, n);
-  optimizer.set_lower_bounds(lower);
-  optimizer.set_upper_bounds(upper);
+  optimizer.set_lower_bounds(std::vector<double>(lower.begin(), lower.end()));
+  optimizer.set_upper_bounds(std::vector<double>(upper.begin(), upper.end()));
   optimizer.set_min_objective(
       [](const std::vector<double>& x, std::vector<double>& gradient, void*) {
         double sum = 0;
@@ -80,7 +86,8 @@ VectorXd SolveWithNlopt(const CableMatrix6& W, const Vector6d& b, double lower, 
       &problem, std::vector<double>(6, 1e-9));
   optimizer.set_xtol_rel(1e-12);
   optimizer.set_maxeval(500);
-  std::vector<double> x(n, (lower + upper) / 2);
+  const CableVector middle = (lower + upper) / 2;
+  std::vector<double> x(middle.begin(), middle.end());
   double value = 0;
   try {
     optimizer.optimize(x, value);
@@ -92,7 +99,7 @@ VectorXd SolveWithNlopt(const CableMatrix6& W, const Vector6d& b, double lower, 
 TEST(TensionDistribution, FourCablesAtTheCentreShareTheWeight) {
   const CdprDescription robot = test::FourCableRobot();
   const CableMatrix6 W = Structure(robot, {0, 0, 2});
-  const TensionDistribution found = DistributeTension(W, -GravityWrench(robot), 0, 800);
+  const TensionDistribution found = DistributeTension(W, -GravityWrench(robot), All(4, 0), All(4, 800));
   ASSERT_TRUE(found.feasible) << found.reason;
   EXPECT_LT((found.tension.array() - 15 * 9.81 / (4 * W(2, 0))).abs().maxCoeff(), 1e-10);
   EXPECT_TRUE(found.reason.empty());
@@ -100,7 +107,7 @@ TEST(TensionDistribution, FourCablesAtTheCentreShareTheWeight) {
 
 TEST(TensionDistribution, NoWrenchNeedsNoTension) {
   const CableMatrix6 W = Structure(test::FourCableRobot(), {0.5, 0, 2});
-  const TensionDistribution found = DistributeTension(W, Vector6d::Zero(), 0, 800);
+  const TensionDistribution found = DistributeTension(W, Vector6d::Zero(), All(4, 0), All(4, 800));
   EXPECT_TRUE(found.feasible) << found.reason;
   EXPECT_EQ(found.tension, CableVector::Zero(4));
 }
@@ -109,14 +116,14 @@ TEST(TensionDistribution, WithoutActiveBoundsIsThePseudoinverse) {
   const CdprDescription robot = test::EightCableRobot();
   const CableMatrix6 W = Structure(robot, {0.5, -0.4, 2}, {0.02, 0.05, -0.03});
   const Vector6d b = -GravityWrench(robot);
-  const TensionDistribution found = DistributeTension(W, b, -kInfinity, kInfinity);
+  const TensionDistribution found = DistributeTension(W, b, All(8, -kInfinity), All(8, kInfinity));
   ASSERT_TRUE(found.feasible) << found.reason;
   const VectorXd expected = MatrixXd(W).completeOrthogonalDecomposition().solve(b);
   EXPECT_LT((found.tension - expected).norm(), 1e-10);
 }
 
-// At random poses and bounds, solutions meet the optimality conditions and agree with NLopt; where there is
-// none, NLopt finds none either.
+// At random poses and bounds, different for each cable, solutions meet the optimality conditions and agree
+// with NLopt; where there is none, NLopt finds none either.
 class TensionDistributionOfRobots : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Cables, TensionDistributionOfRobots, ::testing::Values(8, 12, 16));
 
@@ -133,15 +140,18 @@ TEST_P(TensionDistributionOfRobots, AgreeWithNloptAtRandomPoses) {
     const CableMatrix6 W = Structure(robot, p, euler);
     Vector6d b = -GravityWrench(robot);
     for (int i = 0; i < 6; ++i) b[i] += (i < 3 ? 30 : 2) * uniform(random);
-    const double lower = (10 + 5 * uniform(random)) * 8 / GetParam();
-    const double upper = 300 + 150 * uniform(random);
+    CableVector lower(GetParam()), upper(GetParam());
+    for (int i = 0; i < GetParam(); ++i) {
+      lower[i] = (10 + 5 * uniform(random)) * 8 / GetParam();
+      upper[i] = 300 + 150 * uniform(random);
+    }
 
     const TensionDistribution found = distributor.Solve(W, b, lower, upper);
     const VectorXd expected = SolveWithNlopt(W, b, lower, upper);
     const double miss = (W * expected - b).norm();
     if (found.feasible) {
       ++feasible;
-      if (found.tension.minCoeff() < lower + 1e-8) ++bounded;
+      if ((found.tension - lower).minCoeff() < 1e-8) ++bounded;
       ExpectKkt(W, b, found.tension, lower, upper);
       if (miss < 1e-6) {
         EXPECT_LT((found.tension - expected).norm(), 1e-4) << "trial " << trial;
@@ -169,12 +179,12 @@ TEST(TensionDistribution, DoesNotDependOnTheOrderOfTheCables) {
     }
     Vector6d b = Vector6d::Zero();
     b.head<3>() << 50 * uniform(random), 50 * uniform(random), 150;
-    const TensionDistribution found = DistributeTension(W, b, 20, 80);
+    const TensionDistribution found = DistributeTension(W, b, All(8, 20), All(8, 80));
     feasible += found.feasible;
     for (int first = 1; first < 8; ++first) {
       CableMatrix6 turned(6, 8);
       turned << W.rightCols(8 - first), W.leftCols(first);
-      const TensionDistribution again = DistributeTension(turned, b, 20, 80);
+      const TensionDistribution again = DistributeTension(turned, b, All(8, 20), All(8, 80));
       ASSERT_EQ(again.feasible, found.feasible) << trial;
       if (!found.feasible) continue;
       CableVector expected(8);
@@ -198,7 +208,8 @@ TEST(TensionDistribution, GivesTheReasonIfThereIsNone) {
                         Case{test::SixCableRobot(), {-3, 0, 2}, {0, 0, 0}, 800, " of 6 would need -"},
                         Case{test::EightCableRobot(), {0, 0, 2}, {0, 0, 0}, 20, "[0, 20] N"}}) {
     const TensionDistribution found =
-        DistributeTension(Structure(c.robot, c.p_WB, c.euler), -GravityWrench(c.robot), 0, c.upper);
+        DistributeTension(Structure(c.robot, c.p_WB, c.euler), -GravityWrench(c.robot),
+                          All(c.robot.num_cables(), 0), All(c.robot.num_cables(), c.upper));
     EXPECT_FALSE(found.feasible);
     EXPECT_THAT(found.reason, HasSubstr(c.reason));
     EXPECT_EQ(found.residual_force + found.residual_torque > 0.1, c.robot.num_cables() == 4);
@@ -211,9 +222,10 @@ TEST(TensionDistribution, DoesNotAllocate) {
     const CableMatrix6 W = Structure(robot, {0, 0, 2});
     const Vector6d b = -GravityWrench(robot);
     TensionDistributor distributor(n);
-    const double lower = n == 4 ? 0 : 15;  // which holds some of the eight and the twelve
+    const CableVector lower = All(n, n == 4 ? 0 : 15),  // which holds some of the eight and the twelve
+        upper = All(n, 800);
     const AllocationGuard guard;
-    const bool feasible = distributor.Solve(W, b, lower, 800).feasible;
+    const bool feasible = distributor.Solve(W, b, lower, upper).feasible;
     EXPECT_EQ(guard.count(), 0) << n;
     EXPECT_TRUE(feasible) << n;
   }
@@ -222,8 +234,8 @@ TEST(TensionDistribution, DoesNotAllocate) {
 TEST(TensionDistribution, RefusesAnotherNumberOfCables) {
   const CdprDescription robot = test::SixCableRobot();
   const CableMatrix6 W = Structure(robot, {0, 0, 2});
-  EXPECT_TRUE(Throws<ParameterError>([&] { TensionDistributor(4).Solve(W, -GravityWrench(robot), 0, 800); },
-                                     "6", "4"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] { TensionDistributor(4).Solve(W, -GravityWrench(robot), All(4, 0), All(4, 800)); }, "6", "4"));
 }
 
 }  // namespace

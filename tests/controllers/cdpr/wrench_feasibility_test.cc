@@ -28,6 +28,10 @@ double Uniform(double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(Random());
 }
 
+CableVector All(int num_cables, double tension) {
+  return CableVector::Constant(num_cables, tension);
+}
+
 WrenchBox Point(const VectorXd& wrench) {
   return {wrench, VectorXd::Zero(wrench.size())};
 }
@@ -46,14 +50,14 @@ double Cross(const Vector2d& a, const Vector2d& b) {
 // The wrenches of three cables in a plane are a hexagon, the convex hull of the eight corners of the
 // tensions.
 TEST(WrenchFeasibilityTest, CapacityIsTheDistanceFromTheHexagon) {
-  constexpr double kLow = 5, kHigh = 60;
-  WrenchFeasibility feasibility(2, 3);
+  const Vector3d low(5, 0, 12), high(60, 40, 75);
+  WrenchFeasibility feasibility(2, low, high);
   for (int k = 0; k < 50; ++k) {
     const MatrixXd W = Directions({{-3, 4}, {3, 4.5}, {0.5, 0}}, {Uniform(-3, 3), Uniform(0.5, 4)});
     std::vector<Vector2d> corners;
     for (int bits = 0; bits < 8; ++bits) {
       Vector3d u;
-      for (int i = 0; i < 3; ++i) u[i] = (bits >> i & 1) != 0 ? kHigh : kLow;
+      for (int i = 0; i < 3; ++i) u[i] = ((bits >> i & 1) != 0 ? high : low)[i];
       corners.emplace_back(W * u);
     }
     const Vector2d wrench(Uniform(-60, 60), Uniform(-40, 100));
@@ -69,12 +73,17 @@ TEST(WrenchFeasibilityTest, CapacityIsTheDistanceFromTheHexagon) {
     }
     feasibility.SetStructure(W);
     EXPECT_EQ(feasibility.num_facets(), 3);
-    EXPECT_NEAR(feasibility.Margins(Point(wrench), kLow, kHigh).capacity, least, 1e-9 * kHigh);
+    EXPECT_NEAR(feasibility.Margins(Point(wrench)).capacity, least, 1e-7);
+    // With a share of the range, the hexagon is that of the corners up to it.
+    WrenchFeasibility part(2, low, low + 0.3 * (high - low));
+    part.SetStructure(W);
+    EXPECT_NEAR(feasibility.Margins(Point(wrench), 0.3).capacity, part.Margins(Point(wrench)).capacity, 1e-9);
+    EXPECT_NEAR(feasibility.Margins(Point(wrench), 0.3).tension, part.Margins(Point(wrench)).tension, 1e-9);
   }
 }
 
 /// Whether the quadratic program of tension_distribution.h finds tensions for all corners of the box.
-bool Produces(const CableMatrix6& W, const WrenchBox& box, double low, double high) {
+bool Produces(const CableMatrix6& W, const WrenchBox& box, const CableVector& low, const CableVector& high) {
   TensionDistributor distributor(static_cast<int>(W.cols()));
   for (int bits = 0; bits < 64; ++bits) {
     Vector6d wrench = box.centre;
@@ -91,11 +100,18 @@ bool Produces(const CableMatrix6& W, const WrenchBox& box, double low, double hi
 
 class MarginTest : public ::testing::TestWithParam<int> {};
 
-// With bounds tightened by less than the margin, a quadratic program finds tensions for every corner of the
-// required wrenches; tightened by more, it does not. A negative margin widens the bounds.
+// The bounds of all cables are different. With bounds tightened by less than the margin, a quadratic program
+// finds tensions for every corner of the required wrenches; tightened by more, it does not. A negative margin
+// widens the bounds.
 TEST_P(MarginTest, IsWhereTheQuadraticProgramBecomesInfeasible) {
   const CdprDescription robot = test::RobotWithCables(GetParam());
-  WrenchFeasibility feasibility(6, robot.num_cables());
+  const int n = robot.num_cables();
+  CableVector low = All(n, 10), high = All(n, 400);
+  for (int i = 0; i < n; ++i) {
+    low[i] -= 0.5 * i;
+    high[i] -= 15 * (i % 4);
+  }
+  WrenchFeasibility feasibility(6, low, high);
   int feasible = 0, checked = 0;
   for (int k = 0; k < 60; ++k) {
     const Vector3d p(Uniform(-2.5, 2.5), Uniform(-3, 3), Uniform(0.5, 3)),
@@ -103,13 +119,12 @@ TEST_P(MarginTest, IsWhereTheQuadraticProgramBecomesInfeasible) {
     const CableMatrix6 W = CalcCableKinematics(robot, p, RotationFromEuler(euler)).structure;
     WrenchBox box = Point(-GravityWrench(robot));
     if (k % 2 == 1) box.half_width << 20, 10, 30, 0, 2, 0;
-    const double low = 10, high = 400;
     feasibility.SetStructure(W);
-    const double margin = feasibility.Margins(box, low, high).tension;
+    const double margin = feasibility.Margins(box).tension;
     if (std::abs(margin) > 150) continue;  // bounds would meet, or be far from what cables do
-    const double step = 1e-6 * high;
-    EXPECT_TRUE(Produces(W, box, low + margin - step, high - margin + step)) << k << ": " << margin;
-    EXPECT_FALSE(Produces(W, box, low + margin + step, high - margin - step)) << k << ": " << margin;
+    const CableVector inner = All(n, margin - 4e-4), outer = All(n, margin + 4e-4);
+    EXPECT_TRUE(Produces(W, box, low + inner, high - inner)) << k << ": " << margin;
+    EXPECT_FALSE(Produces(W, box, low + outer, high - outer)) << k << ": " << margin;
     feasible += margin > 0 ? 1 : 0;
     ++checked;
   }
@@ -125,17 +140,21 @@ INSTANTIATE_TEST_SUITE_P(Cables, MarginTest, ::testing::Values(6, 8, 12));
 TEST(WrenchFeasibilityTest, CapacityIsTheRadiusOfTheLargestBall) {
   const CdprDescription robot = test::EightCableRobot();
   const CableMatrix6 W = CalcCableKinematics(robot, {0.3, -0.4, 1.7}, Eigen::Matrix3d::Identity()).structure;
-  WrenchFeasibility feasibility(6, 8);
+  CableVector low = All(8, 10), high = All(8, 800);
+  low[3] = 30;
+  high[5] = 120;
+  WrenchFeasibility feasibility(6, low, high);
   feasibility.SetStructure(W);
   const Vector6d weight = -GravityWrench(robot);
-  const double capacity = feasibility.Margins(Point(weight), 10, 800).capacity;
+  const double capacity = feasibility.Margins(Point(weight)).capacity;
   ASSERT_GT(capacity, 0);
   int beyond = 0;
   for (int facet = 0; facet < feasibility.num_facets(); ++facet) {
     const Vector6d direction = feasibility.normal(facet).normalized();
     for (const double sign : {1, -1}) {
-      EXPECT_TRUE(DistributeTension(W, weight + 0.999 * sign * capacity * direction, 10, 800).feasible);
-      beyond += DistributeTension(W, weight + 1.001 * sign * capacity * direction, 10, 800).feasible ? 0 : 1;
+      EXPECT_TRUE(DistributeTension(W, weight + 0.999 * sign * capacity * direction, low, high).feasible);
+      beyond +=
+          DistributeTension(W, weight + 1.001 * sign * capacity * direction, low, high).feasible ? 0 : 1;
     }
   }
   EXPECT_GE(beyond, 1);
@@ -150,7 +169,7 @@ TEST(WrenchFeasibilityTest, NormalsAreNormalToTheirCables) {
       CableMatrix6 W =
           CalcCableKinematics(robot, {0.3, -0.4, 1.7}, RotationFromEuler({0.1, 0, 0.2})).structure;
       if (same >= 0) W.col(same + 2) = 2 * W.col(same);
-      WrenchFeasibility feasibility(6, n);
+      WrenchFeasibility feasibility(6, All(n, 0), All(n, 800));
       feasibility.SetStructure(W);
       std::set<std::vector<int>> choices;
       int none = 0;
@@ -176,9 +195,9 @@ TEST(WrenchFeasibilityTest, NormalsAreNormalToTheirCables) {
 TEST(WrenchFeasibilityTest, ParallelCables) {
   MatrixXd W(2, 4);
   W << 1, 1, -1, 0, 0, 0, 0, 1;
-  WrenchFeasibility feasibility(2, 4);
+  WrenchFeasibility feasibility(2, All(4, 0), All(4, 10));
   feasibility.SetStructure(W);
-  const WrenchMargins margins = feasibility.Margins(Point(Vector2d(0, 4)), 0, 10);
+  const WrenchMargins margins = feasibility.Margins(Point(Vector2d(0, 4)));
   EXPECT_NEAR(margins.tension, 10.0 / 3, 1e-12);  // the first two together against the third: 2 m = 10 - m
   EXPECT_NEAR(margins.capacity, 4, 1e-12);        // down, the last one goes slack
 }
@@ -186,18 +205,20 @@ TEST(WrenchFeasibilityTest, ParallelCables) {
 TEST(WrenchFeasibilityTest, NothingIsProducedOutOfThePlaneOfAllCables) {
   MatrixXd W = MatrixXd::Zero(3, 4);
   W.topRows(2) << 1, -1, 0, 0, 0, 0, 1, -1;
-  WrenchFeasibility feasibility(3, 4);
+  WrenchFeasibility feasibility(3, All(4, 0), All(4, 10));
   feasibility.SetStructure(W);
-  EXPECT_FALSE(feasibility.Margins(Point(Vector3d(0, 0, 1)), 0, 10).feasible());
-  EXPECT_NEAR(feasibility.Margins(Point(Vector3d(0, 0, 1)), 0, 10).capacity, -1, 1e-12);
+  EXPECT_FALSE(feasibility.Margins(Point(Vector3d(0, 0, 1))).feasible());
+  EXPECT_NEAR(feasibility.Margins(Point(Vector3d(0, 0, 1))).capacity, -1, 1e-12);
   feasibility.SetStructure(MatrixXd::Ones(3, 4));
-  EXPECT_FALSE(feasibility.Margins(Point(Vector3d(1, 1, 1)), 0, 10).feasible());
+  EXPECT_FALSE(feasibility.Margins(Point(Vector3d(1, 1, 1))).feasible());
 }
 
 TEST(WrenchFeasibilityTest, RefusesTooFewCablesAndOtherSizes) {
-  EXPECT_TRUE(Throws<ParameterError>([] { WrenchFeasibility(6, 5); }, "5 cables"));
-  EXPECT_TRUE(Throws<ParameterError>([] { WrenchFeasibility(1, 5); }, "two rows"));
-  WrenchFeasibility feasibility(6, 8);
+  EXPECT_TRUE(Throws<ParameterError>([] { WrenchFeasibility(6, All(5, 0), All(5, 10)); }, "5 cables"));
+  EXPECT_TRUE(Throws<ParameterError>([] { WrenchFeasibility(1, All(5, 0), All(5, 10)); }, "two rows"));
+  EXPECT_TRUE(Throws<ParameterError>([] { WrenchFeasibility(6, All(8, 10), All(8, 10)); }, "bounds"));
+  EXPECT_TRUE(Throws<ParameterError>([] { WrenchFeasibility(6, All(8, 0), All(8, INFINITY)); }, "bounds"));
+  WrenchFeasibility feasibility(6, All(8, 0), All(8, 10));
   EXPECT_TRUE(Throws<ParameterError>([&] { feasibility.SetStructure(MatrixXd::Zero(6, 7)); }, "6 x 7"));
 }
 

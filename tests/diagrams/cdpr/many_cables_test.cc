@@ -1,4 +1,4 @@
-// Robots with more cables than any shipped one, read from YAML.
+// Robots with more or fewer cables than any shipped one, read from YAML.
 
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/plants/signals/euler.h>
@@ -117,6 +117,38 @@ TEST_P(ManyCables, RunWithoutAllocating) {
     const AllocationGuard guard;
     simulator.RunTo(0.04);
     EXPECT_EQ(guard.count(), 0) << (mpc ? "MPC" : "PD");
+  }
+}
+
+// Three cables, and planar robots with two and four in a vertical circle. A gust out of the plane makes these
+// swing, and the controllers remain calm.
+TEST(FewCables, FollowTheCircleUnderPdAndMpc) {
+  const Vec<3> x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  for (const CdprDescription& robot : {test::ThreeCableRobot(), test::PlanarRobot(2), test::PlanarRobot(4)}) {
+    const bool planar = PlaneOf(robot).has_value();
+    const auto path =
+        std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, 2}, 0.3, 12, 2, x, planar ? z : y));
+    for (const bool mpc : {false, true}) {
+      SCOPED_TRACE(robot.name + std::to_string(robot.num_cables()) + (mpc ? ", MPC" : ", PD"));
+      CdprLoopParams params = mpc ? test::WithMpc(robot, path) : test::WithPd(robot, path);
+      if (mpc) params.offset_free = true;
+      params.forbid_slack = false;
+      if (planar) params.gusts.gusts.push_back({{0, 3, 0}, 1, 0.5});
+      DiagramBuilder builder;
+      auto& loop = builder.Add<CdprLoop>("loop", params);
+      const auto diagram = builder.Build();
+      Simulator simulator(*diagram, {.order = 2, .rtol = 1e-4, .atol = 1e-6});
+      const auto log = simulator.AddLog(Hz(50), {&loop.platform, &loop.reference.reference});
+      const RunStatus status = simulator.AdvanceTo(6);
+      ASSERT_FALSE(status.ended) << status.reason;
+      const Vec<3> away = simulator.context().Eval(loop.platform).p_WB -
+                          simulator.context().Eval(loop.reference.reference).position;
+      EXPECT_LT(std::abs(away[0]) + std::abs(away[2]), mpc ? 0.005 : 0.02);
+      EXPECT_LT(std::abs(away[1]), planar ? 0.1 : 0.01);
+      if (mpc) {
+        EXPECT_EQ(simulator.context().Eval(loop.control.mpc->diagnostics).fallbacks, 0);
+      }
+    }
   }
 }
 

@@ -51,6 +51,16 @@ TEST(CdprMonitorTest, ACableThatPullsNoHarderThanItsWeightIsSlack) {
   EXPECT_THAT(rig.RunOn().reason, HasSubstr("cable 1"));
 }
 
+TEST(CdprMonitorTest, ACableHasALimitOfItsOwn) {
+  CdprMonitorParams params{.robot = test::FourCableRobot()};
+  params.robot.cables[2].tension_max = 300;
+  Rig rig(params);
+  rig.SetTension(329);
+  EXPECT_FALSE(rig.RunOn().ended);
+  rig.SetTension(331);
+  EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("cable 2"), HasSubstr("330 N")));
+}
+
 TEST(CdprMonitorTest, SlackMayBeAllowed) {
   Rig rig;
   rig.SetTension(0);

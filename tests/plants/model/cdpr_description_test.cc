@@ -156,7 +156,7 @@ TEST(CdprDescriptionTest, RefusesImpossibleNumbers) {
       {[](auto& robot) { robot.inertia_B(1, 1) = -0.1; }, "principal moments are -0.1,"},
       {[](auto& robot) { robot.inertia_B.diagonal() << 1, 2, 3.5; }, "1, 2, 3.5 kg m^2"},
       {[](auto& robot) { robot.inertia_B(0, 0) = INFINITY; }, "inertia"},
-      {[](auto& robot) { robot.cables.pop_back(); }, "cables"},
+      {[](auto& robot) { robot.cables.resize(1); }, "cables"},
       {[](auto& robot) { robot.cables[2] = robot.cables[1]; }, "cables.1 and 2"},
       {[](auto& robot) { robot.cables[3].attachment_B = robot.cables[3].anchor_W; }, "cables.3"},
       {[](auto& robot) { robot.cables[0].anchor_W[1] = NAN; }, "cables.0"},
@@ -164,6 +164,8 @@ TEST(CdprDescriptionTest, RefusesImpossibleNumbers) {
       {[](auto& robot) { robot.cable.axial_damping = -1; }, "axial_damping"},
       {[](auto& robot) { robot.cable.tension_min = -5; }, "tension_min"},
       {[](auto& robot) { robot.cable.tension_min = 800; }, "tension_max"},
+      {[](auto& robot) { robot.cables[2].tension_min = 800; }, "cables.2"},
+      {[](auto& robot) { robot.cables[3].tension_min = -5; }, "tension_min"},
       {[](auto& robot) { robot.cable.mass_per_length = -1; }, "mass_kg_per_m"},
       {[](auto& robot) { robot.winch.time_constant = 0; }, "time_constant"},
       {[](auto& robot) { robot.winch.reel_damping = 0; }, "reel_damping"},
@@ -205,6 +207,18 @@ TEST(CdprDescriptionTest, PropertiesOfThePlantAreReadAndWritten) {
   EXPECT_EQ(robot.winch.differential->pairs[1][0], 2);
   EXPECT_EQ(WriteYaml(YamlDocument::Parse(WriteYaml(robot), "again").Read<CdprDescription>()),
             WriteYaml(robot));
+}
+
+TEST(CdprDescriptionTest, ACableMayHaveLimitsOfItsOwn) {
+  auto document = YamlDocument::Load(kRobots + "/cdpr_4.yaml");
+  document.Set("cables.1.tension_max_N", "300");
+  document.Set("cables.2.tension_min_N", "5");
+  const auto robot = document.Read<CdprDescription>();
+  EXPECT_EQ(robot.tension_max(), (CableVector{{800, 300, 800, 800}}));
+  EXPECT_EQ(robot.tension_min(), (CableVector{{0, 0, 5, 0}}));
+  CableVector tension{{900, 900, 0, 100}};
+  robot.LimitTension(&tension);
+  EXPECT_EQ(tension, (CableVector{{800, 300, 5, 100}}));
 }
 
 TEST(CdprDescriptionTest, ARobotIsReadWithChanges) {

@@ -25,6 +25,30 @@ inline CdprDescription FourCableRobot(double mass_per_length = 0, double pulley_
   return robot;
 }
 
+/// Three cables from 4 m high to attachments above the CoM, turned against the anchors.
+inline CdprDescription ThreeCableRobot() {
+  CdprDescription robot = FourCableRobot();
+  robot.name = "three";
+  robot.cables.clear();
+  for (int i = 0; i < 3; ++i) {
+    const double anchor = 2 * std::numbers::pi * i / 3, attachment = anchor + 0.3;
+    robot.cables.push_back({{4 * std::cos(anchor), 4 * std::sin(anchor), 4},
+                            {0.3 * std::cos(attachment), 0.3 * std::sin(attachment), 0.1}});
+  }
+  return robot;
+}
+
+/// A planar robot in y = 0 with two cables from above or, with four, two from below as well.
+inline CdprDescription PlanarRobot(int cables) {
+  CdprDescription robot = FourCableRobot();
+  robot.name = "planar";
+  robot.cables.clear();
+  for (const double z : {1, -1})
+    for (const double x : {1, -1}) robot.cables.push_back({{3 * x, 0, 2 + 2 * z}, {0.25 * x, 0, 0.15 * z}});
+  robot.cables.resize(static_cast<std::size_t>(cables));
+  return robot;
+}
+
 /// FourCableRobot with a fifth cable, from the middle of the front wall.
 inline CdprDescription FiveCableRobot() {
   CdprDescription robot = FourCableRobot();
