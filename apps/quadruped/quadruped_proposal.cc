@@ -1,5 +1,6 @@
 #include <tenon/apps/quadruped/quadruped_proposal.h>
 #include <tenon/apps/quadruped/urdf_legs.h>
+#include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/plants/model/gravity.h>
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/internal/urdf_file.h>
@@ -32,6 +33,9 @@ constexpr double kAlike = 0.05;   // difference of bending up to which the knee 
 constexpr double kMargin = 0.02;  // distance from the ends of a joint's range [rad]
 // Distances from hip to foot in the stance that are tried in turn, relative to the length of the leg.
 constexpr double kBending[] = {0.7, 0.65, 0.75, 0.6, 0.8, 0.55, 0.85, 0.5, 0.9};
+// A trunk that rolls by this angle over upright legs should not touch them. Otherwise they are turned
+// outwards, by at most kMostSplay [rad].
+constexpr double kRoll = 0.5, kMostSplay = 0.2;
 constexpr double kTip = 0.05;  // the end of a mesh that is fitted by a sphere, over the length of the shank
 // Placeholders: a torque limit above this multiple of weight times leg length, and a speed limit below this
 // multiple of sqrt(g / leg length), which a trot exceeds.
@@ -61,6 +65,7 @@ class Proposal {
     ReplacePlaceholders();
     CheckAxes();
     for (int leg = 0; leg < kNumLegs; ++leg) Bend(leg);
+    Splay();
     return {Write(), notes_};
   }
 
@@ -291,6 +296,35 @@ class Proposal {
         joints[1].name, feet_[static_cast<std::size_t>(leg)].link);
   }
 
+  /// Turns all legs of the stance outwards by the same angle, see kRoll.
+  void Splay() {
+    QuadrupedDescription shaped = robot_;
+    shaped.foot_radius = FootRadius();
+    const QuadrupedClearance clearance(shaped, {});
+    const auto turned = [&](double outwards) {
+      LeggedState x;
+      x.q = robot_.stance;
+      for (int leg = 0; leg < kNumLegs; ++leg) {
+        const bool left = leg == kFrontLeft || leg == kRearLeft;
+        x.q[kJointsPerLeg * leg] +=
+            (robot_.joint(kJointsPerLeg * leg).axis.x() > 0) == left ? outwards : -outwards;
+      }
+      return x;
+    };
+    const auto possible = [&](double outwards) {
+      const LeggedState x = turned(outwards);
+      for (int j = 0; j < kNumJoints; j += kJointsPerLeg)
+        if (Inside(robot_.joint(j), x.q[j]) != x.q[j]) return false;
+      return true;
+    };
+    constexpr int kSteps = 20;
+    for (int i = 1; i <= kSteps && clearance.At(turned(splay_ - kRoll)).trunk.distance < 0; ++i) {
+      if (!possible(i * kMostSplay / kSteps)) break;
+      splay_ = i * kMostSplay / kSteps;
+    }
+    robot_.stance = turned(splay_).q;
+  }
+
   /// A number rounded to two digits.
   static std::string Round(double value) {
     const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
@@ -324,6 +358,9 @@ class Proposal {
            text;
   }
 
+  /// Radius of the feet [m]; a guess if the URDF has none.
+  double FootRadius() const { return feet_[0].radius > 0 ? feet_[0].radius : 0.05 * length_; }
+
   std::string WriteFeet() {
     std::string text = fmt::format(
         "\n# Links of the feet, which are spheres: the farthest from the knee below it. A leg is the chain "
@@ -340,12 +377,9 @@ class Proposal {
             const Vector3d& c = feet_[i].centre;
             return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", c[0], c[1], c[2]);
           }));
-    double radius = feet_[0].radius;
-    const bool known = radius > 0;
-    if (!known) {
-      radius = 0.05 * length_;
-      Note("the URDF has no radius of the feet: foot_radius_m is guessed as {} m", Round(radius));
-    }
+    const double radius = FootRadius();
+    const bool known = feet_[0].radius > 0;
+    if (!known) Note("the URDF has no radius of the feet: foot_radius_m is guessed as {} m", Round(radius));
     text += known
                 ? fmt::format("foot_radius_m: {:.6g}         # from the collision shape\n", radius)
                 : fmt::format("foot_radius_m: {}         # a guess: 5 % of the leg; the URDF has no radius\n",
@@ -418,13 +452,19 @@ class Proposal {
     text += fmt::format(
         "\n# Joint angles of the nominal stance: feet below the hips at {} of the leg's length. The knees "
         "point\n"
-        "# to the side with less bending, within the joints' ranges: {}.\n"
+        "# to the side with less bending, within the joints' ranges: {}.\n{}"
         "nominal_stance:\n",
         std::ranges::count(bending_, bending_[0]) == kNumLegs
             ? fmt::format("{:.2g}", bending_[0])
             : fmt::format("{{{}}}",
                           PerLeg([&](std::size_t i) { return fmt::format("{:.2g}", bending_[i]); })),
-        PerLeg([&](std::size_t i) { return backward_[i] ? "backward" : "forward"; }));
+        PerLeg([&](std::size_t i) { return backward_[i] ? "backward" : "forward"; }),
+        splay_ == 0
+            ? ""
+            : fmt::format(
+                  "# The legs are turned outwards by {:.2g} rad, so that they touch the trunk less when "
+                  "it rolls.\n",
+                  splay_));
     for (int leg = 0; leg < kNumLegs; ++leg) {
       const Vector3d q = robot_.stance.segment<3>(kJointsPerLeg * leg);
       text += fmt::format("  {}: [{:.4g}, {:.4g}, {:.4g}]\n", kLegNames[static_cast<std::size_t>(leg)],
@@ -455,6 +495,7 @@ class Proposal {
   QuadrupedDescription robot_;
   std::array<bool, kNumLegs> backward_{};
   std::array<double, kNumLegs> bending_{};
+  double splay_ = 0;  ///< turn of the legs outwards in the stance [rad]
   double length_ = 0, weight_ = 0;
   std::vector<std::string> notes_;
 };

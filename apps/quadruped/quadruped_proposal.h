@@ -29,7 +29,8 @@ struct QuadrupedProposal {
 /// no sphere, it is the farthest frame, or the end of the shank's meshes.
 ///
 /// In the nominal stance the feet are below the hips, at 0.7 of the leg's length. The knee bends in the
-/// direction that needs the smaller angle, and backward if both angles are equal.
+/// direction that needs the smaller angle, and backward if both angles are equal. If a leg would touch the
+/// trunk that rolls by 0.5 rad over upright legs, all legs are turned outwards, by at most 0.2 rad.
 ///
 /// Torque and speed limits are those of the URDF. With the weight W and the leg's length l, torques above 5 W
 /// l and speeds below sqrt(g/l) are placeholders, which are replaced like missing limits. End stops have a

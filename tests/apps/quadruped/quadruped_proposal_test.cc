@@ -1,4 +1,5 @@
 #include <tenon/apps/quadruped/quadruped_proposal.h>
+#include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -95,6 +96,30 @@ TEST_F(QuadrupedProposalTest, KneesFollowTheirRanges) {
   EXPECT_GT(robot.stance[3 * kRearLeft + 2], 0);
   EXPECT_NEAR(robot.FootPosition(kRearLeft, robot.stance).x(), robot.HipPosition(kRearLeft, robot.stance).x(),
               1e-3);
+}
+
+// A1 with thighs 3 cm beside the axes of the abduction, which a trunk that rolls reaches at 0.25 rad. The
+// axes of the right legs point forward or backward.
+TEST_F(QuadrupedProposalTest, TurnsLegsOutwardsThatWouldTouchTheTrunk) {
+  const std::string urdf = ReadUrdf("a1");
+  std::string narrow = Replaced(urdf, "0\\.0838", "0.03");
+  EXPECT_EQ(Load(Propose(urdf)).stance[0], 0);
+  for (const bool reversed : {false, true}) {
+    for (const char* joint : {"FR_hip_joint", "RR_hip_joint"})
+      if (reversed) narrow.replace(narrow.find("1 0 0", narrow.find(joint)), 5, "-1 0 0");
+    const QuadrupedProposal proposal = Propose(narrow);
+    EXPECT_THAT(proposal.yaml, HasSubstr("turned outwards"));
+    const QuadrupedDescription robot = Load(proposal);
+    LeggedState rolled;
+    rolled.q = robot.stance;
+    for (int leg = 0; leg < kNumLegs; ++leg) {
+      const bool left = leg == kFrontLeft || leg == kRearLeft;
+      const double splay = (robot.FootPosition(leg, robot.stance) - robot.HipPosition(leg, robot.stance)).y();
+      EXPECT_GT(left ? splay : -splay, 0.02) << leg;
+      rolled.q[3 * leg] += 0.5 * robot.joint(3 * leg).axis.x();
+    }
+    EXPECT_GT(QuadrupedClearance(robot, {}).At(rolled).trunk.distance, -1e-3);
+  }
 }
 
 TEST_F(QuadrupedProposalTest, GuessesMissingLimitsWithANote) {
