@@ -84,7 +84,7 @@ TEST(CdprMonitorTest, EndsTheRunWhenTheBoxReachesBelowTheFloor) {
   rig.SetPlatform(0.094);
   EXPECT_FALSE(rig.RunOn().ended);
   rig.SetPlatform(0.083);
-  EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("block.place"), HasSubstr("0.010 m")));
+  EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("block.place"), HasSubstr("0.01 m")));
   const double on_edge = (0.075 + 0.093) / std::sqrt(2);
   Rig tilted;
   tilted.SetPlatform(on_edge + 0.001, M_PI / 4);
