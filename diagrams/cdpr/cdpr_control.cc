@@ -8,7 +8,7 @@ CdprControl::CdprControl(Subdiagram& loop, const CdprLoopParams& params, const R
   if (params.mpc) {
     mpc = &loop.Add<CdprMpc>("mpc", *params.mpc);
     loop.Connect(observer.estimator->estimate, mpc->estimate);
-    if (observer.known_load != nullptr) loop.Connect(*observer.known_load, mpc->load);
+    if (observer.controller_load != nullptr) loop.Connect(*observer.controller_load, mpc->load);
     loop.Connect(observer.broken_cables->broken, mpc->broken);
     return;
   }
@@ -24,7 +24,7 @@ CdprControl::CdprControl(Subdiagram& loop, const CdprLoopParams& params, const R
   }
   balancer = &loop.Add<ReferenceBalancer>("balancer", ReferenceBalancerParams{robot, params.control_rate});
   loop.Connect(reference.reference, balancer->reference);
-  if (observer.known_load != nullptr) loop.Connect(*observer.known_load, balancer->load);
+  if (observer.controller_load != nullptr) loop.Connect(*observer.controller_load, balancer->load);
   loop.Connect(observer.broken_cables->broken, balancer->broken);
   loop.Connect(balancer->balanced, pd->reference);
 }

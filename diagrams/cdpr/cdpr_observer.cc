@@ -28,10 +28,10 @@ CdprObserver::CdprObserver(Subdiagram& loop, const CdprLoopParams& params, const
     loop.Connect(world.inertial, load->inertial);
     loop.Connect(world.cables, load->cables);
     if (params.known_additions) loop.Connect(world.plant.added_wrench, load->known_wrench);
-    known_load = &load->load;
+    controller_load = &load->load;
   } else if (params.known_additions) {
-    known_load = &loop.AddFunction(
-        "known_load", Sampled{params.control_rate}, Uses(world.plant.added_wrench),
+    controller_load = &loop.AddFunction(
+        "added_load", Sampled{params.control_rate}, Uses(world.plant.added_wrench),
         [](const PlatformWrench& wrench) { return LoadEstimate{.payload = {}, .rest = wrench}; });
   }
   if (params.mpc || params.feedforward || offset_free) {

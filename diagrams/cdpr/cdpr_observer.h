@@ -12,17 +12,17 @@ namespace tenon {
 ///                     cables ──► broken_cables
 ///
 /// With `known_additions`, `load` measures the plant's `added_wrench` without errors and estimates the rest.
-/// Without a load estimator, `known_load` is this wrench alone, at the controller's rate.
+/// Without a load estimator, `controller_load` is this wrench alone, at the controller's rate.
 ///
 /// The constructor adds the blocks to `loop` itself, so that their names are those of the loop. The command
 /// that `broken_cables` compares the tensions with remains to be connected.
 struct CdprObserver {
   CdprObserver(Subdiagram& loop, const CdprLoopParams& params, const CdprWorld& world);
 
-  CdprEstimator* estimator = nullptr;                    ///< estimator for the MPC and the load estimator
-  LoadEstimator* load = nullptr;                         ///< load estimator for offset-free control
-  BrokenCableDetector* broken_cables = nullptr;          ///< detector for all but a PD without feedforward
-  const OutputPort<LoadEstimate>* known_load = nullptr;  ///< load that the controller uses, or null
+  CdprEstimator* estimator = nullptr;            ///< estimator for the MPC and the load estimator
+  LoadEstimator* load = nullptr;                 ///< load estimator for offset-free control
+  BrokenCableDetector* broken_cables = nullptr;  ///< detector for all but a PD without feedforward
+  const OutputPort<LoadEstimate>* controller_load = nullptr;  ///< load that the controller uses, or null
 };
 
 /// The load estimator of an MPC has the defaults of LoadEstimatorParams. The one of a PD has bandwidths of

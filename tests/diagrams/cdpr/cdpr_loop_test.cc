@@ -46,7 +46,7 @@ TEST(CdprLoopTest, RefusesKnownAdditionsWithoutALoad) {
   params.known_additions = true;
   EXPECT_TRUE(Throws<ParameterError>([&] { CdprLoop loop(params); }, "known_additions", "feedforward"));
   params.feedforward = true;
-  EXPECT_NE(CdprLoop(params).observer.known_load, nullptr);
+  EXPECT_NE(CdprLoop(params).observer.controller_load, nullptr);
 }
 
 TEST(CdprLoopTest, RefusesAStartAtAnAnchor) {
