@@ -68,6 +68,30 @@ TEST_F(QuadrupedCasesTest, B1) {
   }
 }
 
+// Aliengo with a swinging arm of 4.4 kg, whose wrench the controller measures. The bounds exclude the walk
+// with an unknown arm.
+TEST_F(QuadrupedCasesTest, KnownArm) {
+  const test::Case run = RunCase("A1-arm --duration 12 --set known_additions=true");
+  EXPECT_TRUE(run.finished()) << run.summary.at("end_reason");
+  EXPECT_LE(1e3 * run["com_error_max_m"], 3) << "3.8 mm if the arm is unknown";
+  EXPECT_LE(1e3 * run.largest_foot_error(), 2) << "2.5 mm if the arm is unknown";
+  EXPECT_LE(run["force_estimate_error_rms_N"], 3) << "14 N if the arm is unknown";
+  EXPECT_NEAR(run.summary.at("force_estimate_mean_N").at("z"), 0, 1) << "-43 N if the arm is unknown";
+}
+
+// The controller knows both the force of the ropes, about 160 N, and that of a swinging arm of 39 N.
+TEST_F(QuadrupedCasesTest, KnownArmOnRopes) {
+  const test::Case run = RunCase(
+      "E1 --duration 4 --set known_additions=true --set 'attached=[{name: arm, joint: pin, axis: [0, 1, 0], "
+      "position_m: [0.1, 0, 0.1], mass_kg: 4, centre_m: [-0.2, 0, 0], edges_m: [0.4, 0.06, 0.06], "
+      "stiffness: 200, damping: 10, amplitude: 0.4, frequency_rad_per_s: 2}]'");
+  EXPECT_TRUE(run.finished()) << run.summary.at("end_reason");
+  EXPECT_LE(1e3 * run["com_error_max_m"], 2.5) << "2.8 mm if the arm is unknown";
+  EXPECT_LE(run["force_estimate_error_rms_N"], 3) << "10 N if the arm is unknown";
+  for (const char* axis : {"x", "z"})
+    EXPECT_NEAR(run.summary.at("force_estimate_mean_N").at(axis), 0, 1) << axis;
+}
+
 // 20 degrees up, down, along and across, pushed as in A1 and, across, as in B2.
 TEST_F(QuadrupedCasesTest, Slopes) {
   const std::string random =
