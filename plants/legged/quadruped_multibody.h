@@ -26,8 +26,8 @@ namespace tenon {
 /// drives, the feet on the terrain, and external forces.
 ///
 /// **Cost.** An evaluation of the derivatives takes about seven times as long as without additions: 60
-/// instead of 8.5 microseconds for DogBot where its trot under joint PD ran at 2.6 instead of 18 times real
-/// time.
+/// instead of 8.5 microseconds for DogBot. In processor time of one core (AMD EPYC), A1 by Aliengo with its
+/// controller runs at 31 times real time, and A1-arm, with three added joints, at 5.3.
 class QuadrupedMultibody final : public RobotMultibody {
  public:
   /// The robot under gravity [m/s^2].
