@@ -230,7 +230,7 @@ std::string Describe(const WorkspaceStudy& study) {
 WorkspaceStudy StudyWorkspace(const CdprDescription& given, const WorkspaceStudyParams& params,
                               const std::function<void(const std::string&, double)>& progress) {
   given.Validate();
-  params.demand.Validate();
+  static_cast<void>(PoseFeasibility(given, RequiredWrenches(given, params.demand)));  // refuses some robots
   if (!(params.cable_diameter >= 0) || !std::isfinite(params.cable_diameter))
     throw ParameterError(fmt::format("the cable diameter is {} m: give 0 or more", params.cable_diameter));
   if (!params.euler.allFinite() || !params.position.value_or(Eigen::Vector3d::Zero()).allFinite())

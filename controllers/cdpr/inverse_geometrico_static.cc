@@ -429,9 +429,14 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
 
   refuse_if_above();
   if (found) {
-    Refuse(
-        robot, p_WB,
-        fmt::format("its equilibria are unstable, the least stiffness is {:.3g} N/m", found->stiffness_min));
+    const bool one_point = std::ranges::all_of(robot.cables, [&](const CableDescription& cable) {
+      return cable.attachment_B == robot.cables[0].attachment_B;
+    });
+    Refuse(robot, p_WB,
+           one_point ? "all cables end in one point, so that nothing holds the attitude; give them different "
+                       "attachments"
+                     : fmt::format("its equilibria are unstable, the least stiffness is {:.3g} N/m",
+                                   found->stiffness_min));
   }
   if (!obstacle.empty()) Refuse(robot, p_WB, obstacle);
   // Finds the bound that prevents an equilibrium.

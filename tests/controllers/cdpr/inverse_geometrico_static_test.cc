@@ -218,6 +218,9 @@ TEST(InverseGeometricoStatic, RefusesPlacesOutOfThePlane) {
       RefusesPlace(test::PlanarRobot(2), {0, 0, 2}, {.attitude = Vector3d::Zero()}, "takes 3 cables"));
   CdprDescription oblique = test::PlanarRobot(2);
   oblique.cables[0].anchor_W[1] = 1;
+  CdprDescription point = test::ThreeCableRobot();
+  for (CableDescription& cable : point.cables) cable.attachment_B = {0, 0, 0.1};
+  EXPECT_TRUE(RefusesPlace(point, {0.5, 0, 2}, {}, "all cables end in one point"));
   EXPECT_TRUE(RefusesPlace(oblique, {0, 0, 2}, {}, "the vertical plane of their anchors"));
 }
 
