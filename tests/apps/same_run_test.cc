@@ -134,7 +134,7 @@ TEST(SameRunTest, D1) {
   params.mpc->path = params.path;
   params.mpc->horizon = 1.2;
   params.mpc->weights = {
-      .position = 1000, .velocity = 20, .attitude = 20, .angular_velocity = 4, .tension = 3e-3};
+      .position = 3000, .velocity = 100, .attitude = 80, .angular_velocity = 0.5, .tension = 3e-3};
   ExpectSameRun<CdprLoop, CdprFigures>(Read<CdprScenario>("D1", "tenon-cdpr"), MakeLoopParams, params);
 }
 

@@ -96,7 +96,7 @@ TEST_F(TenonQuadrupedTest, ATerminalShowsWhichOfSeveralRunsIsGoing) {
   const Result result =
       RunCommand("script -qec '" + app + " A2 --compare --duration 0.05" + Out() + "' /dev/null");
   EXPECT_EQ(result.exit_code, 0) << result.text;
-  EXPECT_THAT(result.text, HasSubstr("run 2 of 4: 0.1/0.1 s"));
+  EXPECT_THAT(result.text, HasSubstr("run 2 of 5: 0.1/0.1 s"));
 }
 
 TEST_F(TenonQuadrupedTest, TakesGaitSpeedAndObserver) {
