@@ -8,6 +8,10 @@
 
 namespace tenon {
 
+/// Longest distance from the hip pitch joint to the centre of the foot's sphere that the range of the knee
+/// allows [m].
+double LongestExtension(const QuadrupedDescription& robot, int leg);
+
 /// Geometry of a robot in its nominal stance, which the planners move along the path: the point of the path
 /// is the centre of the four feet, and its heading is the trunk's x.
 struct NominalStance {
@@ -18,8 +22,9 @@ struct NominalStance {
   Eigen::Vector3d com_B;                       ///< [m]
   Eigen::Matrix3d inertia_B;                   ///< about the CoM, joints locked [kg m^2]
   double com_height;                           ///< height of the CoM above level ground [m]
-  std::array<double, kNumLegs> longest;        ///< longest distance from hip to foot with a bent knee [m]
-  std::array<double, kNumLegs> reach;          ///< largest horizontal distance of a foothold from `foot` [m]
+  std::array<double, kNumLegs>
+      longest;  ///< longest distance from hip to foot with a bent knee, within its range [m]
+  std::array<double, kNumLegs> reach;  ///< largest horizontal distance of a foothold from `foot` [m]
 };
 
 }  // namespace tenon

@@ -1,3 +1,4 @@
+#include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/shortened.h>
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
 #include <tenon/plants/model/rotation_between.h>
@@ -55,6 +56,13 @@ Vec<12> WholeBodyController::TorqueLimit(const QuadrupedDescription& robot) {
   return limit;
 }
 
+std::array<double, kNumLegs> WholeBodyController::Extensions(const QuadrupedDescription& robot) {
+  std::array<double, kNumLegs> extension;
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    extension[static_cast<std::size_t>(leg)] = LongestExtension(robot, leg);
+  return extension;
+}
+
 void WholeBodyController::CalcDynamics(const QuadrupedDynamics& of_model, const ContactSchedule& schedule,
                                        const GroundPlane& ground, const WholeBodyGains& gains,
                                        QuadrupedDynamics* dynamics) const {
@@ -65,6 +73,18 @@ void WholeBodyController::CalcDynamics(const QuadrupedDynamics& of_model, const 
     if (schedule.legs[i].stance()) dynamics->feet[i] = dynamics->Contact(leg, arm);
   }
   if (gains.dynamics == BodyDynamics::kDecoupled) NeglectAngularMomentumBias(dynamics);
+}
+
+/// The estimate without what an end stop may exert: the torque that pushes a joint back into its range. A
+/// controller that compensated it would press the joint against the stop.
+void WholeBodyController::CalcFreeOfStops(const LegForceEstimate& leg_forces, const LeggedState& state,
+                                          LegForceEstimate* free_of_stops) const {
+  *free_of_stops = leg_forces;
+  for (int j = 0; j < kNumJoints; ++j) {
+    double& torque = free_of_stops->joint_torque[j];
+    if (state.q[j] > params.robot.joint(j).upper) torque = std::max(torque, 0.0);
+    if (state.q[j] < params.robot.joint(j).lower) torque = std::min(torque, 0.0);
+  }
 }
 
 WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, const LeggedState& state,
@@ -103,7 +123,7 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
       const Eigen::Vector3d to_hip =
           R_WB * (params.robot.HipPosition(leg, state.q) - params.robot.FootPosition(leg, state.q));
       const double length = to_hip.norm();
-      const double excess = length - gains.stretch_limit * params.robot.LegLength(leg);
+      const double excess = length - gains.stretch_limit * extension_[i];
       task.foot_acceleration[i] = -gains.stance_damping * v_W;
       if (excess > 0) task.foot_acceleration[i] += gains.stretch_stiffness * excess / length * to_hip;
     } else {

@@ -46,7 +46,7 @@ struct WholeBodyGains {
   double swing_damping = 140;       ///< acceleration of a swing foot per velocity error [1/s]
   double swing_limit = 200;         ///< saturation of a swing foot's feedback acceleration [m/s^2]
   double stance_damping = 50;       ///< k_s: deceleration of a moving stance foot per velocity [1/s]
-  double stretch_limit = 0.97;      ///< r: extension of a stance leg, over its length, that is not corrected
+  double stretch_limit = 0.97;      ///< r: extension of a stance leg, over its longest, not corrected
   double stretch_stiffness = 2500;  ///< k_l: acceleration towards the hip per length beyond that [1/s^2]
   double load_ramp = 0;             ///< time in which a foot takes and gives up the robot's weight [s]
   BodyDynamics dynamics = BodyDynamics::kExact;
@@ -154,8 +154,8 @@ struct WholeBodyPlan {
 /// **Stance feet.** Feet are spheres that roll on the ground: v and a of a stance foot are those of its
 /// contact point. a_stance stops a foot that is scheduled to stand but has no contact; with (2.30) alone it
 /// would keep its velocity until the leg is straight. It also pulls a foot towards its hip (unit vector u) if
-/// their distance l exceeds the fraction r of the leg's length l_max, since a leg that the trunk pulls
-/// straight snaps through its singularity.
+/// their distance l exceeds the fraction r of the longest that the knee's range allows (LongestExtension),
+/// since a leg that the trunk pulls straight snaps through its singularity or hits an end stop.
 ///
 /// **Load ramps.** With a `load_ramp` T above 0, the normal force of a foot is at most s m g while s < 1: s
 /// grows from 0 to 1 within T after touchdown and falls to 0 within T before the planned lift-off. T is
@@ -163,8 +163,9 @@ struct WholeBodyPlan {
 /// unloaded.
 ///
 /// **Disturbances.** Estimated external forces are compensated once: the wrench in the cost and in the
-/// trunk's dynamics, joint torques by `compensation`. Connect zeros to compensate nothing. `known_wrench` is
-/// added to the wrench: forces that are not estimated, such as those of ropes (see RopeTensions).
+/// trunk's dynamics, joint torques by `compensation`, except a torque that pushes a joint back into its
+/// range: an end stop exerts it. Connect zeros to compensate nothing. `known_wrench` is added to the wrench:
+/// forces that are not estimated, such as those of ropes (see RopeTensions).
 ///
 ///     | port        | kind            | type                 |
 ///     | state       | input           | LeggedState          |
@@ -200,10 +201,14 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
                                         Range().AtLeast(0).Because("0 ends the run at the first failure")};
 
  private:
+  static std::array<double, kNumLegs> Extensions(const QuadrupedDescription& robot);
+  const std::array<double, kNumLegs> extension_ = Extensions(params.robot);  // longest of each leg [m]
   QuadrupedModel model_{params.robot};
   Shared<QuadrupedDynamics> of_model_{this, "dynamics_of_model", Uses(state), model_};
   Shared<QuadrupedDynamics> dynamics_{this, "dynamics", Uses(of_model_, schedule, ground, gains),
                                       &WholeBodyController::CalcDynamics};
+  Shared<LegForceEstimate> free_of_stops_{this, "leg_forces_free_of_stops", Uses(leg_forces, state),
+                                          &WholeBodyController::CalcFreeOfStops};
   Scratch<WholeBodyPlan> last_plan_{this, "last_plan", WholeBodyPlan()};
   Scratch<Vec<4>> loading_{this, "loading", Vec<4>::Ones()};  // progress of the load ramps, 0 to 1
   Workspace<WholeBodyQp> qp_{this, "qp", WholeBodyQp(TorqueLimit(params.robot))};
@@ -214,12 +219,12 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
                                  {"plan"},
                                  Sampled{params.qp_rate},
                                  Uses(dynamics_, state, schedule, body, feet, wrench, known_wrench,
-                                      leg_forces, ground, gains, last_plan_, loading_, qp_),
+                                      free_of_stops_, ground, gains, last_plan_, loading_, qp_),
                                  &WholeBodyController::CalcPlan};
   OutputPort<Vec<12>> torque{this,
                              {"torque", "N m", kJointElements},
                              Sampled{params.rate},
-                             Uses(dynamics_, plan, leg_forces, gains, last_torque_),
+                             Uses(dynamics_, plan, free_of_stops_, gains, last_torque_),
                              &WholeBodyController::CalcTorque};
   OutputPort<WholeBodyDiagnostics> diagnostics{
       this, {"diagnostics"}, Uses(plan), [](const WholeBodyPlan& plan) { return plan.diagnostics; }};
@@ -242,6 +247,8 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   static Vec<12> TorqueLimit(const QuadrupedDescription& robot);
 
  private:
+  void CalcFreeOfStops(const LegForceEstimate& leg_forces, const LeggedState& state,
+                       LegForceEstimate* free_of_stops) const;
   void CalcPlan(const QuadrupedDynamics& dynamics, const LeggedState& state, const ContactSchedule& schedule,
                 const BodyReference& body, const FeetReference& feet, const WrenchEstimate& wrench,
                 const WrenchEstimate& known_wrench, const LegForceEstimate& leg_forces,

@@ -360,6 +360,28 @@ TEST(WholeBodyController, APushedSwingFootIsHeld) {
   }
 }
 
+// A torque that pushes a joint back into its range is that of an end stop. In the other direction, and within
+// the range, it is a disturbance.
+TEST(WholeBodyController, TorquesOfEndStopsAreNotCompensated) {
+  WholeBodyParams params = Params();
+  Inputs inputs(params.robot);
+  const auto torque = [&](double estimate) {
+    inputs.leg_forces.joint_torque[2] = estimate;
+    Ticked rig(inputs, params);
+    return Vec<12>(rig[rig->torque]);
+  };
+  EXPECT_GT((torque(-5) - torque(0)).norm(), 1);
+  JointDescription& knee = params.robot.legs[kFrontLeft].joints[2];
+  const double upper = knee.upper;
+  knee.upper = inputs.state.q[2] - 0.01;
+  EXPECT_EQ(torque(-5), torque(0));
+  EXPECT_GT((torque(5) - torque(0)).norm(), 1);
+  knee.upper = upper;
+  knee.lower = inputs.state.q[2] + 0.01;
+  EXPECT_EQ(torque(5), torque(0));
+  EXPECT_GT((torque(-5) - torque(0)).norm(), 1);
+}
+
 TEST(WholeBodyController, AFailureIsCountedAndTheLastTorqueStays) {
   Inputs inputs(Params().robot);
   Ticked rig(inputs);
