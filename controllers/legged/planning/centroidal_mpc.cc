@@ -1,4 +1,5 @@
 #include <tenon/controllers/legged/planning/centroidal_mpc.h>
+#include <tenon/controllers/legged/planning/shortened.h>
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/controllers/optimization/slq.h>
 #include <tenon/plants/signals/quaternion.h>
@@ -17,6 +18,8 @@ namespace {
 using Problem = CentroidalWalkProblem;
 constexpr int kFeet = 12;  // index of the feet in the state
 constexpr int kAir = 0, kGround = 1, kLanding = 2;
+constexpr double kSteadyTime = 0.5;  // time constant of the wrench's steady part [s]
+constexpr double kLean = 0.15;  // largest distance of a standing robot's path from the centre of its feet [h]
 
 int RoleOf(const Problem::Node& node, std::size_t leg) {
   return node.lands[leg] ? kLanding : node.stands[leg] > 0 ? kGround : kAir;
@@ -141,15 +144,15 @@ void CentroidalMpc::SetContacts(const ContactSchedule& schedule, double first_st
 }
 
 /// Sets the loads of all nodes.
-void CentroidalMpc::SetLoads(const WrenchEstimate& wrench, const WrenchEstimate& mean, double first_step,
+void CentroidalMpc::SetLoads(const WrenchEstimate& wrench, const WrenchEstimate& steady, double first_step,
                              Problem* problem) const {
   const CentroidalMpcProperties& mpc = params.mpc;
   const double weight = model_.mass() * model_.gravity(), moment = weight * stance.com_height;
   double t = 0;
   for (Problem::Node& node : problem->nodes) {
     const double left = mpc.forecast == WrenchForecast::kDecaying ? std::exp(-t / mpc.decay) : 1;
-    node.load << (mean.force_W + left * (wrench.force_W - mean.force_W)) / weight,
-        (mean.torque_W + left * (wrench.torque_W - mean.torque_W)) / moment;
+    node.load << (steady.force_W + left * (wrench.force_W - steady.force_W)) / weight,
+        (steady.torque_W + left * (wrench.torque_W - steady.torque_W)) / moment;
     if (mpc.forecast == WrenchForecast::kNone) node.load.setZero();
     t += &node == &problem->nodes.front() ? first_step : mpc.step;
   }
@@ -302,11 +305,22 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
   }
   Problem& problem = solver.problem();
   SetContacts(schedule, first_step, fixed, &problem);
-  const double gain = -std::expm1(-params.rate.period() / mpc.mean_time);
-  memory.mean.force_W += gain * (total.force_W - memory.mean.force_W);
-  memory.mean.torque_W += gain * (total.torque_W - memory.mean.torque_W);
-  SetLoads(total, memory.mean, first_step, &problem);
-  SetReference(body, path, schedule, ground, origin, first_step, weights, &problem);
+  const double gain = -std::expm1(-params.rate.period() / kSteadyTime);
+  const double most = mpc.steady_rate * params.rate.period() * weight;
+  memory.steady.force_W += Shortened<3>(gain * (total.force_W - memory.steady.force_W), most);
+  memory.steady.torque_W += Shortened<3>(gain * (total.torque_W - memory.steady.torque_W), most * h);
+  SetLoads(total, memory.steady, first_step, &problem);
+  // The feet of a robot that stands do not follow it to its path.
+  PlanarPath reachable = path;
+  BodyReference above = body;
+  if (schedule.timing.num_steps == 0) {
+    Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+    for (const auto& foot : dynamics.feet) centre += foot.p_W.head<2>() / kNumLegs;
+    reachable.position_W = centre + Shortened<2>(path.position_W - centre, kLean * h);
+    const Eigen::Vector2d moved = reachable.position_W - path.position_W;
+    above.com_W += Eigen::Vector3d(moved[0], moved[1], ground.slope.dot(moved));
+  }
+  SetReference(above, reachable, schedule, ground, origin, first_step, weights, &problem);
 
   Problem::State x0;
   const Eigen::Matrix3d R_ref = RotationFromQuaternion(body.q_WB);

@@ -26,7 +26,7 @@ namespace tenon {
 enum class WrenchForecast {
   kNone,      ///< it does not: the plan knows of no wrench
   kHeld,      ///< it stays as it is
-  kDecaying,  ///< it decays exponentially to its mean
+  kDecaying,  ///< it decays exponentially to its steady part
 };
 constexpr auto EnumNames(WrenchForecast) {
   return std::array{Named{WrenchForecast::kNone, "none"}, Named{WrenchForecast::kHeld, "held"},
@@ -68,7 +68,7 @@ struct CentroidalMpcProperties {
   CentroidalMpcWeights weights = {};
   WrenchForecast forecast = WrenchForecast::kDecaying;  ///< the estimated wrench over the horizon
   double decay = 0.1;                                   ///< time constant of the forecast `decaying` [s]
-  double mean_time = 0.5;    ///< time constant of the low-pass filter that yields the wrench's mean [s]
+  double steady_rate = 1;    ///< largest rate of the wrench's steady part [m g/s], of its moment [m g h/s]
   double edge_force = 0.75;  ///< largest force along each of the four edges, by its normal component [m g]
   bool footholds =
       true;  ///< whether footholds are decisions; else SwingPlanner's, expected at their nominal place
@@ -82,7 +82,7 @@ struct CentroidalMpcProperties {
             {"weights", &CentroidalMpcProperties::weights},
             {"forecast", &CentroidalMpcProperties::forecast},
             Field("decay_s", &CentroidalMpcProperties::decay).Positive(),
-            Field("mean_time_s", &CentroidalMpcProperties::mean_time).Positive(),
+            Field("steady_rate_mg_per_s", &CentroidalMpcProperties::steady_rate).Positive(),
             Field("edge_force_mg", &CentroidalMpcProperties::edge_force).Positive(),
             {"footholds", &CentroidalMpcProperties::footholds},
             Field("least_width", &CentroidalMpcProperties::least_width).Between(0, 1),
@@ -193,7 +193,8 @@ class CentroidalWalkSolver {
 /// cones, as pyramids of four sides inside them, the largest forces along their edges, the reach of a foot
 /// from its nominal place, along and across the heading, and its side of the trunk are hard constraints. The
 /// reference is the commanded path with the speed and height of `path` and `body`, the trunk parallel to the
-/// ground, and equal forces on all edges.
+/// ground, and equal forces on all edges. While the robot stands, the path is moved to within 0.15 h of the
+/// centre of its feet.
 ///
 /// **Disturbance.** The wrench continues over the horizon as `forecast` says; a push that has just begun is
 /// expected to end soon, a steady one to last. It changes the planned motion only: the whole-body controller
@@ -240,14 +241,14 @@ class CentroidalMpc final : public LeafSystem<CentroidalMpcParams> {
     Vec<2> origin = Vec<2>::Zero();  ///< of its states [m]
     long grid = 0;                   ///< index of the multiple of `step` before the start
     std::vector<NodePolicy> nodes;
-    WrenchEstimate mean;  ///< low-pass filtered wrench
+    WrenchEstimate steady;  ///< steady part of the wrench
     FootholdPlan footholds;
     CentroidalMpcDiagnostics diagnostics;
 
     static FieldList Fields() {
       return {{"started", &Memory::started},     {"start", &Memory::start, "s"},
               {"origin", &Memory::origin, "m"},  {"grid", &Memory::grid},
-              {"nodes", &Memory::nodes},         {"mean", &Memory::mean},
+              {"nodes", &Memory::nodes},         {"steady", &Memory::steady},
               {"footholds", &Memory::footholds}, {"diagnostics", &Memory::diagnostics}};
     }
   };
@@ -287,7 +288,7 @@ class CentroidalMpc final : public LeafSystem<CentroidalMpcParams> {
   void SetReference(const BodyReference& body, const PlanarPath& path, const ContactSchedule& schedule,
                     const GroundPlane& ground, const Eigen::Vector2d& origin, double first_step,
                     const CentroidalMpcWeights& weights, Problem* problem) const;
-  void SetLoads(const WrenchEstimate& wrench, const WrenchEstimate& mean, double first_step,
+  void SetLoads(const WrenchEstimate& wrench, const WrenchEstimate& steady, double first_step,
                 Problem* problem) const;
   void WarmStart(double time, long grid, const Eigen::Vector2d& origin, const Memory& memory,
                  CentroidalWalkSolver& solver) const;

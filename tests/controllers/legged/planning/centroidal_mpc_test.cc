@@ -74,6 +74,40 @@ TEST(CentroidalMpc, BrakesAMotionOffThePath) {
   EXPECT_LT(std::abs(plan.body.com_acceleration_W[0]), 0.1);
 }
 
+// A robot that stands beside its path, as after a stop at speed, is not pulled there until it tips over its
+// feet.
+TEST(CentroidalMpc, StandsBesideThePath) {
+  const auto pull = [](double off) {
+    Rig rig;
+    rig.path.position_W[1] = off;
+    rig.body.com_W[1] += off;
+    for (int k = 0; k < 5; ++k) rig.Solve();
+    return rig.Solve().body.com_acceleration_W[1];
+  };
+  EXPECT_GT(pull(0.03), 0.05);
+  EXPECT_GT(pull(0.06), pull(0.03));
+  EXPECT_NEAR(pull(0.2), pull(0.5), 1e-3);
+}
+
+// The steady part of a wrench follows a short push hardly, and a long one entirely.
+TEST(CentroidalMpc, AShortPushIsNotExpectedToLast) {
+  Rig rig;
+  const double weight = DogBot().mass() * kGravity;
+  const auto force_after = [&](double push, int solves) {  // lateral ground force [weights]
+    rig.wrench.force_W = {0, push * weight, 0};
+    for (int k = 0; k < solves; ++k) rig.Solve();
+    double force = 0;
+    for (const Vec<3>& f : rig.Solve().force_W) force += f[1];
+    return force / weight;
+  };
+  force_after(0.3, 10);
+  const double after_short = force_after(0, 10);
+  force_after(0.3, 100);
+  const double lasting = force_after(0.3, 1);
+  EXPECT_LT(std::abs(after_short), 0.02);
+  EXPECT_LT(lasting, -0.3);
+}
+
 // Two feet in the air: they are placed in the direction in which the robot moves off its path. The weight of
 // the angular momentum keeps it from braking by a rotation of the trunk.
 TEST(CentroidalMpc, FootholdsFollowAPush) {
