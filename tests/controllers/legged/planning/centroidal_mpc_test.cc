@@ -100,11 +100,11 @@ TEST(CentroidalMpc, AShortPushIsNotExpectedToLast) {
     for (const Vec<3>& f : rig.Solve().force_W) force += f[1];
     return force / weight;
   };
-  force_after(0.3, 10);
+  force_after(1.5, 10);  // its mean over 0.5 s is 0.3
   const double after_short = force_after(0, 10);
   force_after(0.3, 100);
   const double lasting = force_after(0.3, 1);
-  EXPECT_LT(std::abs(after_short), 0.02);
+  EXPECT_LT(std::abs(after_short), 0.05);
   EXPECT_LT(lasting, -0.3);
 }
 
