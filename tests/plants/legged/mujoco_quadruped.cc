@@ -67,7 +67,10 @@ MujocoRobot::MujocoRobot(const MujocoRobot& other)
     : model_(other.model_), data_(mj_makeData(model_.get())), payload_(other.payload_) {}
 
 MujocoRobot& MujocoRobot::operator=(const MujocoRobot& other) {
-  if (this != &other) *this = MujocoRobot(other);
+  if (this == &other) return *this;
+  model_ = other.model_;
+  data_.reset(mj_makeData(model_.get()));
+  payload_ = other.payload_;
   return *this;
 }
 

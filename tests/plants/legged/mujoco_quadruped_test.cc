@@ -61,6 +61,19 @@ TEST(MujocoQuadrupedTest, StandsOnASlopeWithItsWeightOnTheFeet) {
   for (const Vec<3>& slip : rig[rig->foot_slips]) EXPECT_LT(slip.norm(), 0.01);
 }
 
+TEST(MujocoQuadrupedTest, AnAssignedRobotTakesTheSameStep) {
+  const QuadrupedPlantParams params = WithLoad();
+  QuadrupedPlantParams heavier = params;
+  heavier.payload.mass = 9;
+  test::MujocoRobot robot({.plant = params}), other({.plant = heavier});
+  other = robot;
+  test::MujocoStep one{.state = params.initial}, same = one;
+  robot.Step(Vec<12>::Ones(), {}, &one);
+  other.Step(Vec<12>::Ones(), {}, &same);
+  EXPECT_EQ(one.state.qd, same.state.qd);
+  EXPECT_EQ(one.external_wrench.force_W, same.external_wrench.force_W);
+}
+
 TEST(MujocoQuadrupedTest, RefusesWhatItCannotModel) {
   test::MujocoQuadrupedParams params{.plant = WithLoad()};
   params.plant.extend = [](QuadrupedMultibody&) {};
