@@ -10,19 +10,6 @@
 #include <string>
 
 namespace tenon {
-namespace {
-
-/// Whether the diagram has the state of a shipped block: another block may have replaced it.
-bool Exists(const Source& state) {
-  try {
-    state.Current();
-    return true;
-  } catch (const BuildError&) {
-    return false;
-  }
-}
-
-}  // namespace
 
 void LeggedIntegration::Validate() const {
   Demand(method != LeggedIntegrator::kStabilized || order <= 3,
@@ -39,8 +26,9 @@ SimulatorOptions LeggedIntegration::Options(const QuadrupedPlant& plant) const {
                            .rtol = rtol,
                            .atol = atol_position,
                            .seed = kRecommendedSeed};
+  // A block in the place of the plant may lack a state.
   const auto add = [&](const Source& state, const std::string& part, double atol) {
-    if (Exists(state)) options.state_atol.push_back({state.path() + part, atol});
+    if (FindCurrent(state)) options.state_atol.push_back({state.path() + part, atol});
   };
   for (const char* part : {".v_W", ".w_W", ".qd"}) add(plant.motion, part, atol_velocity);
   add(plant.bristles, "", atol_bristles);

@@ -7,14 +7,6 @@
 
 namespace tenon::apps {
 
-const Source* FindCurrent(const Source& source) {
-  try {
-    return &source.Current();
-  } catch (const BuildError&) {
-    return nullptr;
-  }
-}
-
 namespace logged {
 
 LoggedPart PartOf(const Source& port) {

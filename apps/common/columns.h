@@ -18,15 +18,7 @@ namespace tenon::apps {
 //     Columns(names, loop.errors.errors, &WalkingErrors::com)
 //     Column(names, loop.locomotion.schedule, &ContactSchedule::legs, leg, &LegContact::state)
 //
-// If the port's block was replaced, the port of the new block counts, see Source::Current.
-
-/// Returns the port that is now in the place of `source`, see Source::Current, or null if the new block has
-/// none.
-const Source* FindCurrent(const Source& source);
-template <class Port>
-const Port* FindCurrent(const Port& port) {
-  return static_cast<const Port*>(FindCurrent(static_cast<const Source&>(port)));
-}
+// If the port's block was replaced, the port of the new block counts, see FindCurrent.
 
 /// Returns the ports that are now in the places of `ports`, without those that the new blocks lack.
 template <class Port>

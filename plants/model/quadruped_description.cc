@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tenon {
 namespace {
@@ -37,6 +38,19 @@ Eigen::Vector3d QuadrupedDescription::HipPosition(int leg, const Vec<kNumJoints>
 double QuadrupedDescription::LegLength(int leg) const {
   const LegDescription& at = legs[static_cast<std::size_t>(leg)];
   return at.joints[2].p_PJ.norm() + at.foot_J.norm();
+}
+
+double QuadrupedDescription::LongestExtension(int leg) const {
+  const auto& [joints, bodies, foot] = legs[static_cast<std::size_t>(leg)];
+  const JointDescription& knee = joints[2];
+  // The knee's angle of a straight leg, within a turn of the middle of a finite range.
+  double straight = std::atan2(knee.axis.dot(foot.cross(knee.p_PJ)), foot.dot(knee.p_PJ));
+  if (!std::isfinite(knee.lower) || !std::isfinite(knee.upper)) return LegLength(leg);
+  const double middle = (knee.lower + knee.upper) / 2;
+  straight += 2 * std::numbers::pi * std::round((middle - straight) / (2 * std::numbers::pi));
+  if (knee.lower <= straight && straight <= knee.upper) return LegLength(leg);
+  const double end = straight > knee.upper ? knee.upper : knee.lower;
+  return (knee.p_PJ + Eigen::AngleAxisd(end, knee.axis) * foot).norm();
 }
 
 Eigen::Vector3d QuadrupedDescription::FootPosition(int leg, const Vec<kNumJoints>& q) const {

@@ -123,6 +123,8 @@ struct QuadrupedDescription {
   Eigen::Vector3d HipPosition(int leg, const Vec<kNumJoints>& q) const;
   /// Distance from the hip pitch joint to the centre of the foot's sphere with a straight leg [m].
   double LegLength(int leg) const;
+  /// The longest such distance that the range of the knee allows [m].
+  double LongestExtension(int leg) const;
   /// Centre of the foot's sphere in B at the joint angles q [m].
   Eigen::Vector3d FootPosition(int leg, const Vec<kNumJoints>& q) const;
   /// Pose of the leg's three bodies at the joint angles q [rad].

@@ -2,12 +2,10 @@
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/systems/framework/types/errors.h>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace tenon {
 namespace {
@@ -16,19 +14,6 @@ constexpr double kFullestExtension = 0.95;  // fraction of the leg's length at w
 constexpr double kWithinRange = 0.98;       // fraction of the extension at the end of the knee's range
 
 }  // namespace
-
-double LongestExtension(const QuadrupedDescription& robot, int leg) {
-  const auto& [joints, bodies, foot] = robot.legs[static_cast<std::size_t>(leg)];
-  const JointDescription& knee = joints[2];
-  // The knee's angle of a straight leg, within a turn of the middle of a finite range.
-  double straight = std::atan2(knee.axis.dot(foot.cross(knee.p_PJ)), foot.dot(knee.p_PJ));
-  if (!std::isfinite(knee.lower) || !std::isfinite(knee.upper)) return robot.LegLength(leg);
-  const double middle = (knee.lower + knee.upper) / 2;
-  straight += 2 * std::numbers::pi * std::round((middle - straight) / (2 * std::numbers::pi));
-  if (knee.lower <= straight && straight <= knee.upper) return robot.LegLength(leg);
-  const double end = straight > knee.upper ? knee.upper : knee.lower;
-  return (knee.p_PJ + Eigen::AngleAxisd(end, knee.axis) * foot).norm();
-}
 
 NominalStance::NominalStance(const QuadrupedDescription& robot) {
   LeggedState x;
@@ -47,7 +32,7 @@ NominalStance::NominalStance(const QuadrupedDescription& robot) {
     const double length = robot.LegLength(static_cast<int>(i));
     const Eigen::Vector3d leg = p_foot - robot.HipPosition(static_cast<int>(i), robot.stance);
     longest[i] =
-        std::min(kFullestExtension * length, kWithinRange * LongestExtension(robot, static_cast<int>(i)));
+        std::min(kFullestExtension * length, kWithinRange * robot.LongestExtension(static_cast<int>(i)));
     const double horizontal = longest[i] * longest[i] - leg[2] * leg[2];
     reach[i] = horizontal > 0 ? std::sqrt(horizontal) - leg.head<2>().norm() : 0;
     if (reach[i] <= 0) {

@@ -8,10 +8,6 @@
 
 namespace tenon {
 
-/// Longest distance from the hip pitch joint to the centre of the foot's sphere that the range of the knee
-/// allows [m].
-double LongestExtension(const QuadrupedDescription& robot, int leg);
-
 /// Geometry of a robot in its nominal stance, which the planners move along the path: the point of the path
 /// is the centre of the four feet, and its heading is the trunk's x.
 struct NominalStance {

@@ -59,7 +59,7 @@ Vec<12> WholeBodyController::TorqueLimit(const QuadrupedDescription& robot) {
 std::array<double, kNumLegs> WholeBodyController::Extensions(const QuadrupedDescription& robot) {
   std::array<double, kNumLegs> extension;
   for (int leg = 0; leg < kNumLegs; ++leg)
-    extension[static_cast<std::size_t>(leg)] = LongestExtension(robot, leg);
+    extension[static_cast<std::size_t>(leg)] = robot.LongestExtension(leg);
   return extension;
 }
 

@@ -154,8 +154,9 @@ struct WholeBodyPlan {
 /// **Stance feet.** Feet are spheres that roll on the ground: v and a of a stance foot are those of its
 /// contact point. a_stance stops a foot that is scheduled to stand but has no contact; with (2.30) alone it
 /// would keep its velocity until the leg is straight. It also pulls a foot towards its hip (unit vector u) if
-/// their distance l exceeds the fraction r of the longest that the knee's range allows (LongestExtension),
-/// since a leg that the trunk pulls straight snaps through its singularity or hits an end stop.
+/// their distance l exceeds the fraction r of the longest that the knee's range allows
+/// (QuadrupedDescription::LongestExtension), since a leg that the trunk pulls straight snaps through its
+/// singularity or hits an end stop.
 ///
 /// **Load ramps.** With a `load_ramp` T above 0, the normal force of a foot is at most s m g while s < 1: s
 /// grows from 0 to 1 within T after touchdown and falls to 0 within T before the planned lift-off. T is

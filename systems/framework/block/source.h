@@ -202,7 +202,6 @@ class Source : public internal::Declared {
   void SetIsCopy() { is_copy_ = true; }
   void SetHasInitialValue() { has_initial_value_ = true; }
   void CheckUses(int undeclared, bool merged) const;
-  System* mutable_owner() const { return owner_; }
   const void* model() const { return model_; }
 
  private:
@@ -237,6 +236,14 @@ class Source : public internal::Declared {
   internal::Offset offset_ = 0;
   int calculation_ = -1;  ///< index among the diagram's calculations
 };
+
+/// Returns the source that is now in the place of `source`, see Source::Current, or null if the new block has
+/// none.
+const Source* FindCurrent(const Source& source);
+template <class Port>
+const Port* FindCurrent(const Port& port) {
+  return static_cast<const Port*>(FindCurrent(static_cast<const Source&>(port)));
+}
 
 /// Source::Current, cast to the type of the port.
 template <class Port>

@@ -259,6 +259,14 @@ const Source& Source::Current() const {
       path(), replaced->path(), name(), type_name()));
 }
 
+const Source* FindCurrent(const Source& source) {
+  try {
+    return &source.Current();
+  } catch (const BuildError&) {
+    return nullptr;
+  }
+}
+
 std::shared_ptr<const Diagram> DiagramBuilder::Compile(const char* call, bool open_inputs) {
   CheckNotBuilt(call, "");
   auto program =

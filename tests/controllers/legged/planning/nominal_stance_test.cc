@@ -30,7 +30,7 @@ TEST(NominalStance, AKneeThatCanStraightenExtendsTheWholeLeg) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const double end : {0.5, 3.0, kInfinity}) {
     const QuadrupedDescription robot = WithKneeRange(-end, end);
-    EXPECT_EQ(LongestExtension(robot, kFrontLeft), robot.LegLength(kFrontLeft)) << end;
+    EXPECT_EQ(robot.LongestExtension(kFrontLeft), robot.LegLength(kFrontLeft)) << end;
     EXPECT_DOUBLE_EQ(NominalStance(robot).longest[kFrontLeft], 0.95 * robot.LegLength(kFrontLeft));
   }
 }
@@ -42,7 +42,7 @@ TEST(NominalStance, TheRangeOfTheKneeLimitsTheReach) {
     for (const bool backward : {true, false}) {
       const QuadrupedDescription robot =
           backward ? WithKneeRange(-2.5 + turn, -0.9 + turn) : WithKneeRange(0.9 + turn, 2.5 + turn);
-      const double longest = LongestExtension(robot, kFrontLeft);
+      const double longest = robot.LongestExtension(kFrontLeft);
       EXPECT_NEAR(longest, Extension(robot, backward ? -0.9 : 0.9), 1e-12);
       EXPECT_GT(longest, Extension(robot, backward ? -1.0 : 1.0));
       EXPECT_LT(NominalStance(robot).longest[kFrontLeft], longest);
