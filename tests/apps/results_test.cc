@@ -55,6 +55,32 @@ TEST_F(ResultsTest, RunsACampaignAndResumes) {
   EXPECT_EQ(test::Read(out / "hardware_guide_dog/runs.csv"), runs);
 }
 
+TEST_F(ResultsTest, ConfirmsRunsWhoseSourcesHaveChangedIfTheyRepeat) {
+  const std::string few = "--part hardware_guide_dog --seeds 1 --duration 0.05";
+  const fs::path stamp = out / "hardware_guide_dog/stamp.json", runs = out / "hardware_guide_dog/runs.csv";
+  ASSERT_EQ(RunResults(few), 0) << text;
+  const std::string table = test::Read(runs);
+  const auto change_sources = [&] {
+    const std::string now = test::Read(stamp), key = R"("sources": ")";
+    Write("hardware_guide_dog/stamp.json", std::string(now).replace(now.find(key) + key.size(), 3, "old"));
+  };
+
+  change_sources();
+  ASSERT_EQ(RunResults(few + " --confirm"), 0) << text;
+  EXPECT_THAT(Page(), HasSubstr("5 of 10 runs repeated at "));
+  EXPECT_THAT(test::Read(stamp), Not(HasSubstr(R"("old)")));
+  EXPECT_EQ(test::Read(runs), table);
+
+  // A figure that does not repeat: the runs stay stale.
+  change_sources();
+  const std::size_t figure = table.find("0.05,");
+  ASSERT_NE(figure, std::string::npos);
+  Write("hardware_guide_dog/runs.csv", std::string(table).replace(figure, 4, "0.06"));
+  ASSERT_EQ(RunResults(few + " --confirm"), 0) << text;
+  EXPECT_THAT(text, HasSubstr("not confirmed: simulated_s of run "));
+  EXPECT_THAT(test::Read(stamp), HasSubstr(R"("old)"));
+}
+
 TEST_F(ResultsTest, JudgesFinishedCampaigns) {
   const std::string figures = ",0.002,0.0035,1.5";
   Pretend("cases_fixed",
