@@ -5,7 +5,7 @@
 #include <tenon/apps/common/notes.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/diagrams/cdpr/cdpr_profile.h>
-#include <tenon/plants/multibody/attached_bodies.h>
+#include <tenon/plants/attached_bodies.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/yaml/resources.h>

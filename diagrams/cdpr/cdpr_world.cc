@@ -1,8 +1,8 @@
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/diagrams/cdpr/cdpr_world.h>
-#include <tenon/diagrams/late.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/plants/signals/quaternion.h>
+#include <tenon/systems/primitives/late.h>
 
 #include <algorithm>
 #include <cmath>

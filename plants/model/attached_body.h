@@ -27,7 +27,7 @@ constexpr auto EnumNames(AttachedJoint) {
 }
 
 /// A rigid body on a joint: a swinging load, a backpack on springs, a link of a tail or an arm. See Attach in
-/// plants/multibody/attached_bodies.h.
+/// plants/attached_bodies.h.
 ///
 /// The body's frame is at the joint, with axes parallel to those of the body that carries it if the joint's
 /// coordinate is 0. A spring and a damper act on the joint's coordinate q, an angle [rad] or a displacement

@@ -1,7 +1,7 @@
 #include <tenon/controllers/legged/planning/centroidal_mpc.h>
-#include <tenon/controllers/legged/planning/shortened.h>
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/controllers/optimization/slq.h>
+#include <tenon/plants/model/shortened.h>
 #include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Geometry>

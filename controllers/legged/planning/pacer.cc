@@ -1,7 +1,7 @@
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/pacer.h>
-#include <tenon/controllers/legged/planning/shortened.h>
 #include <tenon/plants/model/robot_scale.h>
+#include <tenon/plants/model/shortened.h>
 
 #include <fmt/core.h>
 

@@ -1,6 +1,6 @@
 #include <tenon/controllers/legged/planning/quintic.h>
-#include <tenon/controllers/legged/planning/shortened.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
+#include <tenon/plants/model/shortened.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

@@ -1,7 +1,6 @@
-#include <tenon/controllers/legged/planning/nominal_stance.h>
-#include <tenon/controllers/legged/planning/shortened.h>
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
 #include <tenon/plants/model/rotation_between.h>
+#include <tenon/plants/model/shortened.h>
 #include <tenon/plants/signals/quaternion.h>
 #include <tenon/systems/framework/types/fields.h>
 

@@ -1,9 +1,9 @@
 // A cable robot with additions in Simbody: agreement with the closed form, conservation laws, balance,
 // errors.
 
+#include <tenon/plants/attached_bodies.h>
 #include <tenon/plants/cdpr/cdpr_multibody.h>
 #include <tenon/plants/cdpr/cdpr_plant.h>
-#include <tenon/plants/multibody/attached_bodies.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>

@@ -1,7 +1,7 @@
 // Bodies attached to a quadruped by parameters: springs at rest, drives, balance, errors.
 
+#include <tenon/plants/attached_bodies.h>
 #include <tenon/plants/legged/quadruped_plant.h>
-#include <tenon/plants/multibody/attached_bodies.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/quadruped_test_arm.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/plants/multibody/attached_bodies.h>
+#include <tenon/plants/attached_bodies.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>
 
 #include <cmath>

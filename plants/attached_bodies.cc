@@ -1,6 +1,6 @@
+#include <tenon/plants/attached_bodies.h>
 #include <tenon/plants/cdpr/cdpr_multibody.h>
 #include <tenon/plants/legged/quadruped_multibody.h>
-#include <tenon/plants/multibody/attached_bodies.h>
 #include <tenon/plants/multibody/internal/simbody_conversions.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/nearest_name.h>
