@@ -62,7 +62,7 @@ void CdprLimits::Begin(const std::vector<std::string>& names, const std::vector<
 void CdprLimits::Row(std::span<const double> row) {
   const Eigen::Vector3d p_WB = VectorIn<3>(row, position_);
   const Eigen::Matrix3d R_WB = RotationFromQuaternion(VectorIn<4>(row, attitude_));
-  CalcCableKinematics(robot_, p_WB, R_WB, &all_);
+  CalcCableKinematics(robot_, p_WB, R_WB, &all_, loop_.world.plant.anchors, row[0]);
   CableRow(row, p_WB);
   PlatformRow(row, p_WB, R_WB);
   FloorRow(row, p_WB, R_WB);
@@ -116,7 +116,7 @@ void CdprLimits::PlatformRow(std::span<const double> row, const Eigen::Vector3d&
   }
   if (pulling_.cables.empty()) return;
   const bool all_pull = pulling_.cables.size() == robot_.cables.size();
-  if (!all_pull) CalcCableKinematics(pulling_, p_WB, R_WB, &cables_);
+  if (!all_pull) CalcCableKinematics(pulling_, p_WB, R_WB, &cables_, MovingAnchors(pulling_), row[0]);
   const double sine = interference_.At(all_pull ? all_ : cables_, R_WB).platform;
   if (!started_) open_frame_ = sine < 0;
   if (open_frame_) return;

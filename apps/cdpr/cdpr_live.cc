@@ -73,10 +73,14 @@ LiveControls CdprLive::Controls() const {
   return controls;
 }
 
-/// The box between the anchors and the floor. GoalPath refuses goals that the robot cannot reach.
+/// The box between the anchors, before and after they move, and the floor. GoalPath refuses goals that the
+/// robot cannot reach.
 LiveControls::Goal CdprLive::Goal() const {
   Eigen::AlignedBox3d box;
-  for (const CableDescription& cable : loop_.world.plant.params.robot.cables) box.extend(cable.anchor_W);
+  const CdprPlant& plant = loop_.world.plant;
+  for (const double time : {0.0, plant.anchors.end_time()})
+    for (const CableDescription& cable : plant.anchors.RobotAt(plant.params.robot, time).cables)
+      box.extend(cable.anchor_W);
   const Vec<3> start = loop_.reference.params.path->At(0).position;
   box.extend(start).extend(Vec<3>(start[0], start[1], 0));
   return {"reference", {box.min(), box.max()}, [this](Context& context, const Vec<3>& place) {

@@ -331,17 +331,23 @@ std::string PayOutNote(const EquilibriumPath& equilibria) {
   const Path& path = equilibria.path();
   const double b = robot.winch.reel_damping;
   if (robot.winch.mode != WinchMode::kTension) return "";
-  const double begin = path.start_time();
-  const double end = path.is_periodic() ? path.TimeOf(4 * std::numbers::pi) : path.end_time();
+  const MovingAnchors& anchors = equilibria.anchors();
+  double begin = path.start_time();
+  double end = path.is_periodic() ? path.TimeOf(4 * std::numbers::pi) : path.end_time();
+  if (anchors.any()) {
+    begin = std::min(begin, anchors.start_time());
+    end = std::max(end, anchors.end_time());
+  }
   constexpr int kSamples = 200;
   constexpr double kTolerance = 1e-3;  // interpolated attitudes are equilibria only nearly
   CdprReference at;
+  CableKinematics cables;
   for (int k = 0; k <= kSamples; ++k) {
     const double time = begin + (end - begin) * k / kSamples;
     equilibria.At(time, &at);
     const CableVector least = (b * at.length_rate).cwiseMax(0) + robot.tension_min();
-    const CableMatrix6 structure =
-        CalcCableKinematics(robot, at.position, RotationFromEuler(at.euler)).structure;
+    CalcCableKinematics(robot, at.position, RotationFromEuler(at.euler), &cables, anchors, time);
+    const CableMatrix6& structure = cables.structure;
     const Vector6d wrench = -GravityWrench(robot) - structure * least;
     const CableVector none = CableVector::Zero(robot.num_cables());
     if (DistributeTension(structure, wrench, none, robot.tension_max(), 0, kTolerance).feasible) continue;

@@ -27,7 +27,7 @@ Eigen::Matrix3d RotationBy(const Eigen::Vector3d& turn) {
 }  // namespace
 
 void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, const CableVector& broken,
-                             ReferenceShift& shift) {
+                             ReferenceShift& shift, double time) {
   const Eigen::Index num_broken = (broken.array() != 0).count();
   const bool loaded = load.any() || num_broken > 0;
   const double turn_scale = num_broken > 0 ? kTurnScaleBroken : kTurnScale;
@@ -39,7 +39,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
   const Eigen::Matrix3d R_reference = RotationFromEuler(at.euler);
   R_WB_ = R_reference;
   if (loaded) R_WB_ = RotationBy(shift.turn_W) * R_reference;
-  CalcCableKinematics(robot_, at.position, R_WB_, &cables_);
+  CalcCableKinematics(robot_, at.position, R_WB_, &cables_, anchors_, time);
 
   // Newton's step with the smallest change, computed by the multiplier of the equation:
   // change = J^T multiplier, J J^T multiplier = J change_before - residual.

@@ -44,14 +44,16 @@ struct ReferenceShift {
 /// rounding.
 class BalancedReference {
  public:
-  explicit BalancedReference(const CdprDescription& robot) : robot_(robot), plane_(PlaneOf(robot)) {}
+  explicit BalancedReference(const CdprDescription& robot)
+      : robot_(robot), anchors_(robot), plane_(PlaneOf(robot)) {}
 
-  /// Balances the reference `at`. `shift` is the start of the search and its result; without load and with
-  /// all cables intact it is set to 0. `broken` has a 1 for each broken cable, else 0; if it is empty, all
-  /// cables are intact. Does not allocate from the second call on.
+  /// Balances the reference `at`, of `time` [s], when moving anchors have their places. `shift` is the start
+  /// of the search and its result; without load and with all cables intact it is set to 0. `broken` has a 1
+  /// for each broken cable, else 0; if it is empty, all cables are intact. Does not allocate from the second
+  /// call on.
   /// @throws RunError as CalcCableLine().
   void Calc(const CdprReference& at, const LoadEstimate& load, const CableVector& broken,
-            ReferenceShift& shift);
+            ReferenceShift& shift, double time = 0);
 
   const Eigen::Vector3d& euler() const { return euler_; }  ///< ZYX angles near those of the reference [rad]
   const CableVector& tension() const { return tension_; }  ///< [N]
@@ -59,6 +61,7 @@ class BalancedReference {
 
  private:
   CdprDescription robot_;
+  MovingAnchors anchors_;
   std::optional<CablePlane> plane_;
   CableKinematics cables_;
   Eigen::Matrix3d R_WB_ = Eigen::Matrix3d::Identity();

@@ -52,7 +52,7 @@ PlatformEstimate CdprEstimator::CalcEstimate(const double& time, const PoseMeasu
   if (lengths) CheckNumCables(params.robot.num_cables(), cables.length.size(), "CdprEstimator");
   if (memory.started) {
     const Step mean = Predict(inertial, noise, memory);
-    if (lengths) CorrectByLengths(cables.length, noise, mean, memory);
+    if (lengths) CorrectByLengths(time, cables.length, noise, mean, memory);
     Correct(pose, noise, memory);
   } else {
     memory.started = true;
@@ -93,17 +93,17 @@ CdprEstimator::Step CdprEstimator::Predict(const ImuMeasurement& inertial, const
   return mean;
 }
 
-void CdprEstimator::CorrectByLengths(const CableVector& length, const CdprNoise& noise, Step mean,
-                                     Memory& memory) const {
+void CdprEstimator::CorrectByLengths(double time, const CableVector& length, const CdprNoise& noise,
+                                     Step mean, Memory& memory) const {
   const double T = params.rate.period(), share = std::min(1.0, T / kBiasTime);
   const Eigen::Vector3d w_W = mean.R_WB * mean.w_B;
   PlatformState& platform = memory.platform;
   Covariance& P = memory.covariance;
   for (int i = 0; i < params.robot.num_cables(); ++i) {
-    const CableLine line = CalcCableLine(params.robot, i, mean.p_WB, mean.R_WB);
+    const CableLine line = CalcCableLine(params.robot, i, mean.p_WB, mean.R_WB, anchors, time - T / 2);
     const Eigen::Vector3d lever = line.wrench.tail<3>();
-    const double innovation =
-        (length[i] - memory.length[i]) / T + line.direction.dot(mean.v_W) + lever.dot(w_W);
+    double innovation = (length[i] - memory.length[i]) / T + line.direction.dot(mean.v_W) + lever.dot(w_W);
+    if (anchors.any()) innovation -= line.anchor_rate;
     double& bias = memory.bias[i];
     bias += share * (innovation - bias);
     const Vector9d PH = -P.middleCols<3>(3) * line.direction;  // H selects -direction . dv

@@ -82,6 +82,7 @@ struct CdprEstimatorParams {
 class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
  public:
   using LeafSystem::LeafSystem;
+  const MovingAnchors anchors{params.robot};
   using Covariance = Eigen::Matrix<double, 9, 9>;
 
   /// State of the filter.
@@ -122,7 +123,8 @@ class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
                                 const ImuMeasurement& inertial, const CableSignals& cables,
                                 const CdprNoise& noise, Memory& memory) const;
   Step Predict(const ImuMeasurement& inertial, const CdprNoise& noise, Memory& memory) const;
-  void CorrectByLengths(const CableVector& length, const CdprNoise& noise, Step mean, Memory& memory) const;
+  void CorrectByLengths(double time, const CableVector& length, const CdprNoise& noise, Step mean,
+                        Memory& memory) const;
   void Correct(const PoseMeasurement& pose, const CdprNoise& noise, Memory& memory) const;
 };
 

@@ -87,8 +87,19 @@ CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Ve
   return line;
 }
 
+CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Vector3d& p_WB,
+                        const Eigen::Matrix3d& R_WB, const MovingAnchors& anchors, double time) {
+  if (!anchors.any()) return CalcCableLine(robot, index, p_WB, R_WB);
+  const PathPoint moved = anchors.At(index, time);
+  CableLine line = CalcCableLine(robot, index, p_WB - moved.position, R_WB);
+  line.exit_W += moved.position;
+  line.anchor_rate = line.direction.dot(moved.velocity);
+  return line;
+}
+
 void CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
-                         const Eigen::Matrix3d& R_WB, CableKinematics* cables) {
+                         const Eigen::Matrix3d& R_WB, CableKinematics* cables, const MovingAnchors& anchors,
+                         double time) {
   const int n = robot.num_cables();
   cables->arm_W.resize(3, n);
   cables->exit_W.resize(3, n);
@@ -98,7 +109,7 @@ void CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_
   cables->swivel.resize(3, robot.winch.pulley_radius > 0 ? n : 0);
   cables->structure.resize(6, n);
   for (int i = 0; i < n; ++i) {
-    const CableLine line = CalcCableLine(robot, i, p_WB, R_WB);
+    const CableLine line = CalcCableLine(robot, i, p_WB, R_WB, anchors, time);
     cables->arm_W.col(i) = line.arm_W;
     cables->exit_W.col(i) = line.exit_W;
     cables->direction.col(i) = line.direction;
@@ -127,7 +138,11 @@ std::optional<CablePlane> PlaneOf(const CdprDescription& robot) {
   for (const int normal : {0, 1}) {
     const double at = robot.cables[0].anchor_W[normal];
     const bool within = std::ranges::all_of(robot.cables, [&](const CableDescription& cable) {
-      return std::abs(cable.anchor_W[normal] - at) < kInPlane &&
+      const bool stays =
+          !cable.anchor_path || std::ranges::all_of(cable.anchor_path->offsets, [&](const auto& offset) {
+            return std::abs(offset[normal]) < kInPlane;
+          });
+      return stays && std::abs(cable.anchor_W[normal] - at) < kInPlane &&
              std::abs(cable.attachment_B[normal]) < kInPlane;
     });
     if (within) return CablePlane{normal, at, {1 - normal, 2, 3 + normal}};

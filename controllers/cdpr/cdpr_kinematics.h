@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/model/moving_anchors.h>
 
 #include <Eigen/Core>
 
@@ -57,22 +58,28 @@ struct CableLine {
   double free_length = 0;
   Eigen::Vector3d swivel = Eigen::Vector3d::Zero();  ///< s [1/sqrt(m)]
   Vector6d wrench;                                   ///< its column of W
+  double anchor_rate = 0;  ///< rate of the length by the motion of the anchor alone [m/s]
 };
 
-/// Computes cable `index` of `robot` at a pose.
+/// Computes cable `index` of `robot` at a pose, with its anchor at its place at `time`.
 /// @throws RunError if the cable has no length, and therefore no direction, or if it ends on its pulley or
 /// beside its swivel axis.
 CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Vector3d& p_WB,
                         const Eigen::Matrix3d& R_WB);
+CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Vector3d& p_WB,
+                        const Eigen::Matrix3d& R_WB, const MovingAnchors& anchors, double time);
 
-/// Computes all cables of `robot` at a pose. Does not allocate if `cables` has the robot's number of cables.
+/// Computes all cables of `robot` at a pose, with its anchors at their places at `time`. Does not allocate if
+/// `cables` has the robot's number of cables.
 /// @throws RunError as CalcCableLine().
 void CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
-                         const Eigen::Matrix3d& R_WB, CableKinematics* cables);
+                         const Eigen::Matrix3d& R_WB, CableKinematics* cables,
+                         const MovingAnchors& anchors = {}, double time = 0);
 CableKinematics CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
                                     const Eigen::Matrix3d& R_WB);
 
-/// Rates of the cable lengths [m/s] for the platform's velocity v_W [m/s] and angular velocity w_W [rad/s].
+/// Rates of the cable lengths [m/s] with standing anchors for the platform's velocity v_W [m/s] and angular
+/// velocity w_W [rad/s].
 CableVector CalcCableLengthRates(const CableKinematics& cables, const Eigen::Vector3d& v_W,
                                  const Eigen::Vector3d& w_W);
 

@@ -28,10 +28,10 @@ CentroidalState Diagonal(const CdprDescription& robot, const CdprMpcWeights& wei
 
 /// The state of `body`, the platform with the payload of `load`, at the path's reference `at`, balanced by
 /// one Newton step from `shift`; `balanced` has the attitude and the tensions.
-CentroidalState CalcReference(const CdprReference& at, const LoadEstimate& load, const CableVector& broken,
-                              const LoadedPlatform& body, ReferenceShift& shift,
+CentroidalState CalcReference(double time, const CdprReference& at, const LoadEstimate& load,
+                              const CableVector& broken, const LoadedPlatform& body, ReferenceShift& shift,
                               BalancedReference& balanced) {
-  balanced.Calc(at, load, broken, shift);
+  balanced.Calc(at, load, broken, shift, time);
   return CentroidalStateOf(body, at.position, balanced.R_WB(), balanced.euler(), at.velocity,
                            EulerRateMatrix(at.euler) * at.euler_rate);
 }
@@ -61,7 +61,8 @@ auto ForCables(int cables, const Make& make) {
 template <int n>
 Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double period, const CdprMpcCost& cost) {
   using Problem = CdprTrackingProblem<n>;
-  const int cables = path.robot().num_cables();
+  const CdprDescription robot = path.anchors().RobotAt(path.robot(), path.path().start_time());
+  const int cables = robot.num_cables();
   const CdprReference rest = path.At(path.path().start_time());
   CentroidalState x = CentroidalState::Zero();
   x.segment<3>(6) = rest.position;
@@ -69,13 +70,13 @@ Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double perio
   typename Problem::Input u(cables);
   CopyEntries(rest.tension, u);
   typename RungeKutta<Problem>::Tangent AB(12, 12 + cables);
-  Problem problem(path.robot(), 1);
-  problem.SetPose(path.robot(), rest.position, RotationFromEuler(rest.euler));
+  Problem problem(robot, 1);
+  problem.SetPose(robot, rest.position, RotationFromEuler(rest.euler));
   RungeKutta<Problem>(12, cables).Linearize(problem, StepMethod::kRungeKutta4, 1, &period, &x, &u, &AB);
   const Eigen::MatrixXd A = AB.leftCols(12), B = AB.rightCols(cables),
                         R = Eigen::VectorXd::Constant(cables, period * cost.R).asDiagonal(),
                         Q = (period * cost.Q).asDiagonal();
-  const auto plane = PlaneOf(path.robot());
+  const auto plane = PlaneOf(robot);
   if (!plane) return SolveDiscreteRiccati(A, B, Q, R);
   std::vector<int> states(plane->motions.begin(), plane->motions.end());
   for (const int motion : plane->motions) states.push_back(6 + motion);
@@ -134,7 +135,7 @@ CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
   BalancedReference balanced(params.path->robot());
   CdprPlan plan;
   const CentroidalState start =
-      CalcReference(params.path->At(0), {}, {}, {params.path->robot(), {}}, plan.shift, balanced);
+      CalcReference(0, params.path->At(0), {}, {}, {params.path->robot(), {}}, plan.shift, balanced);
   plan.reference_rate.setZero(n);
   plan.nodes.resize(params.num_steps + 1);
   const std::vector<int> steps = Steps(params);
@@ -176,7 +177,9 @@ AnySlq MakeSlq(const CdprMpcParams& params) {
   std::vector<double> steps;  // [s]
   for (const int step : CdprMpcSolver::Steps(params)) steps.push_back(step * params.rate.period());
   return ForCables(robot.num_cables(), [&](auto n) -> AnySlq {
-    return SlqFor<n()>(CdprTrackingProblem<n()>(robot, params.num_steps), steps, params.slq);
+    CdprTrackingProblem<n()> problem(robot, params.num_steps);
+    if (params.path->anchors().any()) problem.SeparateNodes(params.num_steps + 1);
+    return SlqFor<n()>(problem, steps, params.slq);
   });
 }
 
@@ -193,9 +196,9 @@ class CdprMpcSolver::Impl {
         balanced_(params.path->robot()),
         slq_(MakeSlq(params)) {
     const CdprReference at = path_->At(0);
-    const CentroidalState x = CalcReference(at, {}, {}, {path_->robot(), {}}, first_shift_, balanced_);
+    const CentroidalState x = CalcReference(0, at, {}, {}, {path_->robot(), {}}, first_shift_, balanced_);
     const CableVector& u = balanced_.tension();
-    const Target target{x, u, u, u};
+    const Target target{0, x, u, u, u};
     targets_.assign(steps_.size() + 1, target);
     cache_.assign(1 + static_cast<std::size_t>(std::lround(params.horizon / period_)),
                   {-1, at, false, target});
@@ -225,8 +228,9 @@ class CdprMpcSolver::Impl {
   }
 
  private:
-  // The reference and the bounds at a node of the horizon, see CdprTrackingProblem.
+  // Time, reference and bounds at a node of the horizon, see CdprTrackingProblem.
   struct Target {
+    double time;
     CentroidalState x;
     CableVector u, lower, upper;
   };
@@ -248,7 +252,7 @@ class CdprMpcSolver::Impl {
         multiple ? static_cast<double>(now + index) * period_ : time + static_cast<double>(index) * period_;
     PathNode& node = cache_[static_cast<std::size_t>(now + index) % cache_.size()];
     if (node.time != at) {
-      node.time = at;
+      node.time = node.target.time = at;
       node.has_target = false;
       path_->At(at, &node.at);
       SetBounds(node);
@@ -273,12 +277,12 @@ class CdprMpcSolver::Impl {
     const bool shifted = load.any() || (broken.array() != 0).any();
     shift.held = true;
     if (shifted)
-      for (int i = 0; i + 1 < kFirstSteps; ++i) balanced_.Calc(NodeAt(time, 0).at, load, broken, shift);
+      for (int i = 0; i + 1 < kFirstSteps; ++i) balanced_.Calc(NodeAt(time, 0).at, load, broken, shift, time);
     long index = 0;
     for (std::size_t k = 0; k < targets_.size(); ++k) {
       PathNode& node = NodeAt(time, index);
       if (shifted || !node.has_target) {
-        node.target.x = CalcReference(node.at, load, broken, body, shift, balanced_);
+        node.target.x = CalcReference(node.time, node.at, load, broken, body, shift, balanced_);
         node.target.u = balanced_.tension();
         if (!equilibrium_input_) node.target.u.setZero();
         node.has_target = !shifted;
@@ -290,6 +294,17 @@ class CdprMpcSolver::Impl {
       if (k < steps_.size()) index += steps_[k];
     }
     shift = first_shift_;
+  }
+
+  // Sets the anchors of all nodes, with pulleys at the reference of each node.
+  template <int n>
+  void SetAnchors(const LoadedPlatform& body, CdprTrackingProblem<n>& problem) const {
+    for (std::size_t k = 0; k < targets_.size(); ++k) {
+      const Target& target = targets_[k];
+      const Eigen::Matrix3d R_WB = RotationFromEuler(target.x.tail<3>());
+      problem.SetAnchors(static_cast<int>(k), path_->robot(), path_->anchors(), target.time,
+                         target.x.segment<3>(6) - R_WB * body.com_B, R_WB);
+    }
   }
 
   // Shifts `plan` by `elapsed` [s] and improves it for a start at x.
@@ -307,7 +322,10 @@ class CdprMpcSolver::Impl {
     CdprTrackingProblem<n>& problem = slq.problem();
     problem.SetPayload(robot, body);
     const Eigen::Matrix3d R_WB = RotationFromEuler(x.tail<3>());
-    problem.SetPose(robot, x.segment<3>(6) - R_WB * body.com_B, R_WB);
+    if (path_->anchors().any())
+      SetAnchors(body, problem);
+    else
+      problem.SetPose(robot, x.segment<3>(6) - R_WB * body.com_B, R_WB);
     const Eigen::Vector3d com_W = RotationFromEuler(targets_.front().x.tail<3>()) * body.com_B;
     const Eigen::Vector3d force = load.rest.force_W, torque = load.rest.torque_W;
     problem.load << force, torque - com_W.cross(force);

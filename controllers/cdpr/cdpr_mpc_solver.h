@@ -68,7 +68,8 @@ struct CdprMpcParams {
 /// The reference at a node is the quasi-static one of the path, corrected for the acceleration of the
 /// platform and for its load, see BalancedReference (for u_des = 0, only the attitude is corrected). The
 /// tensions at node k are bounded by [t_min, t_max] and by [t_min, t_max] + b dl/dt, with the reel damping b
-/// of the winches. A broken cable has tension 0.
+/// of the winches. A broken cable has tension 0. Moving anchors have the places that they will have at the
+/// time of the node.
 class CdprMpcSolver {
  public:
   explicit CdprMpcSolver(const CdprMpcParams& params);

@@ -123,9 +123,19 @@ void KinoCentroidalModel<n>::SetPose(const CdprDescription& robot, const Eigen::
     anchor_W_.row(i) = CalcCableLine(robot, i, p_WB, R_WB).exit_W.transpose();
 }
 
-/// Computes f(x, u), with the state and its rate in three registers, of which the second begins within L.
 template <int n>
-TENON_INLINE void KinoCentroidalModel<n>::CalcRate(const Lanes (&x)[3], const double* u,
+void KinoCentroidalModel<n>::SetAnchors(int k, const CdprDescription& robot, const MovingAnchors& anchors,
+                                        double time, const Eigen::Vector3d& p_WB,
+                                        const Eigen::Matrix3d& R_WB) {
+  for (int i = 0; i < robot.num_cables(); ++i)
+    anchor_W_.row(i).segment(3 * k, 3) =
+        CalcCableLine(robot, i, p_WB, R_WB, anchors, time).exit_W.transpose();
+}
+
+/// Computes f(x, u) with the anchors in the columns from `column` on, with the state and its rate in three
+/// registers, of which the second begins within L.
+template <int n>
+TENON_INLINE void KinoCentroidalModel<n>::CalcRate(Eigen::Index column, const Lanes (&x)[3], const double* u,
                                                    Lanes (&dx)[3]) const {
   Lanes sine, cosine;
   SinCos(x[2], &sine, &cosine);
@@ -139,7 +149,7 @@ TENON_INLINE void KinoCentroidalModel<n>::CalcRate(const Lanes (&x)[3], const do
       arm[r] = R[r][0] * *PacketAt(&attachment_B_(first, 0)) + R[r][1] * *PacketAt(&attachment_B_(first, 1)) +
                R[r][2] * *PacketAt(&attachment_B_(first, 2));
       const double p = r == 0 ? x[1][2] : r == 1 ? x[1][3] : x[2][0];
-      pull[r] = *PacketAt(&anchor_W_(first, r)) - p - arm[r];
+      pull[r] = *PacketAt(&anchor_W_(first, column + r)) - p - arm[r];
     }
     Lanes length, scale;
     Sqrt(pull[0] * pull[0] + pull[1] * pull[1] + pull[2] * pull[2], &length);
@@ -175,12 +185,12 @@ template <int n>
 TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Derivative(const State& x, const Input& u, State& dx) const {
   const Lanes at[3] = {*PacketAt(&x[0]), *PacketAt(&x[4]), *PacketAt(&x[8])};
   Lanes k[3] = {};
-  CalcRate(at, u.data(), k);
+  CalcRate(0, at, u.data(), k);
   for (int j = 0; j < 3; ++j) *PacketAt(&dx[4 * j]) = k[j];
 }
 
 template <int n>
-TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Step(int, StepMethod method, double h, const State& x,
+TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Step(int node, StepMethod method, double h, const State& x,
                                                       const Input& u, State& next) const {
   const StepTableau& tableau = TableauOf(method);
   const Lanes start[3] = {*PacketAt(&x[0]), *PacketAt(&x[4]), *PacketAt(&x[8])};
@@ -188,7 +198,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::Step(int, StepMethod method, do
   for (int i = 0; i < tableau.stages; ++i) {
     if (i > 0)
       for (int j = 0; j < 3; ++j) at[j] = start[j] + (tableau.a[i] * h) * k[j];
-    CalcRate(at, u.data(), k);
+    CalcRate(ColumnOf(node), at, u.data(), k);
     for (int j = 0; j < 3; ++j) end[j] += (tableau.b[i] * h) * k[j];
   }
   for (int j = 0; j < 3; ++j) *PacketAt(&next[4 * j]) = end[j];
@@ -209,11 +219,11 @@ struct KinoCentroidalModel<n>::Stage {
 //     df/dp     = -s (1 - d d^T)
 //     df/dtheta =  s ([a x] + d m^T),   dtau/dp its transpose
 //     dtau/dtheta = s m m^T + M - trace(M) 1,   M = a (s a + u d)^T
-// `u` holds a cable's tensions at four adjacent nodes; `wrench` receives its d(rate of v, L)/du.
+// `u` holds a cable's tensions at the four nodes `node`; `wrench` receives its d(rate of v, L)/du.
 template <int n>
 template <class Tension, class Wrench>
-TENON_INLINE void KinoCentroidalModel<n>::LinearizeFour(const Lanes (&x)[12], const Tension& u,
-                                                        Lanes (&dx)[12], Stage& f,
+TENON_INLINE void KinoCentroidalModel<n>::LinearizeFour(const int (&node)[4], const Lanes (&x)[12],
+                                                        const Tension& u, Lanes (&dx)[12], Stage& f,
                                                         const Wrench& wrench) const {
   Lanes sine[3], cosine[3];
   for (int r = 0; r < 3; ++r) SinCos(x[9 + r], &sine[r], &cosine[r]);
@@ -225,11 +235,16 @@ TENON_INLINE void KinoCentroidalModel<n>::LinearizeFour(const Lanes (&x)[12], co
     force[r] = Lanes{} + load[r];
     torque[r] = Lanes{} + load[3 + r];
   }
+  const bool moving = anchor_W_.cols() > 3;
   for (int i = 0; i < num_inputs(); ++i) {
     Lanes a[3], d[3];
     for (int r = 0; r < 3; ++r) {
       a[r] = R[r][0] * attachment_B_(i, 0) + R[r][1] * attachment_B_(i, 1) + R[r][2] * attachment_B_(i, 2);
-      d[r] = anchor_W_(i, r) - x[6 + r] - a[r];
+      d[r] = Lanes{} + anchor_W_(i, r);
+      if (moving)
+        d[r] = Lanes{anchor_W_(i, 3 * node[0] + r), anchor_W_(i, 3 * node[1] + r),
+                     anchor_W_(i, 3 * node[2] + r), anchor_W_(i, 3 * node[3] + r)};
+      d[r] = d[r] - x[6 + r] - a[r];
     }
     Lanes length, t;
     Sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2], &length);
@@ -402,7 +417,7 @@ TENON_VECTOR_CLONES void KinoCentroidalModel<n>::LinearizeSteps(StepMethod metho
       if (i > 0)
         for (int j = 0; j < 12; ++j) at[j] = start[j] + (tableau.a[i] * step) * k[j];
       LinearizeFour(
-          at,
+          node, at,
           [&](int cable, Lanes* tensions) __attribute__((always_inline)) {
             *tensions = Lanes{u[node[0]][cable], u[node[1]][cable], u[node[2]][cable], u[node[3]][cable]};
           },

@@ -4,6 +4,7 @@
 #include <tenon/controllers/optimization/lanes/lanes.h>
 #include <tenon/controllers/optimization/runge_kutta.h>
 #include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/model/moving_anchors.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 
 #include <Eigen/Core>
@@ -58,6 +59,13 @@ class KinoCentroidalModel {
       Eigen::Matrix<double, 6, 1>::Zero();  ///< [f ; tau] in W, about the common CoM [N, N m]
   /// Sets the mass properties to those of the platform with its payload.
   void SetPayload(const CdprDescription& robot, const LoadedPlatform& body);
+  /// Gives each of `nodes` nodes of a horizon anchors of its own, for anchors that move; SetAnchors() sets
+  /// them.
+  void SeparateNodes(int nodes) { anchor_W_ = anchor_W_.leftCols(3).eval().replicate(1, nodes); }
+  /// Sets the points from which the cables run at node k to those at `time` [s], with pulleys to those at
+  /// this pose, see SetPose(). Does not allocate.
+  void SetAnchors(int k, const CdprDescription& robot, const MovingAnchors& anchors, double time,
+                  const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
   /// Sets the points where the cables leave their pulleys to those at this pose; before the first call they
   /// are the anchors. Near the pose, forces are exact to first order in the pulley's plane, where the tangent
   /// turns about the exit point. If the platform moves by 40 cm on a cable of 4 m, the exit point of a pulley
@@ -78,7 +86,7 @@ class KinoCentroidalModel {
 
     explicit StepWorkspace(int cables) : wrench(wrench.RowsAtCompileTime, cables) {}
   };
-  void Step(int, StepMethod method, double h, const State& x, const Input& u, State& next) const;
+  void Step(int k, StepMethod method, double h, const State& x, const Input& u, State& next) const;
   void LinearizeSteps(StepMethod method, int count, const double* h, const State* x, const Input* u,
                       Tangent* tangents, StepWorkspace& workspace) const;
 
@@ -86,18 +94,23 @@ class KinoCentroidalModel {
   static constexpr int kLanes =
       n == Eigen::Dynamic ? n : (n + 3) / 4 * 4;  // number of cables, rounded up to full registers
   struct Stage;
-  void CalcRate(const internal::Lanes (&x)[3], const double* u, internal::Lanes (&dx)[3]) const;
+  /// First of the three columns of anchor_W_ at node k.
+  Eigen::Index ColumnOf(int k) const { return anchor_W_.cols() == 3 ? 0 : 3 * k; }
+  void CalcRate(Eigen::Index column, const internal::Lanes (&x)[3], const double* u,
+                internal::Lanes (&dx)[3]) const;
   template <class Tension, class Wrench>
-  void LinearizeFour(const internal::Lanes (&x)[12], const Tension& u, internal::Lanes (&dx)[12], Stage& f,
-                     const Wrench& wrench) const;
+  void LinearizeFour(const int (&node)[4], const internal::Lanes (&x)[12], const Tension& u,
+                     internal::Lanes (&dx)[12], Stage& f, const Wrench& wrench) const;
   template <int block>
   static void CalcColumn(const Stage* stages, const StepTableau& tableau, const internal::Lanes& h, int c,
                          const double* wrench, internal::Lanes (&sum)[12]);
 
   int cables_;
   double mass_inverse_;
-  Eigen::Matrix3d inertia_inverse_;                           // m I^{-1}, in B
-  Eigen::Matrix<double, kLanes, 3> anchor_W_, attachment_B_;  // one row per cable
+  Eigen::Matrix3d inertia_inverse_;  // m I^{-1}, in B
+  // One row per cable; anchors that move have three columns per node of the horizon.
+  Eigen::Matrix<double, kLanes, Eigen::Dynamic> anchor_W_;
+  Eigen::Matrix<double, kLanes, 3> attachment_B_;
 };
 
 }  // namespace tenon

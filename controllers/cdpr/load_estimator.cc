@@ -40,7 +40,8 @@ LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const Imu
   Vector6d pull;
   pull << known.force_W, known.torque_W;
   for (int i = 0; i < robot.num_cables(); ++i)
-    pull += cables.tension[i] * CalcCableLine(robot, i, estimate.platform.p_WB, R_WB).wrench;
+    pull += cables.tension[i] *
+            CalcCableLine(robot, i, estimate.platform.p_WB, R_WB, anchors, estimate.time).wrench;
   const Eigen::Vector3d w = R_WB * inertial.angular_velocity_B;
   const Eigen::Vector3d specific_force = R_WB * inertial.specific_force_B;
   const Eigen::Vector3d momentum = R_WB * (robot.inertia_B * inertial.angular_velocity_B);

@@ -51,6 +51,7 @@ struct LoadEstimatorParams {
 class LoadEstimator final : public LeafSystem<LoadEstimatorParams> {
  public:
   using LeafSystem::LeafSystem;
+  const MovingAnchors anchors{params.robot};
 
   struct Memory {
     bool started = false;

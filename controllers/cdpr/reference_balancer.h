@@ -23,6 +23,7 @@ struct ReferenceBalancerParams {
 class ReferenceBalancer final : public LeafSystem<ReferenceBalancerParams> {
  public:
   using LeafSystem::LeafSystem;
+  const MovingAnchors anchors{params.robot};
   InputPort<CdprReference> reference{this, {"reference"}};
   InputPort<LoadEstimate> load{this, {"load"}, LoadEstimate{}};
   InputPort<CableVector> broken{this, {"broken"}, CableVector{}};
@@ -33,13 +34,14 @@ class ReferenceBalancer final : public LeafSystem<ReferenceBalancerParams> {
                                      {"balanced"},
                                      Empty(params.robot.num_cables()),
                                      Sampled{params.rate},
-                                     Uses(reference, load, broken, shift, work),
+                                     Uses(time, reference, load, broken, shift, work),
                                      &ReferenceBalancer::CalcBalanced};
 
  private:
   static CdprReference Empty(int num_cables);
-  void CalcBalanced(const CdprReference& reference, const LoadEstimate& load, const CableVector& broken,
-                    ReferenceShift& shift, BalancedReference& work, CdprReference* balanced) const;
+  void CalcBalanced(double time, const CdprReference& reference, const LoadEstimate& load,
+                    const CableVector& broken, ReferenceShift& shift, BalancedReference& work,
+                    CdprReference* balanced) const;
 };
 
 }  // namespace tenon

@@ -86,10 +86,9 @@ void HangOnPulley(const CdprDescription& robot, int index, const Lead& lead, dou
     const Vec<2> tangent = Vec<2>(hangs.horizontal, hangs.vertical_start()) / hangs.tension_start;
     out->elastic_length = EA / tangent.dot(hangs.stiffness * tangent) + wound;
     out->elastic_energy = hangs.elastic_energy + wrapped.elastic_energy;
-    const double anchor_height = robot.cables[static_cast<std::size_t>(index)].anchor_W[2];
     out->potential_energy =
         hangs.potential_energy + wrapped.potential_energy +
-        weight * (hangs.rest_length * (exit[1] + lead.z) / 2 + rest_length * anchor_height);
+        weight * (hangs.rest_length * (exit[1] + lead.z) / 2 + rest_length * out->anchor_W[2]);
     out->exit_W += exit[0] * out->plane_W + exit[1] * up;
     return;
   }
@@ -112,7 +111,7 @@ CableStatics CalcCableStatics(const CdprDescription& robot, int index, const Vec
         index, rest_length));
 
   CableStatics out;
-  out.exit_W = robot.cables[static_cast<std::size_t>(index)].anchor_W;
+  out.anchor_W = out.exit_W = robot.cables[static_cast<std::size_t>(index)].anchor_W;
   Lead lead{robot.winch.pulley_radius, std::hypot(span_W[0], span_W[1]), -span_W[2]};
   if (lead.x > 0) out.plane_W = Vec<3>(-span_W[0], -span_W[1], 0) / lead.x;
   const double from_center = std::hypot(lead.x - lead.radius, lead.z);

@@ -28,13 +28,14 @@ struct CableStatics {
   double potential_energy = 0;  ///< potential energy of the cable's weight, 0 at z = 0 [J]
   Vec<3> plane_W =
       Vec<3>::Zero();  ///< with a pulley, horizontal unit vector from the anchor to the attachment
+  Vec<3> anchor_W = Vec<3>::Zero();  ///< the anchor [m]
   Vec<3> exit_W = Vec<3>::Zero();    ///< point where the cable leaves the pulley, or the anchor [m]
   Vec<3> toward_W = Vec<3>::Zero();  ///< horizontal unit vector of the catenary towards exit_W
   ElasticCatenary catenary{};        ///< shape from the attachment to exit_W, if the cable has weight
 };
 
 /// Computes the statics of cable `index` of `robot`, with `span_W` from its attachment to its anchor [m] and
-/// the gravity [m/s^2]. Does not allocate.
+/// the gravity [m/s^2], for an anchor at its place at the start. Does not allocate.
 /// @throws RunError if the cable has no length, is reeled in completely, or ends within its pulley's rim.
 CableStatics CalcCableStatics(const CdprDescription& robot, int index, const Vec<3>& span_W,
                               double rest_length, double gravity);

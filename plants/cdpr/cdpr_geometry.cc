@@ -34,6 +34,14 @@ double Thickening(const CdprDescription& robot) {
   return span / kSpan;
 }
 
+/// Places an anchor and the post that follows it.
+void PlaceFixture(const Vec<3>& anchor_W, Shape* anchor) {
+  Shape* const post = anchor + 1;
+  anchor->p_W = anchor_W;
+  post->p_W = {anchor_W[0], anchor_W[1], 0};
+  post->vector_W = {0, 0, anchor_W[2]};
+}
+
 }  // namespace
 
 Eigen::Vector3d PlatformBox(const CdprDescription& robot) {
@@ -59,12 +67,10 @@ Geometry MakeCdprGeometry(const CdprDescription& robot) {
                                        robot.winch.pulley_radius, kPulleyWidth));
   for (std::size_t i = 0; i < robot.cables.size(); ++i) {
     Shape anchor = Shape::Sphere(ShapeRole::kFixture, "anchor " + std::to_string(i), thicker * kAnchorRadius);
-    anchor.p_W = robot.cables[i].anchor_W;
     Shape post = Shape::Segment(ShapeRole::kFixture, "post " + std::to_string(i), thicker * kPostRadius);
-    post.p_W = {anchor.p_W[0], anchor.p_W[1], 0};
-    post.vector_W = {0, 0, anchor.p_W[2]};
     shapes.push_back(std::move(anchor));
     shapes.push_back(std::move(post));
+    PlaceFixture(robot.cables[i].anchor_W, &shapes[shapes.size() - 2]);
   }
   return shapes;
 }
@@ -83,8 +89,10 @@ void MoveCdprGeometry(const CdprDescription& robot, const PlatformState& platfor
   ball.p_W = platform.p_WB + R_WB * payload.p_B;
   const std::size_t pieces = PiecesPerCable(robot);
   const double radius = robot.winch.pulley_radius;
+  const std::size_t first_fixture = kFirstCable + robot.cables.size() * (pieces + (radius > 0 ? 1 : 0));
   for (std::size_t i = 0; i < robot.cables.size(); ++i) {
     const CableStatics& cable = cables[i];
+    PlaceFixture(cable.anchor_W, &shapes[first_fixture + 2 * i]);
     const Vec<3> attachment_W = platform.p_WB + R_WB * robot.cables[i].attachment_B;
     Vec<3> from_W = attachment_W;
     for (std::size_t k = 0; k < pieces; ++k) {
@@ -102,7 +110,7 @@ void MoveCdprGeometry(const CdprDescription& robot, const PlatformState& platfor
     }
     if (radius == 0) continue;
     Shape& pulley = shapes[kFirstCable + robot.cables.size() * pieces + i];
-    pulley.p_W = robot.cables[i].anchor_W + radius * cable.plane_W;
+    pulley.p_W = cable.anchor_W + radius * cable.plane_W;
     // A quarter turn about the horizontal direction of the plane brings z to the pulley's axle.
     const double half = std::numbers::sqrt2 / 2;
     pulley.q_W = {half, half * cable.plane_W[0], half * cable.plane_W[1], 0};

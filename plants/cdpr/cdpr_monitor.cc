@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstddef>
 
 namespace tenon {
 Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,
@@ -20,16 +21,18 @@ Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,
   return {};
 }
 
-Verdict CdprMonitor::CheckPlace(const PlatformState& platform, double floor) const {
+Verdict CdprMonitor::CheckPlace(double time, const PlatformState& platform, double floor) const {
   const double lowest = LowestCorner(half_, platform.p_WB, platform.R_WB());
   if (lowest < floor) return fmt::format("the platform reaches {:.3g} m below the floor", floor - lowest);
 
+  const auto anchor_W = [&](int i) -> Eigen::Vector3d {
+    return params.robot.cables[static_cast<std::size_t>(i)].anchor_W + anchors_.At(i, time).position;
+  };
+  const int n = params.robot.num_cables();
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const CableDescription& cable : params.robot.cables)
-    middle += cable.anchor_W / params.robot.num_cables();
+  for (int i = 0; i < n; ++i) middle += anchor_W(i) / n;
   double reach = 0;
-  for (const CableDescription& cable : params.robot.cables)
-    reach = std::max(reach, (cable.anchor_W - middle).norm());
+  for (int i = 0; i < n; ++i) reach = std::max(reach, (anchor_W(i) - middle).norm());
   const double distance = (platform.p_WB - middle).norm();
   if (distance <= 2 * reach) return {};
   return fmt::format("the platform is {:.4g} m away from the middle of the anchors; the limit is {:.4g} m",

@@ -2,6 +2,7 @@
 
 #include <tenon/plants/cdpr/cdpr_geometry.h>
 #include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/model/moving_anchors.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/ports.h>
@@ -44,13 +45,14 @@ class CdprMonitor final : public LeafSystem<CdprMonitorParams> {
       this, {"floor", "m"}, params.floor, "minimum height of the platform's box", Range().Finite()};
   Monitor tension{this, "tension", Sampled{params.rate}, Uses(cables, forbid_slack, max_tension_ratio),
                   &CdprMonitor::CheckTension};
-  Monitor place{this, "place", Sampled{params.rate}, Uses(platform, floor), &CdprMonitor::CheckPlace};
+  Monitor place{this, "place", Sampled{params.rate}, Uses(time, platform, floor), &CdprMonitor::CheckPlace};
 
  private:
   Verdict CheckTension(const CableSignals& cables, bool forbid_slack, double max_tension_ratio) const;
-  Verdict CheckPlace(const PlatformState& platform, double floor) const;
+  Verdict CheckPlace(double time, const PlatformState& platform, double floor) const;
 
   Eigen::Vector3d half_{PlatformBox(params.robot)};
+  MovingAnchors anchors_{params.robot};
 };
 
 }  // namespace tenon

@@ -111,7 +111,7 @@ WinchMotion CdprPlant::MotionOf(int cable, double motor_tension, double reel_spe
   return {motor_tension, reel_speed, reeling, params.lock_winches || faults.is_stuck(cable)};
 }
 
-void CdprPlant::CalcCableForces(const PlatformState& x, const Eigen::VectorXd& rest_length,
+void CdprPlant::CalcCableForces(double time, const PlatformState& x, const Eigen::VectorXd& rest_length,
                                 const Eigen::VectorXd& motor_tension, const Eigen::VectorXd& reel_speed,
                                 const CableFaults& faults, CableForces* out) const {
   const int n = params.robot.num_cables();
@@ -131,12 +131,24 @@ void CdprPlant::CalcCableForces(const PlatformState& x, const Eigen::VectorXd& r
     const auto index = static_cast<std::size_t>(i);
     const CableDescription& cable = params.robot.cables[index];
     const Vec<3> arm = R_WB * cable.attachment_B;
-    const Vec<3> span = cable.anchor_W - x.p_WB - arm;
+    Vec<3> span = cable.anchor_W - x.p_WB - arm;
+    PathPoint moved;
+    if (anchors.any()) {
+      moved = anchors.At(i, time);
+      span += moved.position;
+    }
     const double rest = rest_length[i];
     CableStatics& statics = out->statics[index];
     statics = CalcCableStatics(params.robot, i, span, rest, params.gravity);
     const Vec<3>& direction = statics.direction_W;
-    const double length_rate = -direction.dot(x.v_W + x.w_W.cross(arm));
+    double length_rate = -direction.dot(x.v_W + x.w_W.cross(arm));
+    if (anchors.any()) {
+      length_rate += direction.dot(moved.velocity);
+      statics.anchor_W += moved.position;
+      statics.exit_W += moved.position;
+      statics.potential_energy +=
+          params.robot.cable.mass_per_length * params.gravity * rest * moved.position[2];
+    }
     signals.length[i] = statics.length - start.length_offset[i];
     signals.rest_length[i] = rest - start.length_offset[i];
     signals.length_rate[i] = length_rate;

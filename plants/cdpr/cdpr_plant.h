@@ -6,6 +6,7 @@
 #include <tenon/plants/cdpr/free_rigid_body.h>
 #include <tenon/plants/cdpr/winch.h>
 #include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/moving_anchors.h>
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
@@ -75,6 +76,11 @@ struct CdprPlantParams {
 /// equilibrium at every instant. Not modelled: the cable's own oscillation, and the friction of pulleys (see
 /// WinchErrors).
 ///
+/// **Moving anchors** have the places and velocities of their paths, whatever the cables pull (see
+/// AnchorPath): cranes and gantries are stiff. The anchor's velocity v_a counts in dl/dt = e . (v_a -
+/// v_attachment), and the anchors do the work sum_i T_i e_i . v_a on the robot (without sag and pulleys,
+/// where e_i is also the direction of the force on the anchor). Posts are drawn below them.
+///
 /// **Winches.** The motor follows the command u, d T_m/dt = (max(0, u) - T_m) / time constant, u limited by
 /// the differential, see DifferentialProperties. The dynamics of l0 under T_m and T are in winch.h. On a drum
 /// with layers `cables.length` and `cables.rest_length` convert its turns by the radius at the start. The
@@ -131,6 +137,7 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
     std::vector<int> partner;                     ///< partner of each cable at a differential; -1: none
   };
   const Start start = StartOf(params);
+  const MovingAnchors anchors{params.robot};
 
  private:
   const ExtendedRobot additions_ =
@@ -160,7 +167,7 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   ContinuousState<Eigen::VectorXd> added_z{this, additions.z.spec, additions.z.initial};
 
   Shared<CableForces> cable_forces{this, "cable_forces", NoForces(params.robot.num_cables()),
-                                   Uses(platform_state, rest_length, motor_tension, reel_speed, faults),
+                                   Uses(time, platform_state, rest_length, motor_tension, reel_speed, faults),
                                    &CdprPlant::CalcCableForces};
   Shared<FreeRigidBody> body{this, "body", FreeRigidBody(params.robot.mass, params.robot.inertia_B),
                              Uses(platform_state, cable_forces, payload, wrench), &CdprPlant::CalcBody};
@@ -219,7 +226,7 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   WinchMotion MotionOf(int cable, double motor_tension, double reel_speed, double reeling,
                        const CableFaults& faults) const;
 
-  void CalcCableForces(const PlatformState& x, const Eigen::VectorXd& rest_length,
+  void CalcCableForces(double time, const PlatformState& x, const Eigen::VectorXd& rest_length,
                        const Eigen::VectorXd& motor_tension, const Eigen::VectorXd& reel_speed,
                        const CableFaults& faults, CableForces* out) const;
   void CalcBody(const PlatformState& x, const CableForces& cables, const Payload& payload,

@@ -11,6 +11,8 @@
 namespace tenon {
 namespace {
 
+constexpr double kFar = 1e4;  // largest coordinate [m]
+
 void CheckPositive(const char* what, double value, const char* unit, const char* remedy) {
   if (!(std::isfinite(value) && value > 0))
     throw ParameterError(fmt::format("{} is {}{}{} but must be positive; {}", what, value,
@@ -29,7 +31,6 @@ void CheckCables(const std::vector<CableDescription>& cables) {
     const Eigen::Vector3d &anchor = cables[i].anchor_W, &attachment = cables[i].attachment_B;
     if (!anchor.allFinite() || !attachment.allFinite())
       throw ParameterError(fmt::format("cables.{} has a coordinate that is not finite; give all in m", i));
-    constexpr double kFar = 1e4;  // m
     if (std::max(anchor.cwiseAbs().maxCoeff(), attachment.cwiseAbs().maxCoeff()) > kFar)
       throw ParameterError(fmt::format("cables.{} has a coordinate beyond {} m; is it in m?", i, kFar));
     if (anchor == attachment)
@@ -46,6 +47,26 @@ void CheckCables(const std::vector<CableDescription>& cables) {
 }
 
 }  // namespace
+
+void AnchorPath::Validate() const {
+  const std::size_t count = times.size();
+  if (count < 2 || offsets.size() != count)
+    throw ParameterError(fmt::format(
+        "times_s has {} entries and offsets_m has {}; give one displacement per time, and two or more", count,
+        offsets.size()));
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!std::isfinite(times[i]) || times[i] < 0 || (i > 0 && times[i] <= times[i - 1]))
+      throw ParameterError(
+          fmt::format("times_s.{} = {}: the times must begin at 0 or later and increase", i, times[i]));
+    if (!offsets[i].allFinite() || offsets[i].cwiseAbs().maxCoeff() > kFar)
+      throw ParameterError(
+          fmt::format("offsets_m.{} is {}; give three numbers up to {} m", i, Point(offsets[i]), kFar));
+  }
+  if (!offsets.front().isZero(0))
+    throw ParameterError(
+        fmt::format("offsets_m.0 is {}, but the anchor begins at anchor_m; give [0, 0, 0] and move anchor_m",
+                    Point(offsets.front())));
+}
 
 void CableProperties::Validate() const {
   CheckRanges(*this);
@@ -100,6 +121,14 @@ void CdprDescription::Validate() const {
   CheckRanges(*this);
   CheckInertia(inertia_B);
   CheckCables(cables);
+  for (std::size_t i = 0; i < cables.size(); ++i)
+    if (cables[i].anchor_path) {
+      try {
+        cables[i].anchor_path->Validate();
+      } catch (const ParameterError& error) {
+        throw ParameterError(fmt::format("cables.{}.anchor_path.{}", i, error.what()));
+      }
+    }
   cable.Validate();
   for (int i = 0; i < num_cables(); ++i)
     if (tension_min(i) >= tension_max(i))

@@ -16,19 +16,34 @@ namespace tenon {
 
 inline constexpr int kMinCables = 2;
 
+/// Motion of an anchor on a crane or a gantry. The anchor rests at its place until the first time, passes
+/// through the displacements at their times on quintic splines, and rests at the last one. Between two equal
+/// successive displacements it rests.
+struct AnchorPath {
+  std::vector<double> times = {};             ///< increasing times, from 0 on [s]
+  std::vector<Eigen::Vector3d> offsets = {};  ///< displacements in W, the first one 0 [m]
+
+  static FieldList Fields() {
+    return {Required("times_s", &AnchorPath::times), Required("offsets_m", &AnchorPath::offsets)};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
 /// The cable between a platform attachment and an anchor.
 struct CableDescription {
   Eigen::Vector3d anchor_W = Eigen::Vector3d::Zero();  ///< anchor point in the world [m]
   Eigen::Vector3d attachment_B =
-      Eigen::Vector3d::Zero();             ///< attachment, from the CoM, in the platform frame [m]
-  std::optional<double> tension_min = {};  ///< limit of this cable; empty: that of all cables [N]
-  std::optional<double> tension_max = {};  ///< limit of this cable; empty: that of all cables [N]
+      Eigen::Vector3d::Zero();                 ///< attachment, from the CoM, in the platform frame [m]
+  std::optional<double> tension_min = {};      ///< limit of this cable; empty: that of all cables [N]
+  std::optional<double> tension_max = {};      ///< limit of this cable; empty: that of all cables [N]
+  std::optional<AnchorPath> anchor_path = {};  ///< motion of the anchor; empty: it stands
 
   static FieldList Fields() {
     return {Required("anchor_m", &CableDescription::anchor_W),
             Required("attachment_m", &CableDescription::attachment_B),
             Field("tension_min_N", &CableDescription::tension_min).AtLeast(0).Because("a cable cannot push"),
-            Field("tension_max_N", &CableDescription::tension_max).Finite()};
+            Field("tension_max_N", &CableDescription::tension_max).Finite(),
+            {"anchor_path", &CableDescription::anchor_path}};
   }
 };
 

@@ -187,15 +187,17 @@ TEST(CdprMpc, LastPolicyGoesOnWhenASolveFailsAndThenTheRunEnds) {
 TEST(CdprMpc, DoesNotAllocate) {
   for (const int n : {4, 12}) {
     for (const double pulley_radius : {0.0, 0.04}) {
-      CdprDescription robot = test::RobotWithCables(n);
-      robot.winch.pulley_radius = pulley_radius;
-      const CdprMpcParams params = Holding(robot, {0, 0, 2});
-      TestRig<CdprMpc> rig(params);
-      rig.Fix(rig->estimate, At(params, 0, {0.1, 0, 0})).RunTo(0.02);
-      const AllocationGuard guard;
-      rig.RunTo(0.04);
-      rig.Fix(rig->load, LoadEstimate{{3, {0, 0.2, 0}}, {{1, 0, 0}, {0, 0, 0}}}).RunTo(0.07);
-      EXPECT_EQ(guard.count(), 0) << n << " cables";
+      CdprDescription standing = test::RobotWithCables(n);
+      standing.winch.pulley_radius = pulley_radius;
+      for (const CdprDescription& robot : {standing, test::WithMovingAnchors(standing)}) {
+        const CdprMpcParams params = Holding(robot, {0, 0, 2});
+        TestRig<CdprMpc> rig(params);
+        rig.Fix(rig->estimate, At(params, 0, {0.1, 0, 0})).RunTo(0.02);
+        const AllocationGuard guard;
+        rig.RunTo(0.04);
+        rig.Fix(rig->load, LoadEstimate{{3, {0, 0.2, 0}}, {{1, 0, 0}, {0, 0, 0}}}).RunTo(0.07);
+        EXPECT_EQ(guard.count(), 0) << n << " cables";
+      }
     }
   }
 }

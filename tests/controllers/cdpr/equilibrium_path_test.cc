@@ -328,5 +328,53 @@ TEST(EquilibriumPath, EndOfTheBranchIsRefused) {
                                      "180 deg"));
 }
 
+// A platform at rest between anchors that all move like it has the tensions of standing anchors, at any
+// velocity.
+TEST(EquilibriumPath, MovesWithItsAnchorsAsIfTheyStood) {
+  const std::vector<double> times{0.5, 2, 4};
+  const std::vector<Vector3d> offsets{{0, 0, 0}, {1, 0.3, 0}, {3, -0.5, 0.4}};
+  const Vector3d place(0.3, -0.2, 2);
+  std::vector<Vector3d> points;
+  for (const Vector3d& offset : offsets) points.push_back(place + offset);
+  for (const double pulley_radius : {0.0, 0.05}) {
+    const CdprDescription robot = test::FourCableRobot(0, pulley_radius);
+    const EquilibriumPath still(robot, Path::Hold(place));
+    const EquilibriumPath moves(test::WithAnchorsOn(robot, {times, offsets}), Path::Spline(points, times));
+    const CdprReference expected = still.At(0);
+    double fastest = 0;
+    for (const double t : {0.0, 0.9, 1.6, 2.5, 3.1, 5.0}) {
+      const CdprReference now = moves.At(t);
+      EXPECT_THAT(now.tension, IsNear(expected.tension, 1e-6));
+      EXPECT_THAT(now.euler, IsNear(expected.euler, 1e-8));
+      EXPECT_THAT(now.length, IsNear(expected.length, 1e-8));
+      EXPECT_LT(now.length_rate.norm(), 1e-7);
+      fastest = std::max(fastest, now.velocity.norm());
+    }
+    EXPECT_GT(fastest, 1);
+  }
+}
+
+// A platform that holds its place while each anchor has a path of its own: equilibria with the anchors at
+// their places, and rates that are the derivatives of the lengths.
+TEST(EquilibriumPath, HoldsItsPlaceBetweenMovingAnchors) {
+  const CdprDescription robot = test::WithMovingAnchors(test::FourCableRobot(0, 0.05));
+  const EquilibriumPath path(robot, Path::Hold({0.3, -0.2, 2}));
+  for (const double t : {0.05, 0.2, 0.44, 0.7, 0.86, 1.5}) {
+    const CdprReference now = path.At(t);
+    const CdprDescription there = path.anchors().RobotAt(robot, t);
+    const CableMatrix6 W = CalcCableKinematics(there, now.position, RotationFromEuler(now.euler)).structure;
+    EXPECT_THAT(W * now.tension, IsNear(-GravityWrench(robot), 2e-3));
+    const CableVector rate = (path.At(t + kStep).length - path.At(t - kStep).length) / (2 * kStep);
+    EXPECT_THAT(now.length_rate, IsNear(rate, 1e-5));
+  }
+  EXPECT_GT(path.At(0.3).length_rate.norm(), 0.1);
+}
+
+TEST(EquilibriumPath, ACircleHasNoEndForMovingAnchors) {
+  EXPECT_TRUE(Throws<ParameterError>(
+      [] { EquilibriumPath(test::WithMovingAnchors(test::FourCableRobot()), TestCircle()); }, "'four' move",
+      "circle", "spline"));
+}
+
 }  // namespace
 }  // namespace tenon::equilibrium_path_test

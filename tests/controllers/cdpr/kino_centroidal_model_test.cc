@@ -228,5 +228,39 @@ TEST(KinoCentroidalModel, RefusesARobotWithAnotherNumberOfCables) {
       Throws<ParameterError>([] { KinoCentroidalModel<8> model(test::SixCableRobot()); }, "'six'", "8", "6"));
 }
 
+// At each node of a horizon, the model has the anchors of that node.
+TYPED_TEST(KinoCentroidalModelTest, HasTheAnchorsOfEachNode) {
+  using Model = typename TestFixture::Model;
+  constexpr int kNodes = 6;
+  const CdprDescription robot = test::WithMovingAnchors(this->robot);
+  const MovingAnchors anchors(robot);
+  Model model(robot);
+  model.SeparateNodes(kNodes);
+  const CentroidalState x = SomeState();
+  const double h[kNodes] = {0.01, 0.02, 0.02, 0.03, 0.03, 0.04};
+  std::vector<CentroidalState> states(kNodes, x);
+  std::vector<typename Model::Input> inputs(kNodes, this->u);
+  const typename Model::Tangent empty = Model::Tangent::Zero(12, 12 + TestFixture::n);
+  std::vector<typename Model::Tangent> tangents(kNodes, empty);
+  for (int k = 0; k < kNodes; ++k)
+    model.SetAnchors(k, robot, anchors, 0.15 * k, x.segment<3>(6), RotationFromEuler(x.tail<3>()));
+  RungeKutta<Model> all(12, TestFixture::n), one(12, TestFixture::n);
+  all.Linearize(model, StepMethod::kRungeKutta4, kNodes, h, states.data(), inputs.data(), tangents.data());
+  double change = 0;
+  for (int k = 0; k < kNodes; ++k) {
+    const Model there(anchors.RobotAt(robot, 0.15 * k));
+    typename Model::Tangent tangent = empty;
+    one.Linearize(there, StepMethod::kRungeKutta4, 1, h + k, &x, &this->u, &tangent);
+    EXPECT_THAT(tangents[k], IsNear(tangent, 1e-12)) << k;
+    CentroidalState next, expected;
+    all.Step(model, k, StepMethod::kRungeKutta4, h[k], x, this->u, next);
+    one.Step(there, 0, StepMethod::kRungeKutta4, h[k], x, this->u, expected);
+    EXPECT_THAT(next, IsNear(expected, 1e-13)) << k;
+    one.Step(this->model, 0, StepMethod::kRungeKutta4, h[k], x, this->u, expected);
+    change = std::max(change, (next - expected).norm());
+  }
+  EXPECT_GT(change, 1e-3);
+}
+
 }  // namespace
 }  // namespace tenon::kino_centroidal_model_test

@@ -152,5 +152,36 @@ TEST(FewCables, FollowTheCircleUnderPdAndMpc) {
   }
 }
 
+// The platform holds its place while every anchor moves. Controllers that do not know of it err much more.
+TEST(MovingAnchors, AreFollowedUnderPdAndMpcWithoutAllocating) {
+  const CdprDescription standing = test::FourCableRobot();
+  const CdprDescription robot = test::WithMovingAnchors(standing);
+  const auto error = [&](const CdprDescription& believed, bool mpc) {
+    const auto path = std::make_shared<EquilibriumPath>(believed, Path::Hold({0, 0, 2}));
+    CdprLoopParams params = mpc ? test::WithMpc(believed, path) : test::WithPd(believed, path);
+    params.robot = robot;
+    params.offset_free = mpc;
+    params.forbid_slack = false;
+    DiagramBuilder builder;
+    auto& loop = builder.Add<CdprLoop>("loop", params);
+    const auto diagram = builder.Build();
+    Simulator simulator(*diagram, {.order = 2, .rtol = 1e-4, .atol = 1e-6});
+    simulator.RunTo(0.3);
+    const AllocationGuard guard;
+    simulator.RunTo(0.35);
+    if (AllocationGuard::Available()) EXPECT_EQ(guard.count(), 0) << (mpc ? "MPC" : "PD");
+    double worst = 0;
+    while (simulator.context().time() < 1.5) {
+      simulator.RunTo(simulator.context().time() + 0.05);
+      worst = std::max(worst, (simulator.context().Eval(loop.platform).p_WB - Vec<3>(0, 0, 2)).norm());
+    }
+    return worst;
+  };
+  EXPECT_LT(error(robot, true), 0.01);
+  EXPECT_LT(error(robot, false), 0.04);
+  EXPECT_GT(error(standing, true), 0.03);
+  EXPECT_GT(error(standing, false), 0.06);
+}
+
 }  // namespace
 }  // namespace tenon::many_cables_test

@@ -97,6 +97,77 @@ TEST_P(CdprPlantOfRobots, IsAFreeRigidBodyUnderItsCables) {
   EXPECT_GT(largest, 100);  // cables took part
 }
 
+// In the frame of anchors that move together, at any velocity, forces and cables are those of standing
+// anchors.
+TEST(CdprPlantTest, AnchorsThatMoveTogetherAreAMovingFrame) {
+  const AnchorPath path{{0.1, 0.9}, {{0, 0, 0}, {0.8, -0.5, 0.3}}};
+  for (const CdprDescription& robot :
+       {FourCableRobot(), FourCableRobot(0.05), FourCableRobot(0, 0.05), FourCableRobot(0.05, 0.05)}) {
+    Rig still(Hanging(robot)), moves(Hanging(test::WithAnchorsOn(robot, path)));
+    const Eigen::VectorXd rest_length = still[still->rest_length];
+    RandomStream random(9);
+    for (const double time : {0.05, 0.3, 0.5, 0.7, 1.2}) {
+      moves.Fix(moves->command, Same(100)).RunTo(time);
+      const PathPoint frame = moves->anchors.At(2, time);
+      PlatformState x = RandomPlatform(random);
+      still.Set(still->platform_state, x).Set(still->rest_length, rest_length);
+      x.p_WB += frame.position;
+      x.v_W += frame.velocity;
+      moves.Set(moves->platform_state, x)
+          .Set(moves->rest_length, rest_length)
+          .Set(moves->motor_tension, still[still->motor_tension]);
+      const CableSignals &expected = still[still->cables], &cables = moves[moves->cables];
+      EXPECT_THAT(cables.length, IsNear(expected.length, 1e-12));
+      EXPECT_THAT(cables.length_rate, IsNear(expected.length_rate, 1e-12));
+      EXPECT_THAT(cables.tension, IsNear(expected.tension, 1e-8));
+      EXPECT_THAT(moves[moves->acceleration].a_W, IsNear(still[still->acceleration].a_W, 1e-8));
+      EXPECT_THAT(moves[moves->acceleration].alpha_W, IsNear(still[still->acceleration].alpha_W, 1e-6));
+      EXPECT_THAT(moves[moves->rest_length_rate], IsNear(still[still->rest_length_rate], 1e-9));
+      const double lift = frame.position[2];
+      EXPECT_NEAR(moves[moves->energy].potential - still[still->energy].potential,
+                  9.81 * lift * (robot.mass + robot.cable.mass_per_length * rest_length.sum()), 1e-9);
+      const auto &drawn = moves[moves->geometry], &before = still[still->geometry];
+      for (std::size_t i = 0; i < drawn.size(); ++i) {
+        if (drawn[i].role == ShapeRole::kFixture && !drawn[i].name.starts_with("post"))
+          EXPECT_THAT(drawn[i].p_W - before[i].p_W, IsNear(frame.position, 1e-12)) << drawn[i].name;
+      }
+    }
+  }
+}
+
+// Without damping and with locked winches, the energy grows by the work of the anchors, and the momentum by
+// the impulse of cables and weight.
+TEST(CdprPlantTest, AnchorsDoTheWorkThatTheEnergyGainsAndNoOther) {
+  CdprDescription robot = test::WithMovingAnchors(FourCableRobot());
+  robot.cable.axial_damping = 0;
+  Rig rig(Locked(Hanging(robot)));
+  rig.Fix(rig->command, Same(0));
+  const double before = Total(rig), h = 2.5e-4;
+  Vec<3> impulse = Vec<3>::Zero();
+  double work = 0, largest = 0;
+  const int intervals = 4800;
+  for (int k = 0; k <= intervals; ++k) {
+    if (k > 0) rig.RunTo(k * h);
+    const PlatformState& x = rig[rig->platform];
+    const double weight = (k == 0 || k == intervals ? 1 : k % 2 == 1 ? 4 : 2) * h / 3;  // Simpson's rule
+    for (int i = 0; i < 4; ++i) {
+      const PathPoint moved = rig->anchors.At(i, k * h);
+      const CableDescription& cable = robot.cables[i];
+      const Vec<3> pull =
+          rig[rig->cables].tension[i] *
+          (cable.anchor_W + moved.position - x.p_WB - x.R_WB() * cable.attachment_B).normalized();
+      work += weight * pull.dot(moved.velocity);
+      impulse += weight * pull;
+    }
+    impulse[2] -= weight * 9.81 * robot.mass;
+    largest = std::max(largest, std::abs(work));
+  }
+  EXPECT_NEAR(Total(rig) - before, work, 1e-5);
+  // Tensions have kinks where cables become slack, so that the quadrature errs by O(h^2).
+  EXPECT_THAT(robot.mass * rig[rig->platform].v_W, IsNear(impulse, 3e-5));
+  EXPECT_GT(largest, 5);  // J
+}
+
 TEST(CdprPlantTest, ATumblingBodyKeepsEnergyAndAngularMomentum) {
   for (const double gravity : {0.0, 9.81}) {
     CdprPlantParams params = Locked(Hanging());

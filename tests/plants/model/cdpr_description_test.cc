@@ -1,4 +1,5 @@
 #include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/model/moving_anchors.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
@@ -148,6 +149,9 @@ TEST(CdprDescriptionTest, RefusesImpossibleNumbers) {
   const auto pairs = [](std::vector<std::array<int, 2>> pairs, double limit = 100) {
     return [=](CdprDescription& robot) { robot.winch.differential = DifferentialProperties{pairs, limit}; };
   };
+  const auto anchors = [](std::vector<double> times, std::vector<Eigen::Vector3d> offsets) {
+    return [=](CdprDescription& robot) { robot.cables[1].anchor_path = AnchorPath{times, offsets}; };
+  };
   const Case cases[] = {
       {[](auto& robot) { robot.mass = 0; }, "mass_kg"},
       {[](auto& robot) { robot.mass = -2; }, "mass_kg"},
@@ -160,6 +164,14 @@ TEST(CdprDescriptionTest, RefusesImpossibleNumbers) {
       {[](auto& robot) { robot.cables[2] = robot.cables[1]; }, "cables.1 and 2"},
       {[](auto& robot) { robot.cables[3].attachment_B = robot.cables[3].anchor_W; }, "cables.3"},
       {[](auto& robot) { robot.cables[0].anchor_W[1] = NAN; }, "cables.0"},
+      {anchors({0, 1}, {{0, 0, 0}}), "cables.1.anchor_path.times_s has 2 entries and offsets_m has 1"},
+      {anchors({1}, {{0, 0, 0}}), "two or more"},
+      {anchors({-1, 1}, {{0, 0, 0}, {1, 0, 0}}), "cables.1.anchor_path.times_s.0"},
+      {anchors({2, 2}, {{0, 0, 0}, {1, 0, 0}}), "cables.1.anchor_path.times_s.1 = 2"},
+      {anchors({0, NAN}, {{0, 0, 0}, {1, 0, 0}}), "cables.1.anchor_path.times_s.1"},
+      {anchors({0, 1}, {{0, 0, 0}, {1, NAN, 0}}), "cables.1.anchor_path.offsets_m.1"},
+      {anchors({0, 1}, {{0, 0, 0}, {1, 2e4, 0}}), "cables.1.anchor_path.offsets_m.1"},
+      {anchors({0, 1}, {{0, 0, 1}, {1, 0, 0}}), "cables.1.anchor_path.offsets_m.0"},
       {[](auto& robot) { robot.cable.axial_stiffness = 0; }, "axial_stiffness"},
       {[](auto& robot) { robot.cable.axial_damping = -1; }, "axial_damping"},
       {[](auto& robot) { robot.cable.tension_min = -5; }, "tension_min"},
@@ -219,6 +231,25 @@ TEST(CdprDescriptionTest, ACableMayHaveLimitsOfItsOwn) {
   CableVector tension{{900, 900, 0, 100}};
   robot.LimitTension(&tension);
   EXPECT_EQ(tension, (CableVector{{800, 300, 5, 100}}));
+}
+
+TEST(CdprDescriptionTest, AnAnchorMayMove) {
+  auto document = YamlDocument::Load(kRobots + "/cdpr_4.yaml");
+  document.Set("cables.1.anchor_path",
+               "{times_s: [1, 3, 4], offsets_m: [[0, 0, 0], [1, 0, 0.5], [1, 0, 0.5]]}");
+  const auto robot = document.Read<CdprDescription>();
+  const MovingAnchors anchors(robot);
+  EXPECT_TRUE(anchors.any());
+  EXPECT_EQ(anchors.start_time(), 1);
+  EXPECT_EQ(anchors.end_time(), 4);
+  EXPECT_EQ(anchors.At(0, 2).position.norm(), 0);
+  EXPECT_THAT(anchors.At(1, 2).position, IsNear(Eigen::Vector3d(0.5, 0, 0.25), 1e-14));
+  EXPECT_THAT(anchors.At(1, 2).velocity, IsNear(15.0 / 8 / 2 * Eigen::Vector3d(1, 0, 0.5), 1e-14));
+  EXPECT_THAT(anchors.RobotAt(robot, 9).cables[1].anchor_W - robot.cables[1].anchor_W,
+              IsNear(Eigen::Vector3d(1, 0, 0.5), 1e-14));
+  EXPECT_FALSE(MovingAnchors(anchors.RobotAt(robot, 9)).any());
+  EXPECT_FALSE(MovingAnchors(Robot()).any());
+  EXPECT_EQ(MovingAnchors(Robot()).At(1, 2).velocity.norm(), 0);
 }
 
 TEST(CdprDescriptionTest, ARobotIsReadWithChanges) {

@@ -3,6 +3,7 @@
 #include <tenon/plants/model/cdpr_description.h>
 
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 namespace tenon::test {
@@ -22,6 +23,21 @@ inline CdprDescription FourCableRobot(double mass_per_length = 0, double pulley_
   robot.cable.mass_per_length = mass_per_length;
   robot.winch = {.mode = WinchMode::kTension, .time_constant = 0.02, .reel_damping = 90, .effective_mass = 8};
   robot.winch.pulley_radius = pulley_radius;
+  return robot;
+}
+
+/// Gives each anchor of a robot a path of its own, from 0.1 to about 1 s.
+inline CdprDescription WithMovingAnchors(CdprDescription robot) {
+  for (std::size_t i = 0; i < robot.cables.size(); ++i) {
+    const auto s = static_cast<double>(i + 1);
+    robot.cables[i].anchor_path = {{0.1, 0.5, 0.8 + s / 50},
+                                   {{0, 0, 0}, {0.1, 0.02 * s, -0.05}, {0.2 - 0.01 * s, 0.1, 0.03 * s}}};
+  }
+  return robot;
+}
+/// Gives all anchors of a robot the same path.
+inline CdprDescription WithAnchorsOn(CdprDescription robot, const AnchorPath& path) {
+  for (CableDescription& cable : robot.cables) cable.anchor_path = path;
   return robot;
 }
 
