@@ -113,10 +113,11 @@ void CdprLimits::PlatformRow(std::span<const double> row, const Eigen::Vector3d&
     for (std::size_t i = 0; i < pull_.size(); ++i)
       if (pull_[i]) pulling_.cables.push_back(robot_.cables[i]);
     interference_ = CableInterference(pulling_);
+    pulling_anchors_ = MovingAnchors(pulling_);
   }
   if (pulling_.cables.empty()) return;
   const bool all_pull = pulling_.cables.size() == robot_.cables.size();
-  if (!all_pull) CalcCableKinematics(pulling_, p_WB, R_WB, &cables_, MovingAnchors(pulling_), row[0]);
+  if (!all_pull) CalcCableKinematics(pulling_, p_WB, R_WB, &cables_, pulling_anchors_, row[0]);
   const double sine = interference_.At(all_pull ? all_ : cables_, R_WB).platform;
   if (!started_) open_frame_ = sine < 0;
   if (open_frame_) return;

@@ -49,9 +49,10 @@ class CdprLimits final : public LogSink {
   const CdprLoop& loop_;
   CdprDescription robot_;
   double cable_diameter_;
-  std::vector<bool> pull_;   // whether each cable has tension
-  CdprDescription pulling_;  // robot_ with only those cables that have tension
-  Eigen::Vector3d box_;      // half edges of the platform's box [m]
+  std::vector<bool> pull_;         // whether each cable has tension
+  CdprDescription pulling_;        // robot_ with only those cables that have tension
+  MovingAnchors pulling_anchors_;  // those of pulling_
+  Eigen::Vector3d box_;            // half edges of the platform's box [m]
   CableInterference interference_;
   CableKinematics all_, cables_;  // kinematics of all cables and of those with tension, at the current row
   bool started_ = false;
