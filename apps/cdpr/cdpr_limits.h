@@ -51,7 +51,7 @@ class CdprLimits final : public LogSink {
   double cable_diameter_;
   std::vector<bool> pull_;         // whether each cable has tension
   CdprDescription pulling_;        // robot_ with only those cables that have tension
-  MovingAnchors pulling_anchors_;  // those of pulling_
+  MovingAnchors pulling_anchors_;  // the anchors of pulling_
   Eigen::Vector3d box_;            // half edges of the platform's box [m]
   CableInterference interference_;
   CableKinematics all_, cables_;  // kinematics of all cables and of those with tension, at the current row
