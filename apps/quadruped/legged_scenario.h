@@ -12,6 +12,7 @@
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/model/model_error.h>
+#include <tenon/plants/sensors/terrain_mapper.h>
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/yaml/yaml.h>
 
@@ -39,7 +40,8 @@ struct WalkScenario {
   YamlFile gaits{"standard"};  ///< a shipped table of gaits, a YAML file, or one of these with changes
   std::optional<PaceProperties>
       pace;  ///< adapts the timing of the gaits to the speed and limits the acceleration
-  std::optional<CentroidalMpcProperties> mpc;  ///< plans CoM, trunk and footholds by predictive control
+  std::optional<CentroidalMpcProperties> mpc;       ///< plans CoM, trunk and footholds by predictive control
+  std::optional<TerrainMapProperties> terrain_map;  ///< elevation map that the planners read; empty: none
   ComReference com_reference = ComPlannerParams().reference;  ///< planner of the CoM's path
   ZmpPlanParams zmp;                                          ///< parameters of ComReference::kZmpSpline
   StepProperties step;                                        ///< swing of the feet
@@ -60,6 +62,7 @@ struct WalkScenario {
             {"gaits", &WalkScenario::gaits},
             {"pace", &WalkScenario::pace},
             {"mpc", &WalkScenario::mpc},
+            {"terrain_map", &WalkScenario::terrain_map},
             {"com_reference", &WalkScenario::com_reference},
             {"zmp", &WalkScenario::zmp},
             {"step", &WalkScenario::step},

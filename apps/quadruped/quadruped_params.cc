@@ -184,6 +184,9 @@ QuadrupedWalkParams TranslateWalk(const QuadrupedScenario& scenario, const WalkF
   params.locomotion.pace = walk.pace;
   params.locomotion.mpc = walk.mpc;
   if (walk.mpc) Blame("walk.mpc", [&] { CentroidalMpcParams{.robot = model, .mpc = *walk.mpc}.Validate(); });
+  params.locomotion.mapped = walk.terrain_map.has_value();
+  if (walk.terrain_map)
+    params.map = {.terrain = world.plant.terrain, .map = *walk.terrain_map, .seed = scenario.seed};
   params.locomotion.com_planner.reference = walk.com_reference;
   params.locomotion.com_planner.zmp = walk.zmp;
   params.locomotion.swing_planner.step = walk.step;
@@ -233,6 +236,10 @@ QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario, const SizeRatio& rat
   for (TerrainBox& box : scenario.terrain.boxes) {
     box.size *= length;
     box.height *= length;
+  }
+  if (scenario.terrain.stairs) {
+    scenario.terrain.stairs->rise *= length;
+    scenario.terrain.stairs->run *= length;
   }
   if (scenario.terrain.field) {
     BoxField& field = *scenario.terrain.field;

@@ -26,21 +26,22 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
   Connect(state, ground_estimator.state);
   Connect(scheduler.schedule, ground_estimator.schedule);
 
+  const OutputPort<GroundPlane>& planned_ground = params.mapped ? AddMap(params) : ground_estimator.ground;
   Connect(scheduler.schedule, com_planner.schedule);
-  Connect(ground_estimator.ground, com_planner.ground);
+  Connect(planned_ground, com_planner.ground);
 
   Connect(scheduler.schedule, swing_planner.schedule);
   Connect(com_planner.path, swing_planner.path);
   Connect(com_planner.reference, swing_planner.body);
   Connect(state, swing_planner.state);
-  Connect(ground_estimator.ground, swing_planner.ground);
+  Connect(planned_ground, swing_planner.ground);
   Connect(foot_forces, swing_planner.foot_forces);
   Connect(wrench, swing_planner.wrench);
 
   Connect(state, whole_body.state);
   Connect(scheduler.schedule, whole_body.schedule);
   if (params.mpc) {
-    AddMpc(params);
+    AddMpc(params, planned_ground);
   } else {
     trunk_planner = &Add<TrunkPlanner>("trunk_planner", params.trunk_planner);
     Connect(com_planner.reference, trunk_planner->body);
@@ -64,7 +65,16 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
   Connect(ground_estimator.ground, ground);
 }
 
-void LeggedLocomotion::AddMpc(const LeggedLocomotionParams& params) {
+const OutputPort<GroundPlane>& LeggedLocomotion::AddMap(const LeggedLocomotionParams& params) {
+  mapped_ground = &Add<MappedGround>("mapped_ground", MappedGroundParams{.robot = params.whole_body.robot});
+  Connect(map, mapped_ground->map);
+  Connect(state, mapped_ground->state);
+  Connect(map, swing_planner.map);
+  return mapped_ground->ground;
+}
+
+void LeggedLocomotion::AddMpc(const LeggedLocomotionParams& params,
+                              const OutputPort<GroundPlane>& planned_ground) {
   CentroidalMpcParams of_mpc{.robot = params.whole_body.robot, .mpc = *params.mpc};
   of_mpc.friction = params.whole_body.gains.qp.friction;
   of_mpc.retarget_phase = params.swing_planner.step.retarget_phase;
@@ -73,7 +83,7 @@ void LeggedLocomotion::AddMpc(const LeggedLocomotionParams& params) {
   Connect(com_planner.path, mpc->path);
   Connect(scheduler.schedule, mpc->schedule);
   Connect(state, mpc->state);
-  Connect(ground_estimator.ground, mpc->ground);
+  Connect(planned_ground, mpc->ground);
   Connect(wrench, mpc->wrench);
   Connect(known_wrench, mpc->known_wrench);
   Connect(mpc->reference, whole_body.body);

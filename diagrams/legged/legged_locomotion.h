@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/controllers/legged/observers/mapped_ground.h>
 #include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 
@@ -20,7 +21,9 @@ namespace tenon {
 /// controller; `steady_wrench`, the part of it that changes slowly, displaces the swing planner's footholds.
 /// With LeggedLocomotionParams::pace, a Pacer adapts `command` and the timing of the scheduler to the speed.
 /// With LeggedLocomotionParams::mpc, a CentroidalMpc takes the place of the trunk planner and gives the swing
-/// planner its footholds. Each block can be replaced by one with the same ports.
+/// planner its footholds. With LeggedLocomotionParams::mapped, the swing planner reads `map`, and the plane
+/// of the planners is that of a MappedGround instead of the estimated one. Each block can be replaced by one
+/// with the same ports.
 class LeggedLocomotion final : public Subdiagram {
  public:
   explicit LeggedLocomotion(const LeggedLocomotionParams& params);
@@ -33,9 +36,12 @@ class LeggedLocomotion final : public Subdiagram {
   InputPort<WrenchEstimate> steady_wrench{this, {"steady_wrench"}, WrenchEstimate()};
   InputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}, LegForceEstimate()};
 
+  InputPort<ElevationMap> map{this, {"map"}, ElevationMap()};
+
   Pacer* pacer = nullptr;  ///< between `command` and all blocks that read it; null without `pace`
   FootScheduler& scheduler;
   GroundEstimator& ground_estimator;
+  MappedGround* mapped_ground = nullptr;  ///< null without LeggedLocomotionParams::mapped
   ComPlanner& com_planner;
   SwingPlanner& swing_planner;
   TrunkPlanner* trunk_planner = nullptr;  ///< null with `mpc`
@@ -50,7 +56,8 @@ class LeggedLocomotion final : public Subdiagram {
   OutputPort<GroundPlane> ground{this, {"ground"}};
 
  private:
-  void AddMpc(const LeggedLocomotionParams& params);
+  const OutputPort<GroundPlane>& AddMap(const LeggedLocomotionParams& params);
+  void AddMpc(const LeggedLocomotionParams& params, const OutputPort<GroundPlane>& planned_ground);
 };
 
 }  // namespace tenon

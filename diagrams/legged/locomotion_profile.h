@@ -61,6 +61,7 @@ struct LeggedLocomotionParams {
   TrunkPlannerParams trunk_planner;
   std::optional<CentroidalMpcProperties> mpc;  ///< empty: a TrunkPlanner instead
   WholeBodyParams whole_body;
+  bool mapped = false;  ///< the planners read an elevation map
 };
 
 /// Choice and gains of the observers.

@@ -57,6 +57,12 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
   Connect(foot_forces, locomotion.foot_forces);
   Connect(observer.leg_forces, locomotion.leg_forces);
   Connect(locomotion.torque, world.torque);
+  if (params.locomotion.mapped) {
+    map = &Add<TerrainMapper>("map", params.map);
+    Connect(world.state, map->state);
+    Connect(state, map->told);
+    Connect(map->map, locomotion.map);
+  }
   ConnectWrenches(params);
   Connect(params.ropes ? AddStop() : walk.command, locomotion.command);
   ConnectObserver(foot_forces);

@@ -9,6 +9,7 @@
 #include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/plants/legged/ropes.h>
+#include <tenon/plants/sensors/terrain_mapper.h>
 #include <tenon/systems/primitives/held_lag.h>
 #include <tenon/systems/primitives/unit_delay.h>
 
@@ -33,7 +34,8 @@ struct QuadrupedWalkParams {
   LeggedLocomotionParams locomotion;
   DisturbanceObserverParams observer;
   std::optional<LeggedStateEstimatorParams> estimator;  ///< empty: the controller reads the true state
-  std::optional<QuadrupedRopesParams> ropes;            ///< empty: no ropes
+  TerrainMapperParams map;                    ///< elevation map, with LeggedLocomotionParams::mapped
+  std::optional<QuadrupedRopesParams> ropes;  ///< empty: no ropes
   bool known_additions = false;          ///< the controller measures the wrench of additions to the robot
   double additions_lag = 0.003;          ///< time constant of this measurement [s]
   double additions_planning_lag = 0.25;  ///< further time constant of the part that the planners read [s]
@@ -89,6 +91,7 @@ class QuadrupedWalk : public Subdiagram {
   FootForceEstimate* foot_force_estimate = nullptr;  ///< null unless the foot sensors are in the shanks
   FootForcesOfLegs* foot_forces_of_legs = nullptr;   ///< null unless the feet have no sensors
   HeldLag<Vec<6>>* known_additions = nullptr;        ///< their force and torque; null unless known
+  TerrainMapper* map = nullptr;                      ///< null without a map
   RopeTensions* tensions = nullptr;                  ///< null without ropes
   HeldLag<CableVector>* winches = nullptr;           ///< null without ropes
   Ropes* ropes = nullptr;                            ///< null without ropes

@@ -2,6 +2,7 @@
 #include <tenon/plants/signals/cable_vector.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/signals/disturbance_signals.h>
+#include <tenon/plants/signals/elevation_map.h>
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/imu_signals.h>
@@ -38,6 +39,7 @@ TENON_DEFINE_SIGNAL(tenon::LegForceEstimate);
 TENON_DEFINE_SIGNAL(tenon::ContactSchedule);
 TENON_DEFINE_SIGNAL(tenon::WalkCommand);
 TENON_DEFINE_SIGNAL(tenon::GroundPlane);
+TENON_DEFINE_SIGNAL(tenon::ElevationMap);
 TENON_DEFINE_SIGNAL(tenon::ImuMeasurement);
 TENON_DEFINE_SIGNAL(tenon::PersonState);
 TENON_DEFINE_SIGNAL(tenon::LeashState);

@@ -84,6 +84,14 @@ std::vector<TerrainBox> BoxField::Boxes() const {
   return boxes;
 }
 
+std::vector<TerrainBox> Stairs::Boxes() const {
+  std::vector<TerrainBox> boxes;
+  const double half = (steps - 1) * run + landing / 2;  // from the first edge to the middle of the landing
+  for (int k = 0; k < steps; ++k)
+    boxes.push_back({begin + Vec<2>(half, 0), {2 * (half - k * run), width}, (k + 1) * rise, friction});
+  return boxes;
+}
+
 void TerrainParams::Validate() const {
   CheckRanges(*this);
   if (field) field->Validate();
@@ -96,6 +104,10 @@ Terrain::Terrain(const TerrainParams& params) : friction_(params.friction), boxe
   if (params.field) {
     const std::vector<TerrainBox> more = params.field->Boxes();
     boxes_.insert(boxes_.end(), more.begin(), more.end());
+  }
+  if (params.stairs) {
+    const std::vector<TerrainBox> steps = params.stairs->Boxes();
+    boxes_.insert(boxes_.end(), steps.begin(), steps.end());
   }
   if (boxes_.empty()) return;
 

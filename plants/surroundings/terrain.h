@@ -63,6 +63,28 @@ struct BoxField {
   std::vector<TerrainBox> Boxes() const;
 };
 
+/// Stairs up along x, a landing, and stairs down. With a single step they are a kerb.
+struct Stairs {
+  Vec<2> begin{1, 0};   ///< middle of the first edge [m]
+  double rise = 0;      ///< height of a step [m]
+  double run = 0.3;     ///< depth of a step [m]
+  int steps = 1;        ///< number of steps on each side, 1 to 1000
+  double landing = 1;   ///< length of the landing [m]
+  double width = 4;     ///< extent along y [m]
+  double friction = 1;  ///< friction coefficient of the steps, 0 to 10
+
+  static FieldList Fields() {
+    return {Field("begin_m", &Stairs::begin).Between(-1e5, 1e5),
+            Required("rise_m", &Stairs::rise).Above(0).AtMost(1),
+            Field("run_m", &Stairs::run).Between(0.05, 10),
+            Field("steps", &Stairs::steps).Between(1, 1000),
+            Field("landing_m", &Stairs::landing).Between(0.05, 1e4),
+            Field("width_m", &Stairs::width).Between(0.1, 1e4),
+            Field("friction", &Stairs::friction).Between(0, 10).Because("about 1 for rubber on a dry floor")};
+  }
+  std::vector<TerrainBox> Boxes() const;  ///< one for each step, the lower ones below the higher ones
+};
+
 /// A plane through the origin of W, with boxes on it. Defaults: level, without boxes.
 struct TerrainParams {
   Vec<2> grade = Vec<2>::Zero();  ///< slope of the plane, dz/dx and dz/dy
@@ -70,6 +92,7 @@ struct TerrainParams {
   std::vector<TerrainBox>
       boxes;  ///< boxes in coordinates of the plane: x up its slope seen from above, z along its normal
   std::optional<BoxField> field;  ///< field of additional, random boxes
+  std::optional<Stairs> stairs;   ///< additional boxes that form stairs
 
   static FieldList Fields() {
     return {Field("grade", &TerrainParams::grade).Between(-1000, 1000).Because("the slopes dz/dx, dz/dy"),
@@ -77,7 +100,8 @@ struct TerrainParams {
                 .Between(0, 10)
                 .Because("about 1 for rubber on a dry floor"),
             {"boxes", &TerrainParams::boxes},
-            {"field", &TerrainParams::field}};
+            {"field", &TerrainParams::field},
+            {"stairs", &TerrainParams::stairs}};
   }
   void Validate() const;  ///< throws ParameterError
 };

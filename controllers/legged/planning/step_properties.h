@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/controllers/legged/planning/map_footholds.h>
 #include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
@@ -38,6 +39,7 @@ struct StepProperties {
   double free_turn = 0.1;           ///< dead band of the heading error that moves the footholds [rad]
   double largest_shift = 0.1;       ///< saturation of the foothold shift [m]
   StepReflex reflex = {};
+  MapFootholdProperties footing = {};  ///< choice of the footholds on an elevation map
 
   static FieldList Fields() {
     return {Field("height_m", &StepProperties::height).Positive(),
@@ -56,7 +58,8 @@ struct StepProperties {
             Field("largest_shift_m", &StepProperties::largest_shift).AtLeast(0).OrInfinite(),
             Field("free_offset_m", &StepProperties::free_offset).AtLeast(0).OrInfinite(),
             Field("free_turn_rad", &StepProperties::free_turn).AtLeast(0).OrInfinite(),
-            {"reflex", &StepProperties::reflex}};
+            {"reflex", &StepProperties::reflex},
+            {"footing", &StepProperties::footing}};
   }
 };
 

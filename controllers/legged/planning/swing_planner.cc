@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace tenon {
 namespace {
@@ -16,10 +17,9 @@ constexpr double kLeastWeight = 0.5;       // lower bound of the load on the fee
 constexpr double kLeastRopedWeight = 0.1;  // its lower bound on ropes
 
 /// The horizontal motion at time t after lift-off.
-PlanarPoint Course(const SwingPlanner::LegMemory& leg, const StepProperties& step, double duration,
-                   double t) {
+PlanarPoint Course(const SwingPlanner::LegMemory& leg, double duration, double t) {
   PlanarPoint course;
-  const double rise = leg.high ? step.reflex.rise_phase * duration : 0, begin = std::max(leg.from_time, rise);
+  const double begin = std::max(leg.from_time, leg.rise * duration);
   for (const int axis : {0, 1}) {
     const MotionPoint from{leg.from.position[axis], leg.from.velocity[axis], leg.from.acceleration[axis]};
     const MotionPoint now = Quintic(from, {leg.foothold[axis]}, duration - begin, std::max(t - begin, 0.0));
@@ -50,11 +50,11 @@ bool Searches(ContactState state) {
 FootReference Swing(const SwingPlanner::LegMemory& leg, const StepProperties& step, double phase,
                     double duration) {
   const double t = phase * duration, half = duration / 2;
-  const PlanarPoint course = Course(leg, step, duration, t);
+  const PlanarPoint course = Course(leg, duration, t);
   // Heights above a plane with the ground's slope through the lift-off point.
   const double z_begin = leg.lift_off[2], z_end = leg.ground.HeightAt(leg.lift_off.head<2>());
-  const double z_top =
-      std::max(z_begin, z_end) + (leg.high ? std::max(step.height, step.reflex.height) : step.height);
+  const double z_top = std::max({z_begin, z_end, leg.highest}) +
+                       (leg.high ? std::max(step.height, step.reflex.height) : step.height);
   // The acceleration at the top is the mean of those of cubics from rest to rest on both sides.
   const MotionPoint top{z_top, 0, -3 * (2 * z_top - z_begin - z_end) / (half * half)};
   const double v = step.touchdown_speed;
@@ -93,7 +93,8 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
                             const BodyReference& body, const LeggedState& state, const GroundPlane& ground,
                             const FootForces& foot_forces, const WrenchEstimate& wrench,
                             const WrenchEstimate& known_wrench, const FootholdPlan& planned,
-                            const StepProperties& step, Memory& memory, Memory* plan) const {
+                            const ElevationMap& map, const StepProperties& step, Memory& memory,
+                            Memory* plan) const {
   const Eigen::Matrix3d R = state.R_WB();
   std::array<Eigen::Vector3d, kNumLegs> foot;
   for (std::size_t i = 0; i < kNumLegs; ++i)
@@ -122,6 +123,8 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
       Eigen::Vector2d back = Eigen::Vector2d::Zero();
       if (lifts_off) {
         leg.high = leg.blocked;
+        leg.rise = leg.high ? step.reflex.rise_phase : 0;
+        leg.highest = foot[i][2];
         leg.lift_off = foot[i];
         leg.ground = ground;
         leg.ground.p_W[2] += params.robot.foot_radius / ground.Normal()[2];
@@ -130,7 +133,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
       }
       leg.blocked = !back.isZero(0);
       leg.from =
-          lifts_off || leg.blocked ? PlanarPoint{.position = foot[i].head<2>()} : Course(leg, step, swing, t);
+          lifts_off || leg.blocked ? PlanarPoint{.position = foot[i].head<2>()} : Course(leg, swing, t);
       leg.from_time = lifts_off ? 0 : t;
       const Eigen::Vector3d v_com = state.v_W + state.w_W.cross(R * stance.com_B);
       const Eigen::Vector2d v_error = (v_com - body.com_velocity_W).head<2>();
@@ -138,6 +141,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
                                : planned.planned ? Eigen::Vector2d(planned.position_W[i])
                                                  : Foothold(i, schedule, below, ground.slope,
                                                             step.velocity_feedback * v_error + memory.shift);
+      if (map.known()) PlaceOnMap(map, lifts_off, step, &leg);
       leg.foothold[2] = leg.ground.HeightAt(leg.foothold.head<2>());
     } else {
       const bool goes_on = Searches(before) && memory.started;
@@ -163,6 +167,23 @@ Eigen::Vector2d SwingPlanner::PushedBack(std::size_t i, const ContactSchedule& s
   const Eigen::Vector2d off = (foot - course.p_W).head<2>(), back = off.normalized();
   const bool pushed = off.norm() > step.reflex.lag && force.head<2>().dot(back) > least;
   return pushed ? back : Eigen::Vector2d::Zero();
+}
+
+/// Moves the foothold to flat ground, and replaces the ground plane by a level one there.
+void SwingPlanner::PlaceOnMap(const ElevationMap& map, bool lifts_off, const StepProperties& step,
+                              LegMemory* leg) const {
+  const double radius = params.robot.foot_radius;
+  const Eigen::Vector2d wanted = leg->foothold.head<2>();
+  MapPlace place = Survey(map, wanted, step.footing.radius);
+  if (!leg->blocked) {
+    const std::optional<double> level = lifts_off ? std::nullopt : std::optional(leg->ground.p_W[2] - radius);
+    place = FlatPlace(map, wanted, level, step.footing);
+  }
+  leg->foothold.head<2>() = place.position;
+  leg->ground = {.p_W = {place.position[0], place.position[1], place.height + radius}};
+  if (!lifts_off) return;
+  leg->highest = HighestBetween(map, leg->lift_off.head<2>(), place.position) + radius;
+  if (leg->highest > leg->lift_off[2] + step.height / 2) leg->rise = step.reflex.rise_phase;
 }
 
 Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench, const StepProperties& step) const {

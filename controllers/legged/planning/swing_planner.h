@@ -6,6 +6,7 @@
 #include <tenon/controllers/legged/planning/step_properties.h>
 #include <tenon/plants/model/gravity.h>
 #include <tenon/plants/signals/disturbance_signals.h>
+#include <tenon/plants/signals/elevation_map.h>
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/legged_signals.h>
@@ -37,6 +38,7 @@ struct SwingPlannerParams {
 ///                wrench       estimated external wrench, for wrench_shift; zero if not connected
 ///                known_wrench wrench of ropes, which displaces the nominal stance; zero if not connected
 ///                planned      footholds of CentroidalMpc, instead of those below; none if not connected
+///                map          heights of the ground; none if not connected
 ///     parameter  step         StepProperties
 ///     ports out  feet         position, velocity, acceleration of all feet; sampled
 ///                footholds    next foothold of a swing foot, present one of a stance foot [m]; sampled
@@ -84,6 +86,11 @@ struct SwingPlannerParams {
 /// conditions are required: a foot that deviates without a force belongs to a tipping trunk and must reach
 /// its foothold.
 ///
+/// **Elevation map.** With a map, a foothold near an edge moves to a flatter place (see FlatPlace), on the
+/// level that was chosen at lift-off, and has the height of the map there. The top of the swing is `height`
+/// above the highest point of the map between lift-off and foothold, and a foot that must climb first moves
+/// straight up until reflex.rise_phase.
+///
 /// **Reach.** The distance of a swing foot from its hip is limited to that of a leg with a bent knee, since a
 /// straight leg would snap through its singularity. The foot is moved horizontally, at constant height.
 class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
@@ -99,6 +106,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
     double time = 0;                   ///< time after lift-off, at the last tick [s]
     Vec<3> lift_off = Vec<3>::Zero();  ///< position at lift-off [m]
     GroundPlane ground;                ///< ground plane at lift-off, raised to the feet's centres
+    double highest = 0;                ///< height of a foot on the highest point of the way, with a map [m]
+    double rise = 0;                   ///< phase of the swing until which the foot moves straight up
     Vec<3> foothold = Vec<3>::Zero();  ///< next foothold, or position in stance [m]
     Vec<3> hip = Vec<3>::Zero();       ///< position of the hip [m]
     double searching = 0;              ///< time in the states late and searching [s]
@@ -112,6 +121,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
               {"time", &LegMemory::time, "s"},
               {"lift_off", &LegMemory::lift_off, "m"},
               {"ground", &LegMemory::ground},
+              {"highest", &LegMemory::highest, "m"},
+              {"rise", &LegMemory::rise},
               {"foothold", &LegMemory::foothold, "m"},
               {"hip", &LegMemory::hip, "m"},
               {"searching", &LegMemory::searching, "s"},
@@ -140,15 +151,16 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate()};
   InputPort<WrenchEstimate> known_wrench{this, {"known_wrench"}, WrenchEstimate()};
   InputPort<FootholdPlan> planned{this, {"planned"}, FootholdPlan()};
+  InputPort<ElevationMap> map{this, {"map"}, ElevationMap()};
   Parameter<StepProperties> step{
       this, {"step"}, params.step, "shape of the steps and choice of the footholds"};
   Scratch<Memory> memory{this, "memory", Memory()};
-  OutputPort<Memory> plan{
-      this,
-      {"plan"},
-      Sampled{params.rate},
-      Uses(schedule, path, body, state, ground, foot_forces, wrench, known_wrench, planned, step, memory),
-      &SwingPlanner::CalcPlan};
+  OutputPort<Memory> plan{this,
+                          {"plan"},
+                          Sampled{params.rate},
+                          Uses(schedule, path, body, state, ground, foot_forces, wrench, known_wrench,
+                               planned, map, step, memory),
+                          &SwingPlanner::CalcPlan};
   OutputPort<FeetReference> feet{
       this, {"feet"}, Sampled{params.rate}, Uses(schedule, plan, step), &SwingPlanner::CalcFeet};
   OutputPort<std::array<Vec<3>, kNumLegs>> footholds{
@@ -158,13 +170,14 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   void CalcPlan(const ContactSchedule& schedule, const PlanarPath& path, const BodyReference& body,
                 const LeggedState& state, const GroundPlane& ground, const FootForces& foot_forces,
                 const WrenchEstimate& wrench, const WrenchEstimate& known_wrench, const FootholdPlan& planned,
-                const StepProperties& step, Memory& memory, Memory* plan) const;
+                const ElevationMap& map, const StepProperties& step, Memory& memory, Memory* plan) const;
   FeetReference CalcFeet(const ContactSchedule& schedule, const Memory& plan,
                          const StepProperties& step) const;
   std::array<Vec<3>, kNumLegs> CalcFootholds(const Memory& plan) const;
 
   Eigen::Vector2d PushedBack(std::size_t leg, const ContactSchedule& schedule, const LegMemory& memory,
                              const Vec<3>& foot, const Vec<3>& force, const StepProperties& step) const;
+  void PlaceOnMap(const ElevationMap& map, bool lifts_off, const StepProperties& step, LegMemory* leg) const;
   Eigen::Vector2d Shift(const WrenchEstimate& wrench, const StepProperties& step) const;
   Eigen::Vector2d Displacement(const WrenchEstimate& known_wrench, const Vec<2>& slope) const;
   Eigen::Vector2d Foothold(std::size_t leg, const ContactSchedule& schedule, const PlanarPath& path,

@@ -53,7 +53,8 @@ INSTANTIATE_TEST_SUITE_P(
         Goal{"trot", "flat --gait trot --set limit_speed=true", 5},
         Goal{"pace", "flat --gait pace --set limit_speed=true", 5},
         Goal{"gallop", "flat --gait gallop --set limit_speed=true", 5}, Goal{"speeds", "speeds"},
-        Goal{"walking_pace", "pace", 10, 10}, Goal{"gait_changes", "gait_changes --set limit_speed=true"},
+        Goal{"kerb", "kerb --duration 15", 10}, Goal{"walking_pace", "pace", 10, 10},
+        Goal{"gait_changes", "gait_changes --set limit_speed=true"},
         Goal{"lateral_push", "lateral_push --set limit_speed=true"}),
     [](const auto& info) { return std::string(info.param.name); });
 

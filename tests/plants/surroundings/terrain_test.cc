@@ -190,6 +190,15 @@ TEST(TerrainTest, TheGridAgreesWithASearchOfAllBoxes) {
   EXPECT_GT(on, 200);
 }
 
+TEST(TerrainTest, StairsGoUpAndDown) {
+  const Terrain terrain({.stairs = Stairs{.begin = {1, 0}, .rise = 0.12, .run = 0.3, .steps = 3}});
+  const std::vector<double> heights{0, 0.12, 0.24, 0.36, 0.36, 0.36, 0.24, 0.12, 0};
+  const std::vector<double> x{0.99, 1.01, 1.31, 1.61, 2.1, 2.59, 2.61, 2.91, 3.21};
+  for (std::size_t i = 0; i < x.size(); ++i)
+    EXPECT_NEAR(terrain.At(x[i], 1.9).height, heights[i], 1e-12) << x[i];
+  EXPECT_EQ(terrain.At(2, 2.1).height, 0) << "beside";
+}
+
 TEST(TerrainTest, ReadsAndWritesYaml) {
   const auto again = YamlDocument::Parse(WriteYaml(Field(7)), "again").Read<TerrainParams>();
   EXPECT_EQ(Terrain(again).boxes().size(), Terrain(Field(7)).boxes().size());

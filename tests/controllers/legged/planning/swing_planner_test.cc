@@ -2,12 +2,14 @@
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/model/standing.h>
+#include <tenon/tests/controllers/legged/planning/test_map.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <string>
 #include <utility>
@@ -47,7 +49,7 @@ class Trot {
     auto& block = rig_.system();
     rig_.Fix(block.schedule, schedule).Fix(block.path, path).Fix(block.body, body);
     rig_.Fix(block.state, state).Fix(block.ground, ground).Fix(block.wrench, wrench);
-    rig_.Fix(block.known_wrench, known_wrench).Fix(block.foot_forces, forces).Tick();
+    rig_.Fix(block.map, map).Fix(block.known_wrench, known_wrench).Fix(block.foot_forces, forces).Tick();
     return rig_[block.feet][kFrontLeft];
   }
   /// The swing from stance along the path, tick by tick; the last entry is the first tick of a late foot. At
@@ -81,6 +83,7 @@ class Trot {
   GroundPlane ground;
   WrenchEstimate wrench, known_wrench;
   FootForces forces;
+  ElevationMap map;
 
  private:
   TestRig<SwingPlanner> rig_;
@@ -224,6 +227,27 @@ TEST(SwingPlannerTest, KneesStayBent) {
       EXPECT_EQ(trot->Reference(kFrontLeft).v_W.norm(), 0);
     }
   }
+}
+
+// The nominal foothold is on the first cell of a kerb of 0.1 m.
+TEST(SwingPlannerTest, AFootClimbsOntoTheMap) {
+  Trot flat, trot;
+  flat.path.velocity << 0.3, 0;
+  trot.path = flat.path;
+  flat.Swing();
+  const double cell = 0.03, nominal = flat.Foothold(kFrontLeft)[0];
+  const double edge = cell * (std::round(nominal / cell) - 0.5);
+  trot.map = test::MapOf([&](double x, double) { return x > edge ? 0.1 : 0; }, cell);
+  const Vec<3> begin = trot.Foot(kFrontLeft);
+  const auto swing = trot.Swing();
+  ExpectConsistent(swing, 7);  // the foot sets out between two ticks
+  const double radius = test::DogBot().foot_radius, on_kerb = 0.1 + radius;
+  EXPECT_THAT(trot.Foothold(kFrontLeft),
+              IsNear(Vec<3>(nominal + cell, flat.Foothold(kFrontLeft)[1], on_kerb), 1e-9));
+  EXPECT_THAT(swing.back().p_W, IsNear(trot.Foothold(kFrontLeft), 1e-12));
+  EXPECT_NEAR(Top(swing, begin), 0.05 + on_kerb - begin[2], 2e-4);
+  for (const FootReference& foot : swing)
+    EXPECT_TRUE(foot.p_W[0] < edge - radius || foot.p_W[2] > on_kerb - 1e-9) << foot.p_W.transpose();
 }
 
 TEST(SwingPlannerTest, FootholdFollowsTheVelocityError) {

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <tenon/plants/signals/elevation_map.h>
+#include <tenon/systems/framework/types/fields.h>
+
+#include <Eigen/Core>
+
+#include <optional>
+
+namespace tenon {
+
+/// Choice of footholds on an elevation map.
+struct MapFootholdProperties {
+  double radius = 0.05;      ///< radius of the ground around a foothold that should be flat [m]
+  double roughness = 0.015;  ///< standard deviation of heights up to which ground counts as flat [m]
+  double search = 0.12;      ///< largest displacement of a foothold along x and y [m]
+
+  static FieldList Fields() {
+    return {Field("radius_m", &MapFootholdProperties::radius).Positive(),
+            Field("roughness_m", &MapFootholdProperties::roughness).AtLeast(0),
+            Field("search_m", &MapFootholdProperties::search).AtLeast(0)};
+  }
+};
+
+/// A place on the map, and the mean and standard deviation of the heights around it.
+struct MapPlace {
+  Eigen::Vector2d position;  ///< [m]
+  double height = 0;         ///< [m]
+  double deviation = 0;      ///< [m]
+};
+
+MapPlace Survey(const ElevationMap& map, const Eigen::Vector2d& position, double radius);
+
+/// The place with the least sum of displacement from `wanted` and 10 times the deviation above `roughness`.
+/// With a `level`, places whose height differs by more than 5 cm are excluded, unless there are no others.
+MapPlace FlatPlace(const ElevationMap& map, const Eigen::Vector2d& wanted, const std::optional<double>& level,
+                   const MapFootholdProperties& choice);
+
+/// The greatest height along the line between two places [m].
+double HighestBetween(const ElevationMap& map, const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+
+}  // namespace tenon

@@ -1,0 +1,49 @@
+#include <tenon/controllers/legged/planning/map_footholds.h>
+#include <tenon/tests/controllers/legged/planning/test_map.h>
+#include <tenon/tests/testing/block_test.h>
+
+namespace tenon::map_footholds_test {
+namespace {
+
+const MapFootholdProperties kChoice;
+
+/// A step of 0.12 m, up along x, between the cells at 0 and 0.03.
+ElevationMap Step() {
+  return test::MapOf([](double x, double) { return x > 0.015 ? 0.12 : 0.0; });
+}
+
+TEST(MapFootholdsTest, FlatGroundIsLeftAlone) {
+  const ElevationMap map = test::MapOf([](double, double) { return 0.2; });
+  const MapPlace place = FlatPlace(map, {0.101, -0.05}, std::nullopt, kChoice);
+  EXPECT_EQ(place.position, Eigen::Vector2d(0.101, -0.05));
+  EXPECT_NEAR(place.height, 0.2, 1e-12);
+  EXPECT_NEAR(place.deviation, 0, 1e-12);
+}
+
+// The ground around a foothold spans one cell to each side: the nearest flat places are the second cell before the
+// edge and the second one behind it.
+TEST(MapFootholdsTest, AFootholdOnAnEdgeMovesToTheNearerSide) {
+  const ElevationMap map = Step();
+  const MapPlace below = FlatPlace(map, {0, 0.3}, std::nullopt, kChoice);
+  EXPECT_THAT(below.position, IsNear(Eigen::Vector2d(-0.03, 0.3), 1e-12));
+  EXPECT_NEAR(below.height, 0, 1e-12);
+  const MapPlace above = FlatPlace(map, {0.03, 0.3}, std::nullopt, kChoice);
+  EXPECT_THAT(above.position, IsNear(Eigen::Vector2d(0.06, 0.3), 1e-12));
+  EXPECT_NEAR(above.height, 0.12, 1e-12);
+}
+
+TEST(MapFootholdsTest, AFootInTheAirKeepsItsLevel) {
+  const ElevationMap map = Step();
+  EXPECT_NEAR(FlatPlace(map, {0, 0.3}, 0.12, kChoice).position[0], 0.06, 1e-12);
+  EXPECT_NEAR(FlatPlace(map, {0.03, 0.3}, 0.0, kChoice).position[0], -0.03, 1e-12);
+  EXPECT_NEAR(FlatPlace(map, {-0.5, 0}, 0.12, kChoice).height, 0, 1e-12) << "out of reach";
+}
+
+TEST(MapFootholdsTest, KnowsTheHighestPointOfTheWay) {
+  const ElevationMap map = test::MapOf([](double x, double) { return std::abs(x) < 0.02 ? 0.3 : -x; });
+  EXPECT_NEAR(HighestBetween(map, {-0.2, 0.1}, {0.2, -0.1}), 0.3, 1e-12);
+  EXPECT_NEAR(HighestBetween(map, {0.09, 0}, {0.3, 0}), -0.09, 1e-12);
+}
+
+}  // namespace
+}  // namespace tenon::map_footholds_test
