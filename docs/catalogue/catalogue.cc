@@ -249,6 +249,7 @@ Shelf Surroundings(const Shipped& shipped) {
   shelf.entries.push_back(Make<Person>("Person", shipped.guide_dog.person));
   shelf.entries.push_back(Make<Leash>("Leash"));
   shelf.entries.push_back(Make<ObstacleDetector>("ObstacleDetector"));
+  shelf.entries.push_back(Make<TerrainMapper>("TerrainMapper", TerrainMapperParams()));
   return shelf;
 }
 
@@ -282,6 +283,7 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
       "Pacer", PacerParams{.robot = locomotion.whole_body.robot, .gaits = locomotion.scheduler.gaits}));
   entries.push_back(Make<FootScheduler>("FootScheduler", locomotion.scheduler));
   entries.push_back(Make<GroundEstimator>("GroundEstimator", locomotion.ground));
+  entries.push_back(Make<MappedGround>("MappedGround", MappedGroundParams{.robot = locomotion.ground.robot}));
   entries.push_back(Make<ComPlanner>("ComPlanner", locomotion.com_planner));
   entries.push_back(Make<SwingPlanner>("SwingPlanner", locomotion.swing_planner));
   entries.push_back(Make<TrunkPlanner>("TrunkPlanner", locomotion.trunk_planner));

@@ -20,8 +20,8 @@ TEST(MapFootholdsTest, FlatGroundIsLeftAlone) {
   EXPECT_NEAR(place.deviation, 0, 1e-12);
 }
 
-// The ground around a foothold spans one cell to each side: the nearest flat places are the second cell before the
-// edge and the second one behind it.
+// The ground around a foothold spans one cell to each side: the nearest flat places are the second cell
+// before the edge and the second one behind it.
 TEST(MapFootholdsTest, AFootholdOnAnEdgeMovesToTheNearerSide) {
   const ElevationMap map = Step();
   const MapPlace below = FlatPlace(map, {0, 0.3}, std::nullopt, kChoice);
