@@ -54,6 +54,9 @@ constexpr auto EnumNames(ShapeRole) {
 struct TriangleMesh {
   std::vector<std::array<float, 3>> corners;            ///< [m]
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices of corners, counterclockwise from outside
+  /// Red, green and blue of each corner, and 255, or 0 for the colour of the role; empty: all have that
+  /// colour.
+  std::vector<std::array<std::uint8_t, 4>> colours{};
 };
 
 /// One object to be drawn. The constant members are set once, in the initial value of the output port; the

@@ -4,6 +4,8 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -16,15 +18,22 @@ namespace fs = std::filesystem;
 
 constexpr float kNicely = 0.02F;  // error up to which the topology is kept, relative to the mesh's extent
 
-/// Merges equal corners and removes unused ones.
+/// Merges corners of equal place and colour, and removes unused ones.
 TriangleMesh Joined(const TriangleMesh& mesh) {
+  constexpr std::size_t kPlace = sizeof(mesh.corners[0]), kColour = sizeof(mesh.colours[0]);
   const std::size_t indices = 3 * mesh.triangles.size(), corners = mesh.corners.size();
+  const bool coloured = !mesh.colours.empty();
+  const std::array<meshopt_Stream, 2> streams{meshopt_Stream{mesh.corners.data(), kPlace, kPlace},
+                                              meshopt_Stream{mesh.colours.data(), kColour, kColour}};
   std::vector<std::uint32_t> remap(corners);
-  const std::size_t left = meshopt_generateVertexRemap(remap.data(), mesh.triangles.front().data(), indices,
-                                                       mesh.corners.data(), corners, sizeof(float[3]));
+  const std::size_t left = meshopt_generateVertexRemapMulti(
+      remap.data(), mesh.triangles.front().data(), indices, corners, streams.data(), coloured ? 2 : 1);
   TriangleMesh joined{std::vector<std::array<float, 3>>(left), mesh.triangles};
-  meshopt_remapVertexBuffer(joined.corners.data(), mesh.corners.data(), corners, sizeof(float[3]),
-                            remap.data());
+  meshopt_remapVertexBuffer(joined.corners.data(), mesh.corners.data(), corners, kPlace, remap.data());
+  if (coloured) {
+    joined.colours.resize(left);
+    meshopt_remapVertexBuffer(joined.colours.data(), mesh.colours.data(), corners, kColour, remap.data());
+  }
   meshopt_remapIndexBuffer(joined.triangles.front().data(), mesh.triangles.front().data(), indices,
                            remap.data());
   return joined;

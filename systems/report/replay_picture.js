@@ -74,9 +74,9 @@ function drawScene(parent, replay, camera, width, height, id) {
     const depth = points.reduce((sum, p) => sum + p.depth, 0) / points.length;
     polygons.push({depth, group: actor.shape.role === 'ground' ? ground : solids, points: corners(points), attributes: {...attributes, opacity: actor.material.opacity}});
   };
-  const addFaces = (actor, points, faces, closed) => {
-    const {color} = actor.material;
+  const addFaces = (actor, points, faces, closed, colors) => {
     for (const face of faces) {
+      const color = colors ? new THREE.Color().fromArray(colors, 3 * face[0]) : actor.material.color;
       const [a, b, c] = face.map((i) => points[i]), normal = b.clone().sub(a).cross(c.clone().sub(a)).normalize();
       const away = normal.dot(camera.position.clone().sub(a)) < 0;
       if (closed && away) continue;
@@ -91,8 +91,8 @@ function drawScene(parent, replay, camera, width, height, id) {
     if (kind === 'box') {
       addFaces(actor, all, [0, 4, 8, 12, 16, 20].map((i) => [i, i + 2, i + 3, i + 1]), true);
     } else if (kind === 'mesh') {
-      const {array} = meshes[0].geometry.index;
-      addFaces(actor, all, Array.from({length: array.length / 3}, (_, i) => [...array.slice(3 * i, 3 * i + 3)]), false);
+      const {array} = meshes[0].geometry.index, colors = meshes[0].geometry.attributes.color;
+      addFaces(actor, all, Array.from({length: array.length / 3}, (_, i) => [...array.slice(3 * i, 3 * i + 3)]), false, colors && colors.array);
     } else {
       // Long thin shapes are cut into pieces, so that each has the right depth.
       for (const points of kind === 'segment' ? piecesOf(actor) : kind === 'arrow' ? sets : [all]) {

@@ -88,6 +88,16 @@ class Actor {
     geometry.setIndex(new THREE.BufferAttribute(decode(shape.triangles, Uint32Array), 1));
     geometry.computeVertexNormals();
     geometry.computeBoundingSphere();
+    if (shape.colours) {
+      const rgba = decode(shape.colours, Uint8Array), own = this.material.color.toArray();
+      const rgb = Float32Array.from({length: rgba.length / 4 * 3}, (_, i) => {
+        const corner = 4 * Math.floor(i / 3), k = i % 3;
+        return rgba[corner + 3] ? rgba[corner + k] / 255 : own[k];
+      });
+      geometry.setAttribute('color', new THREE.BufferAttribute(rgb, 3));
+      this.material.vertexColors = THREE.VertexColors;
+      this.material.color.set(0xffffff);
+    }
     this.material.flatShading = true;
     this.material.side = THREE.DoubleSide;  // many files have triangles of inconsistent orientation
     add(geometry);

@@ -4,6 +4,7 @@
 #include <assimp/Importer.hpp>
 #include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
+#include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fcntl.h>
@@ -100,9 +101,28 @@ class OneFile : public Assimp::IOSystem {
   std::string_view text_;
 };
 
+using Colour = std::array<std::uint8_t, 4>;
+
+/// The diffuse colour of a part, see TriangleMesh; none if the part has a texture.
+Colour ColourOf(const aiScene& scene, const aiMesh& part) {
+  if (part.mMaterialIndex >= scene.mNumMaterials) return {};
+  const aiMaterial& material = *scene.mMaterials[part.mMaterialIndex];
+  aiString name;
+  aiColor3D diffuse;
+  if (material.GetTextureCount(aiTextureType_DIFFUSE) > 0 ||
+      material.Get(AI_MATKEY_COLOR_DIFFUSE, diffuse) != AI_SUCCESS ||
+      (material.Get(AI_MATKEY_NAME, name) == AI_SUCCESS && name == aiString(AI_DEFAULT_MATERIAL_NAME)))
+    return {};
+  const auto byte = [](float part_of_one) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(part_of_one, 0.0F, 1.0F)));
+  };
+  return {byte(diffuse.r), byte(diffuse.g), byte(diffuse.b), 255};
+}
+
 TriangleMesh Import(std::string_view text) {
   const std::string name = std::string("mesh.") + EndingFor(text);
-  if (name.ends_with("dae")) CheckCollada(text);
+  const bool collada = name.ends_with("dae");
+  if (collada) CheckCollada(text);
   Assimp::Importer importer;
   importer.SetIOHandler(new OneFile(name, text));  // the importer deletes it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
@@ -114,6 +134,7 @@ TriangleMesh Import(std::string_view text) {
   for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
     const aiMesh& part = *scene->mMeshes[m];
     const auto first = static_cast<std::uint32_t>(mesh.corners.size());
+    if (collada) mesh.colours.resize(first + part.mNumVertices, ColourOf(*scene, part));
     for (unsigned i = 0; i < part.mNumVertices; ++i) {
       const aiVector3D& p = part.mVertices[i];
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
@@ -162,7 +183,7 @@ void WriteAll(int descriptor, const void* data, std::size_t size) {
 }
 
 struct Header {
-  std::uint32_t corners = 0, triangles = 0;  // both 0 before the text of an error
+  std::uint32_t corners = 0, triangles = 0, colours = 0;  // all 0 before the text of an error
 };
 
 [[noreturn]] void ReadInChild(std::string_view text, const std::function<TriangleMesh(TriangleMesh)>& reduce,
@@ -172,10 +193,12 @@ struct Header {
   try {
     const TriangleMesh mesh = reduce(Import(text));
     const Header header{static_cast<std::uint32_t>(mesh.corners.size()),
-                        static_cast<std::uint32_t>(mesh.triangles.size())};
+                        static_cast<std::uint32_t>(mesh.triangles.size()),
+                        static_cast<std::uint32_t>(mesh.colours.size())};
     WriteAll(to, &header, sizeof(header));
     WriteAll(to, mesh.corners.data(), mesh.corners.size() * sizeof(mesh.corners[0]));
     WriteAll(to, mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]));
+    WriteAll(to, mesh.colours.data(), mesh.colours.size() * sizeof(mesh.colours[0]));
     ::_exit(0);
   } catch (const std::bad_alloc&) {
     failure = "it needs too much memory";
@@ -213,12 +236,15 @@ TriangleMesh MeshFrom(std::string_view all) {
   all.remove_prefix(sizeof(header));
   if (header.triangles == 0) throw Unreadable(std::string(all));
   TriangleMesh mesh{decltype(TriangleMesh::corners)(header.corners),
-                    decltype(TriangleMesh::triangles)(header.triangles)};
+                    decltype(TriangleMesh::triangles)(header.triangles),
+                    decltype(TriangleMesh::colours)(header.colours)};
   const std::size_t corners = header.corners * sizeof(mesh.corners[0]);
   const std::size_t triangles = header.triangles * sizeof(mesh.triangles[0]);
-  if (all.size() != corners + triangles) throw Unreadable("its content makes the reader fail");
+  const std::size_t colours = header.colours * sizeof(mesh.colours[0]);
+  if (all.size() != corners + triangles + colours) throw Unreadable("its content makes the reader fail");
   std::memcpy(mesh.corners.data(), all.data(), corners);
   std::memcpy(mesh.triangles.data(), all.data() + corners, triangles);
+  if (colours > 0) std::memcpy(mesh.colours.data(), all.data() + corners + triangles, colours);
   return mesh;
 }
 

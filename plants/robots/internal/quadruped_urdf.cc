@@ -11,7 +11,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <set>
 #include <utility>
@@ -54,7 +56,7 @@ class Reader {
     if (!moving_.bodies.empty()) robot_.trunk = robot_.trunk + moving_.at_rest;
     for (std::size_t body = 0; body <= kNumJoints; ++body) {
       if (looks_[body].triangles.empty()) continue;
-      robot_.meshes[body] = std::make_shared<const TriangleMesh>(Simplified(std::move(looks_[body])));
+      robot_.meshes[body] = Finished(std::move(looks_[body]));
     }
     WarnOfMeshes();
     if (moving != nullptr) *moving = std::move(moving_);
@@ -191,7 +193,7 @@ class Reader {
     for (const urdf::VisualSharedPtr& visual : link.visual_array)
       if (visual->geometry != nullptr && visual->geometry->type == urdf::Geometry::MESH)
         AddMesh(link.name, static_cast<const urdf::Mesh&>(*visual->geometry), body,
-                T_BL * ToEigen(visual->origin));
+                T_BL * ToEigen(visual->origin), ColourOf(visual->material));
     for (const auto& joint : link.child_joints) {
       Eigen::Isometry3d T_BJ = T_BL * ToEigen(joint->parent_to_joint_origin_transform);
       int child = body;
@@ -207,8 +209,24 @@ class Reader {
     }
   }
 
-  /// Adds a mesh, in B, to the appearance of a body; counts meshes that cannot be read.
-  void AddMesh(const std::string& link, const urdf::Mesh& visual, int body, const Eigen::Isometry3d& T_BM) {
+  /// The colour of a material, see TriangleMesh; none without one, or if it is a texture.
+  static std::array<std::uint8_t, 4> ColourOf(const urdf::MaterialSharedPtr& material) {
+    if (material == nullptr || !material->texture_filename.empty()) return {};
+    const auto byte = [](float part) {
+      return static_cast<std::uint8_t>(std::lround(255 * std::clamp(part, 0.0F, 1.0F)));
+    };
+    return {byte(material->color.r), byte(material->color.g), byte(material->color.b), 255};
+  }
+  static std::shared_ptr<const TriangleMesh> Finished(TriangleMesh look) {
+    if (std::ranges::all_of(look.colours, [](const auto& colour) { return colour[3] == 0; }))
+      look.colours = {};
+    return std::make_shared<const TriangleMesh>(Simplified(std::move(look)));
+  }
+
+  /// Adds a mesh, in B, to the appearance of a body; counts meshes that cannot be read. Parts without a
+  /// colour of their own get that of the visual element.
+  void AddMesh(const std::string& link, const urdf::Mesh& visual, int body, const Eigen::Isometry3d& T_BM,
+               const std::array<std::uint8_t, 4>& colour) {
     const auto miss = [&](const std::string& why) {
       incomplete_.insert(static_cast<std::size_t>(body));
       if (num_missing_++ == 0) missing_ = fmt::format("link '{}': {}", link, why);
@@ -219,6 +237,11 @@ class Reader {
       const std::shared_ptr<const TriangleMesh> mesh = ReadMesh(*file);
       TriangleMesh& out = looks_[static_cast<std::size_t>(body)];
       const auto first = static_cast<std::uint32_t>(out.corners.size());
+      out.colours.resize(first, {});
+      out.colours.insert(out.colours.end(), mesh->colours.begin(), mesh->colours.end());
+      out.colours.resize(first + mesh->corners.size(), colour);
+      for (std::size_t i = first; i < out.colours.size(); ++i)
+        if (out.colours[i][3] == 0) out.colours[i] = colour;
       for (const auto& [x, y, z] : mesh->corners) {
         const Eigen::Vector3d p(x * visual.scale.x, y * visual.scale.y, z * visual.scale.z);
         const Eigen::Vector3f p_B = (T_BM * p).cast<float>();
@@ -377,7 +400,7 @@ class Reader {
       const Eigen::Vector3f p = (T_JB * Eigen::Vector3d(x, y, z)).cast<float>();
       x = p.x(), y = p.y(), z = p.z();
     }
-    out.mesh = std::make_shared<const TriangleMesh>(Simplified(std::move(look)));
+    out.mesh = Finished(std::move(look));
   }
 
   /// Returns the inertia that a link contributes to a body of given mass, corrected if it is impossible.

@@ -35,6 +35,7 @@ inline nlohmann::ordered_json ShapesJson(const Geometry& shapes) {
     if (shape.mesh == nullptr) continue;
     item["corners"] = Base64(shape.mesh->corners);
     item["triangles"] = Base64(shape.mesh->triangles);
+    if (!shape.mesh->colours.empty()) item["colours"] = Base64(shape.mesh->colours);
   }
   return list;
 }

@@ -261,9 +261,11 @@ Report::Run Report::Run::FromJson(const Json& json) {
     shape.scale = item.at("scale");
     shape.unit = item.at("unit");
     if (item.contains("corners")) {
-      shape.mesh = std::make_shared<const TriangleMesh>(
-          TriangleMesh{internal::FromBase64<std::array<float, 3>>(item.at("corners")),
-                       internal::FromBase64<std::array<std::uint32_t, 3>>(item.at("triangles"))});
+      TriangleMesh mesh{internal::FromBase64<std::array<float, 3>>(item.at("corners")),
+                        internal::FromBase64<std::array<std::uint32_t, 3>>(item.at("triangles"))};
+      if (item.contains("colours"))
+        mesh.colours = internal::FromBase64<std::array<std::uint8_t, 4>>(item.at("colours"));
+      shape.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
     }
     run.shapes->push_back(std::move(shape));
   }

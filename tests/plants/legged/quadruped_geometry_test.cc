@@ -78,7 +78,8 @@ TEST(QuadrupedGeometryTest, MeshesMoveWithTheirBodies) {
   add("trunk", "<geometry><mesh filename=\"t.stl\"/></geometry>");
   add("FL_calf",
       "<origin xyz=\"0.1 0.2 0.3\" rpy=\"0 0 1.5707963267948966\"/>"
-      "<geometry><mesh filename=\"t.stl\" scale=\"0.1 0.1 0.1\"/></geometry>");
+      "<geometry><mesh filename=\"t.stl\" scale=\"0.1 0.1 0.1\"/></geometry>"
+      "<material name=\"paint\"><color rgba=\"1 0.5 0 1\"/></material>");
   std::ofstream(home / "a1.urdf") << urdf;
   std::ofstream(home / "a1.yaml") << read("a1.yaml");
   const QuadrupedDescription robot = LoadQuadruped((home / "a1.yaml").string());
@@ -103,6 +104,9 @@ TEST(QuadrupedGeometryTest, MeshesMoveWithTheirBodies) {
   ASSERT_EQ(trunk.kind, ShapeKind::kMesh);
   ASSERT_EQ(shank.kind, ShapeKind::kMesh);
   EXPECT_EQ(Named(geometry, "link of FR_calf_joint").kind, ShapeKind::kCapsule);
+  EXPECT_TRUE(trunk.mesh->colours.empty());
+  EXPECT_THAT(shank.mesh->colours, ::testing::SizeIs(4));
+  EXPECT_THAT(shank.mesh->colours, ::testing::Each(std::array<std::uint8_t, 4>{255, 128, 0, 255}));
   for (const Vec<3>& p : {Vec<3>(0, 0, 0), Vec<3>(1, 0, 0), Vec<3>(0, 2, 0), Vec<3>(0, 0, 3)}) {
     EXPECT_TRUE(holds(corners(trunk), body.Position(0, p)));
     const Vec<3> turned(-p[1], p[0], p[2]);

@@ -66,6 +66,73 @@ TriangleMesh Sphere(std::uint32_t n) {
   return mesh;
 }
 
+/// A COLLADA file of the four triangles of a tetrahedron, one red, one without a material, two blue.
+void WriteColoured(const fs::path& file) {
+  test::WriteTetrahedron(file);
+  std::ifstream in(file);
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  in.close();
+  const auto replace = [&](std::string_view part, const std::string& by) {
+    const std::size_t at = text.find(part);
+    ASSERT_NE(at, text.npos) << part;
+    text.replace(at, part.size(), by);
+  };
+  std::string effects = "<library_effects>", materials = "<library_materials>", bindings;
+  for (const auto& [name, colour] :
+       std::map<std::string, std::string>{{"red", "1 0 0 1"}, {"blue", "0 0 0.5 1"}}) {
+    effects += "<effect id=\"e-" + name +
+               "\"><profile_COMMON><technique sid=\"t\"><lambert><diffuse><color>" + colour +
+               "</color></diffuse></lambert></technique></profile_COMMON></effect>";
+    materials += "<material id=\"m-" + name + "\"><instance_effect url=\"#e-" + name + "\"/></material>";
+    bindings += "<instance_material symbol=\"" + name + "\" target=\"#m-" + name + "\"/>";
+  }
+  const auto part = [](const std::string& material, int count, const std::string& corners) {
+    return "<triangles count=\"" + std::to_string(count) + "\"" + material +
+           "><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" + corners + "</p></triangles>";
+  };
+  replace("<library_geometries>",
+          effects + "</library_effects>" + materials + "</library_materials><library_geometries>");
+  const std::size_t begin = text.find("<triangles"), end = text.find("</triangles>") + 12;
+  text.replace(begin, end - begin,
+               part(" material=\"red\"", 1, "0 2 1") + part("", 1, "0 1 3") +
+                   part(" material=\"blue\"", 2, "0 3 2 1 2 3"));
+  replace("<instance_geometry url=\"#t\"/>",
+          "<instance_geometry url=\"#t\"><bind_material><technique_common>" + bindings +
+              "</technique_common></bind_material></instance_geometry>");
+  std::ofstream(file) << text;
+}
+
+TEST_F(MeshFileTest, ReadsTheColoursOfCollada) {
+  WriteColoured(home / "t.dae");
+  const TriangleMesh mesh = *ReadMesh(home / "t.dae");
+  ASSERT_EQ(mesh.colours.size(), mesh.corners.size());
+  std::multiset<std::array<std::uint8_t, 4>> of_triangles;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    EXPECT_EQ(mesh.colours[a], mesh.colours[b]);
+    EXPECT_EQ(mesh.colours[a], mesh.colours[c]);
+    of_triangles.insert(mesh.colours[a]);
+  }
+  EXPECT_EQ(of_triangles.count({255, 0, 0, 255}), 1u);
+  EXPECT_EQ(of_triangles.count({0, 0, 128, 255}), 2u);
+  EXPECT_EQ(of_triangles.count({}), 1u);
+  EXPECT_NEAR(SixVolumes(mesh), 6, 1e-6);
+  test::WriteTetrahedron(home / "t.stl");
+  EXPECT_TRUE(ReadMesh(home / "t.stl")->colours.empty());
+}
+
+// A simplified mesh has the colours of the corners that remain.
+TEST_F(MeshFileTest, SimplifyingKeepsColours) {
+  TriangleMesh ball = Sphere(60);
+  for (const Corner& p : ball.corners)
+    ball.colours.push_back(p[2] > 0 ? std::array<std::uint8_t, 4>{200, 10, 10, 255}
+                                    : std::array<std::uint8_t, 4>{10, 10, 200, 255});
+  const TriangleMesh fewer = Simplified(ball);
+  ASSERT_LE(fewer.triangles.size(), kMostTriangles);
+  ASSERT_EQ(fewer.colours.size(), fewer.corners.size());
+  for (std::size_t i = 0; i < fewer.corners.size(); ++i)
+    EXPECT_EQ(fewer.colours[i][0], fewer.corners[i][2] > 0 ? 200 : 10);
+}
+
 TEST_F(MeshFileTest, ReadsThreeFormatsAlike) {
   for (const char* name : {"t.stl", "t.obj", "t.dae"}) {
     test::WriteTetrahedron(home / name);

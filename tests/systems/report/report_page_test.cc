@@ -38,7 +38,8 @@ class RunPageTest : public testing::BrowserTest {
     auto& angle = builder.AddFunction({"angle", "rad"}, Uses(builder.time), [](double t) { return t; });
     auto& error = builder.AddFunction({"error", "m"}, Uses(builder.time), [](double t) { return 1e-3 * t; });
     const TriangleMesh roof{{{0, 0, 0.1F}, {0.1F, 0, 0}, {0, 0.1F, 0}, {-0.1F, -0.1F, 0}},
-                            {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}};
+                            {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}},
+                            {{255, 0, 51, 255}, {255, 0, 51, 255}, {255, 0, 51, 255}, {}}};
     Geometry shapes{Shape::Box(ShapeRole::kBody, "box", {0.3, 0.2, 0.1}),
                     Shape::Trace(ShapeRole::kReference, "path"),
                     Shape::Mesh(ShapeRole::kLoad, "roof", std::make_shared<const TriangleMesh>(roof))};
@@ -272,6 +273,11 @@ TEST_F(RunPageTest, LightDarkPaperAndFiles) {
   EXPECT_EQ(browser.Evaluate("tenonReport.replay.runs[0].actors[2].object.children[0].geometry.index.count"),
             9)
       << "the mesh";
+  EXPECT_EQ(
+      browser.Evaluate("[...tenonReport.replay.runs[0].actors[2].object.children[0].geometry.attributes.color"
+                       ".array].map((part) => Math.round(255 * part))"),
+      Json({255, 0, 51, 255, 0, 51, 255, 0, 51, 0xb5, 0x65, 0x1d}))
+      << "three corners have a colour of their own, one that of the role";
   browser.Evaluate("dispatchEvent(new Event('beforeprint'))");
   EXPECT_EQ(browser.Evaluate(grounds)[0], "light") << "on paper";
   browser.Evaluate("dispatchEvent(new Event('afterprint'))");
