@@ -66,7 +66,7 @@ TriangleMesh Sphere(std::uint32_t n) {
   return mesh;
 }
 
-/// A COLLADA file of the four triangles of a tetrahedron, one red, one without a material, two blue.
+/// A COLLADA file of the four triangles of a tetrahedron, one red, three blue.
 void WriteColoured(const fs::path& file) {
   test::WriteTetrahedron(file);
   std::ifstream in(file);
@@ -94,8 +94,7 @@ void WriteColoured(const fs::path& file) {
           effects + "</library_effects>" + materials + "</library_materials><library_geometries>");
   const std::size_t begin = text.find("<triangles"), end = text.find("</triangles>") + 12;
   text.replace(begin, end - begin,
-               part(" material=\"red\"", 1, "0 2 1") + part("", 1, "0 1 3") +
-                   part(" material=\"blue\"", 2, "0 3 2 1 2 3"));
+               part(" material=\"red\"", 1, "0 2 1") + part(" material=\"blue\"", 3, "0 1 3 0 3 2 1 2 3"));
   replace("<instance_geometry url=\"#t\"/>",
           "<instance_geometry url=\"#t\"><bind_material><technique_common>" + bindings +
               "</technique_common></bind_material></instance_geometry>");
@@ -113,9 +112,10 @@ TEST_F(MeshFileTest, ReadsTheColoursOfCollada) {
     of_triangles.insert(mesh.colours[a]);
   }
   EXPECT_EQ(of_triangles.count({255, 0, 0, 255}), 1u);
-  EXPECT_EQ(of_triangles.count({0, 0, 128, 255}), 2u);
-  EXPECT_EQ(of_triangles.count({}), 1u);
+  EXPECT_EQ(of_triangles.count({0, 0, 128, 255}), 3u);
   EXPECT_NEAR(SixVolumes(mesh), 6, 1e-6);
+  test::WriteTetrahedron(home / "plain.dae");
+  for (const auto& colour : ReadMesh(home / "plain.dae")->colours) EXPECT_EQ(colour[3], 0);
   test::WriteTetrahedron(home / "t.stl");
   EXPECT_TRUE(ReadMesh(home / "t.stl")->colours.empty());
 }
