@@ -13,18 +13,20 @@ constexpr double kSameLevel = 0.05;  // difference in height [m]
 }  // namespace
 
 MapPlace Survey(const ElevationMap& map, const Eigen::Vector2d& position, double radius) {
-  const int reach = static_cast<int>(radius / map.cell), last = ElevationMap::kSize - 1;
-  const int x = map.Index(0, position[0]), y = map.Index(1, position[1]);
+  const Eigen::Array2d place = (position - map.first_W) / map.cell;
+  constexpr double kLast = ElevationMap::kSize - 1;
+  const Eigen::Array2i first = (place - radius / map.cell).floor().max(0.0).min(kLast).cast<int>();
+  const Eigen::Array2i last = (place + radius / map.cell).ceil().max(0.0).min(kLast).cast<int>();
   double count = 0, sum = 0, squares = 0;
-  const double middle = map.At(x, y);
-  for (int j = std::max(y - reach, 0); j <= std::min(y + reach, last); ++j) {
-    for (int i = std::max(x - reach, 0); i <= std::min(x + reach, last); ++i) {
-      const double h = map.At(i, j) - middle;
+  const double level = map.At(first[0], first[1]);
+  for (int j = first[1]; j <= last[1]; ++j) {
+    for (int i = first[0]; i <= last[0]; ++i) {
+      const double h = map.At(i, j) - level;
       ++count, sum += h, squares += h * h;
     }
   }
   const double mean = sum / count;
-  return {position, middle + mean, std::sqrt(std::max(squares / count - mean * mean, 0.0))};
+  return {position, level + mean, std::sqrt(std::max(squares / count - mean * mean, 0.0))};
 }
 
 MapPlace FlatPlace(const ElevationMap& map, const Eigen::Vector2d& wanted, const std::optional<double>& level,

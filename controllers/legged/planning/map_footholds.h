@@ -29,6 +29,7 @@ struct MapPlace {
   double deviation = 0;      ///< [m]
 };
 
+/// The square of cells that reaches at least `radius` beyond `position` on each side.
 MapPlace Survey(const ElevationMap& map, const Eigen::Vector2d& position, double radius);
 
 /// The place with the least sum of displacement from `wanted` and 10 times the deviation above `roughness`.

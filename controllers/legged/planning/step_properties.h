@@ -15,13 +15,14 @@ struct StepReflex {
   double rise_phase = 0.3;  ///< fraction of the next step in which the foot moves straight up
 
   static FieldList Fields() {
-    return {
-        {"enabled", &StepReflex::enabled},
-        Field("lag_m", &StepReflex::lag).Positive(),
-        Field("force_mg", &StepReflex::force).AtLeast(0),
-        Field("retreat_m", &StepReflex::retreat).AtLeast(0),
-        Field("height_m", &StepReflex::height).Positive(),
-        Field("rise_phase", &StepReflex::rise_phase).Between(0, 0.5).Because("at 0.5 the foot is highest")};
+    return {{"enabled", &StepReflex::enabled},
+            Field("lag_m", &StepReflex::lag).Positive(),
+            Field("force_mg", &StepReflex::force).AtLeast(0),
+            Field("retreat_m", &StepReflex::retreat).AtLeast(0),
+            Field("height_m", &StepReflex::height).Positive(),
+            Field("rise_phase", &StepReflex::rise_phase)
+                .Between(0, 0.4)
+                .Because("the foot moves ahead in the rest")};
   }
 };
 

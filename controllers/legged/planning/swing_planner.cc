@@ -20,9 +20,10 @@ constexpr double kLeastRopedWeight = 0.1;  // its lower bound on ropes
 PlanarPoint Course(const SwingPlanner::LegMemory& leg, double duration, double t) {
   PlanarPoint course;
   const double begin = std::max(leg.from_time, leg.rise * duration);
+  const double takes = (1 - leg.sink) * duration - begin;
   for (const int axis : {0, 1}) {
     const MotionPoint from{leg.from.position[axis], leg.from.velocity[axis], leg.from.acceleration[axis]};
-    const MotionPoint now = Quintic(from, {leg.foothold[axis]}, duration - begin, std::max(t - begin, 0.0));
+    const MotionPoint now = Quintic(from, {leg.foothold[axis]}, takes, std::clamp(t - begin, 0.0, takes));
     course.position[axis] = now.position;
     course.velocity[axis] = now.velocity;
     course.acceleration[axis] = now.acceleration;
@@ -119,7 +120,9 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
       // A leg that lands and lifts off again within a tick starts a new swing: its time decreases.
       const bool lifts_off = before != leg.state || !memory.started || t < leg.time;
       leg.time = t;
-      if (!lifts_off && (leg.blocked || schedule.legs[i].phase > step.retarget_phase)) continue;
+      if (lifts_off) leg.sink = 0;
+      const double late = step.retarget_phase * (1 - leg.sink);
+      if (!lifts_off && (leg.blocked || schedule.legs[i].phase > late)) continue;
       Eigen::Vector2d back = Eigen::Vector2d::Zero();
       if (lifts_off) {
         leg.high = leg.blocked;
@@ -132,6 +135,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
         back = PushedBack(i, schedule, leg, foot[i], foot_forces[static_cast<int>(i)], step);
       }
       leg.blocked = !back.isZero(0);
+      if (leg.blocked) leg.sink = 0;
       leg.from =
           lifts_off || leg.blocked ? PlanarPoint{.position = foot[i].head<2>()} : Course(leg, swing, t);
       leg.from_time = lifts_off ? 0 : t;
@@ -184,6 +188,7 @@ void SwingPlanner::PlaceOnMap(const ElevationMap& map, bool lifts_off, const Ste
   if (!lifts_off) return;
   leg->highest = HighestBetween(map, leg->lift_off.head<2>(), place.position) + radius;
   if (leg->highest > leg->lift_off[2] + step.height / 2) leg->rise = step.reflex.rise_phase;
+  if (leg->highest > leg->ground.p_W[2] + step.height / 2) leg->sink = step.reflex.rise_phase;
 }
 
 Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench, const StepProperties& step) const {

@@ -88,8 +88,8 @@ struct SwingPlannerParams {
 ///
 /// **Elevation map.** With a map, a foothold near an edge moves to a flatter place (see FlatPlace), on the
 /// level that was chosen at lift-off, and has the height of the map there. The top of the swing is `height`
-/// above the highest point of the map between lift-off and foothold, and a foot that must climb first moves
-/// straight up until reflex.rise_phase.
+/// above the highest point of the map between lift-off and foothold. A foot that must climb first moves
+/// straight up until reflex.rise_phase; one that must descend moves straight down for as long at the end.
 ///
 /// **Reach.** The distance of a swing foot from its hip is limited to that of a leg with a bent knee, since a
 /// straight leg would snap through its singularity. The foot is moved horizontally, at constant height.
@@ -108,6 +108,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
     GroundPlane ground;                ///< ground plane at lift-off, raised to the feet's centres
     double highest = 0;                ///< height of a foot on the highest point of the way, with a map [m]
     double rise = 0;                   ///< phase of the swing until which the foot moves straight up
+    double sink = 0;                   ///< last part of the swing, in which it moves straight down
     Vec<3> foothold = Vec<3>::Zero();  ///< next foothold, or position in stance [m]
     Vec<3> hip = Vec<3>::Zero();       ///< position of the hip [m]
     double searching = 0;              ///< time in the states late and searching [s]
@@ -123,6 +124,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
               {"ground", &LegMemory::ground},
               {"highest", &LegMemory::highest, "m"},
               {"rise", &LegMemory::rise},
+              {"sink", &LegMemory::sink},
               {"foothold", &LegMemory::foothold, "m"},
               {"hip", &LegMemory::hip, "m"},
               {"searching", &LegMemory::searching, "s"},

@@ -20,22 +20,32 @@ TEST(MapFootholdsTest, FlatGroundIsLeftAlone) {
   EXPECT_NEAR(place.deviation, 0, 1e-12);
 }
 
-// The ground around a foothold spans one cell to each side: the nearest flat places are the second cell
-// before the edge and the second one behind it.
+// The ground around a foothold spans two cells to each side: the nearest flat places are the third cell
+// before the edge and the third one behind it.
 TEST(MapFootholdsTest, AFootholdOnAnEdgeMovesToTheNearerSide) {
   const ElevationMap map = Step();
   const MapPlace below = FlatPlace(map, {0, 0.3}, std::nullopt, kChoice);
-  EXPECT_THAT(below.position, IsNear(Eigen::Vector2d(-0.03, 0.3), 1e-12));
+  EXPECT_THAT(below.position, IsNear(Eigen::Vector2d(-0.06, 0.3), 1e-12));
   EXPECT_NEAR(below.height, 0, 1e-12);
   const MapPlace above = FlatPlace(map, {0.03, 0.3}, std::nullopt, kChoice);
-  EXPECT_THAT(above.position, IsNear(Eigen::Vector2d(0.06, 0.3), 1e-12));
+  EXPECT_THAT(above.position, IsNear(Eigen::Vector2d(0.09, 0.3), 1e-12));
   EXPECT_NEAR(above.height, 0.12, 1e-12);
+}
+
+TEST(MapFootholdsTest, AFootholdKeepsItsRadiusFromAnEdgeWhereverTheCellsAre) {
+  for (const double edge : {0.0, 0.004, 0.011, 0.016, 0.022, 0.029}) {
+    const ElevationMap map = test::MapOf([&](double x, double) { return x > edge ? 0.12 : 0.0; });
+    for (double x = -0.06; x < 0.09; x += 0.007) {
+      const MapPlace place = FlatPlace(map, {x, 0.1}, std::nullopt, kChoice);
+      EXPECT_GE(std::abs(place.position[0] - edge), kChoice.radius) << "edge at " << edge << ", x = " << x;
+    }
+  }
 }
 
 TEST(MapFootholdsTest, AFootInTheAirKeepsItsLevel) {
   const ElevationMap map = Step();
-  EXPECT_NEAR(FlatPlace(map, {0, 0.3}, 0.12, kChoice).position[0], 0.06, 1e-12);
-  EXPECT_NEAR(FlatPlace(map, {0.03, 0.3}, 0.0, kChoice).position[0], -0.03, 1e-12);
+  EXPECT_NEAR(FlatPlace(map, {0, 0.3}, 0.12, kChoice).position[0], 0.09, 1e-12);
+  EXPECT_NEAR(FlatPlace(map, {0.03, 0.3}, 0.0, kChoice).position[0], -0.06, 1e-12);
   EXPECT_NEAR(FlatPlace(map, {-0.5, 0}, 0.12, kChoice).height, 0, 1e-12) << "out of reach";
 }
 

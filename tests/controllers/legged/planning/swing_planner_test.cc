@@ -240,14 +240,32 @@ TEST(SwingPlannerTest, AFootClimbsOntoTheMap) {
   trot.map = test::MapOf([&](double x, double) { return x > edge ? 0.1 : 0; }, cell);
   const Vec<3> begin = trot.Foot(kFrontLeft);
   const auto swing = trot.Swing();
-  ExpectConsistent(swing, 7);  // the foot sets out between two ticks
+  ExpectConsistent(swing, 8);  // the foot sets out between two ticks
   const double radius = test::DogBot().foot_radius, on_kerb = 0.1 + radius;
   EXPECT_THAT(trot.Foothold(kFrontLeft),
-              IsNear(Vec<3>(nominal + cell, flat.Foothold(kFrontLeft)[1], on_kerb), 1e-9));
+              IsNear(Vec<3>(nominal + 2 * cell, flat.Foothold(kFrontLeft)[1], on_kerb), 1e-9));
   EXPECT_THAT(swing.back().p_W, IsNear(trot.Foothold(kFrontLeft), 1e-12));
   EXPECT_NEAR(Top(swing, begin), 0.05 + on_kerb - begin[2], 2e-4);
   for (const FootReference& foot : swing)
     EXPECT_TRUE(foot.p_W[0] < edge - radius || foot.p_W[2] > on_kerb - 1e-9) << foot.p_W.transpose();
+}
+
+TEST(SwingPlannerTest, AFootDescendsStraight) {
+  Trot flat, trot;
+  flat.path.velocity << 0.3, 0;
+  trot.path = flat.path;
+  flat.Swing();
+  const double depth = 0.1, edge = flat.Foothold(kFrontLeft)[0] - 0.06;
+  trot.map = test::MapOf([&](double x, double) { return x > edge ? -depth : 0; }, 0.01);
+  const auto swing = trot.Swing();
+  ExpectConsistent(swing, 7);  // the horizontal motion ends between two ticks
+  const Vec<3> foothold = trot.Foothold(kFrontLeft);
+  EXPECT_NEAR(foothold[2], test::DogBot().foot_radius - depth, 1e-9);
+  EXPECT_THAT(swing.back().p_W, IsNear(foothold, 1e-12));
+  const std::size_t straight = swing.size() * 71 / 100;
+  for (std::size_t n = straight; n < swing.size(); ++n)
+    EXPECT_THAT(swing[n].p_W.head<2>(), IsNear(foothold.head<2>(), 1e-12)) << n;
+  EXPECT_GT(swing[straight].p_W[2], foothold[2] + depth / 2);
 }
 
 TEST(SwingPlannerTest, FootholdFollowsTheVelocityError) {
