@@ -223,13 +223,13 @@ TENON_VECTOR_CLONES WrenchMargins WrenchFeasibility::Margins(const WrenchBox& re
     }
     // The worse one of the facets c and -c.
     AddAbsolute(offset, distance);
-    const Lanes square = *PacketAt(&square_[facet]);
+    const Lanes square = *PacketAt(&square_[facet]), absolute = *PacketAt(&absolute_sum_[facet]);
     const Lanes gap = most * *PacketAt(&half_sum_[facet]) - width - distance;
     Lanes size = {};
     AddAbsolute(gap, size);
     const Lanes signed_square = gap * size;
     capacity.Take(signed_square, square, facet);
-    tension.Take(gap, *PacketAt(&absolute_sum_[facet]), facet);
+    tension.Take(gap, absolute, facet);
   }
   const Lanes capacities = capacity.over / capacity.under, tensions = tension.over / tension.under;
   int lane = 0;
