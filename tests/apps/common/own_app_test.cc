@@ -179,17 +179,18 @@ TEST_F(ScriptAppTest, FailuresOfTheMachineAreNotResults) {
             5);
 }
 
-// The disk of TMPDIR fills in a run, and has space again at --resume.
+// The disk of TMPDIR fills in a run, and has space again at --resume. Its 4 MB also hold the file that
+// ThreadSanitizer creates there.
 TEST_F(ScriptAppTest, AFullTemporaryDirectoryIsNoResult) {
   const fs::path disk = out / "disk";
   fs::create_directories(disk);
   const std::string mounted =
-      "unshare -rm sh -c 'mount -t tmpfs -o size=300k tmpfs " + disk.string() + " && TMPDIR=" + disk.string();
+      "unshare -rm sh -c 'mount -t tmpfs -o size=4M tmpfs " + disk.string() + " && TMPDIR=" + disk.string();
   if (RunCommand(mounted + " true'").exit_code != 0) GTEST_SKIP() << "this machine allows no mounts";
   // The program fills the disk and fails like one that does not check what it writes.
   const std::string script =
       "mkdir -p $3\n"
-      "grep -q seed.:.2 $1 && [ ! -e $0.mended ] && { head -c 1M /dev/zero >$3/signals.csv; exit 1; }\n"
+      "grep -q seed.:.2 $1 && [ ! -e $0.mended ] && { head -c 8M /dev/zero >$3/signals.csv; exit 1; }\n"
       "echo '{\"case\": \"a\", \"finished\": true}' >$3/summary.json\n";
   const std::string two = "seeds: {count: 2}\n";
   Campaign(script, two);  // writes the files
