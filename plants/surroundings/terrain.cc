@@ -101,14 +101,13 @@ Terrain::Terrain(const TerrainParams& params) : friction_(params.friction), boxe
   params.Validate();
   const Vec<3> normal = Vec<3>(-params.grade[0], -params.grade[1], 1).normalized();
   R_WS_ = RotationBetween(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix();
-  if (params.field) {
-    const std::vector<TerrainBox> more = params.field->Boxes();
-    boxes_.insert(boxes_.end(), more.begin(), more.end());
-  }
-  if (params.stairs) {
-    const std::vector<TerrainBox> steps = params.stairs->Boxes();
-    boxes_.insert(boxes_.end(), steps.begin(), steps.end());
-  }
+  const auto add = [this](const auto& source) {
+    if (!source) return;
+    const std::vector<TerrainBox> boxes = source->Boxes();
+    boxes_.insert(boxes_.end(), boxes.begin(), boxes.end());
+  };
+  add(params.field);
+  add(params.stairs);
   if (boxes_.empty()) return;
 
   // The region in which a point has a box near it: up to the reach of a foot around the box, and below its

@@ -31,9 +31,8 @@ MapPlace Survey(const ElevationMap& map, const Eigen::Vector2d& position, double
 
 MapPlace FlatPlace(const ElevationMap& map, const Eigen::Vector2d& wanted, const std::optional<double>& level,
                    const MapFootholdProperties& choice) {
-  const MapPlace at_wanted = Survey(map, wanted, choice.radius);
   const int reach = static_cast<int>(choice.search / map.cell);
-  MapPlace best = at_wanted;
+  MapPlace best = Survey(map, wanted, choice.radius);
   double least = std::numeric_limits<double>::infinity();
   for (int j = -reach; j <= reach; ++j) {
     for (int i = -reach; i <= reach; ++i) {

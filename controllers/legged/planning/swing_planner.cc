@@ -120,13 +120,13 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
       // A leg that lands and lifts off again within a tick starts a new swing: its time decreases.
       const bool lifts_off = before != leg.state || !memory.started || t < leg.time;
       leg.time = t;
-      if (lifts_off) leg.sink = 0;
       const double late = step.retarget_phase * (1 - leg.sink);
       if (!lifts_off && (leg.blocked || schedule.legs[i].phase > late)) continue;
       Eigen::Vector2d back = Eigen::Vector2d::Zero();
       if (lifts_off) {
         leg.high = leg.blocked;
         leg.rise = leg.high ? step.reflex.rise_phase : 0;
+        leg.sink = 0;
         leg.highest = foot[i][2];
         leg.lift_off = foot[i];
         leg.ground = ground;
@@ -178,11 +178,9 @@ void SwingPlanner::PlaceOnMap(const ElevationMap& map, bool lifts_off, const Ste
                               LegMemory* leg) const {
   const double radius = params.robot.foot_radius;
   const Eigen::Vector2d wanted = leg->foothold.head<2>();
-  MapPlace place = Survey(map, wanted, step.footing.radius);
-  if (!leg->blocked) {
-    const std::optional<double> level = lifts_off ? std::nullopt : std::optional(leg->ground.p_W[2] - radius);
-    place = FlatPlace(map, wanted, level, step.footing);
-  }
+  const std::optional<double> level = lifts_off ? std::nullopt : std::optional(leg->ground.p_W[2] - radius);
+  const MapPlace place =
+      leg->blocked ? Survey(map, wanted, step.footing.radius) : FlatPlace(map, wanted, level, step.footing);
   leg->foothold.head<2>() = place.position;
   leg->ground = {.p_W = {place.position[0], place.position[1], place.height + radius}};
   if (!lifts_off) return;

@@ -101,10 +101,8 @@ class OneFile : public Assimp::IOSystem {
   std::string_view text_;
 };
 
-using Colour = std::array<std::uint8_t, 4>;
-
 /// The diffuse colour of a part, see TriangleMesh; none if the part has a texture.
-Colour ColourOf(const aiScene& scene, const aiMesh& part) {
+MeshColour ColourOf(const aiScene& scene, const aiMesh& part) {
   if (part.mMaterialIndex >= scene.mNumMaterials) return {};
   const aiMaterial& material = *scene.mMaterials[part.mMaterialIndex];
   aiString name;
@@ -113,10 +111,7 @@ Colour ColourOf(const aiScene& scene, const aiMesh& part) {
       material.Get(AI_MATKEY_COLOR_DIFFUSE, diffuse) != AI_SUCCESS ||
       (material.Get(AI_MATKEY_NAME, name) == AI_SUCCESS && name == aiString(AI_DEFAULT_MATERIAL_NAME)))
     return {};
-  const auto byte = [](float part_of_one) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(part_of_one, 0.0F, 1.0F)));
-  };
-  return {byte(diffuse.r), byte(diffuse.g), byte(diffuse.b), 255};
+  return ColourFrom(diffuse.r, diffuse.g, diffuse.b);
 }
 
 TriangleMesh Import(std::string_view text) {

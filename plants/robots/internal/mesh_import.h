@@ -2,11 +2,24 @@
 
 #include <tenon/systems/geometry.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string_view>
 
 namespace tenon::internal {
+
+using MeshColour = decltype(TriangleMesh::colours)::value_type;
+
+/// A colour of TriangleMesh from its parts, 0 to 1.
+inline MeshColour ColourFrom(float red, float green, float blue) {
+  const auto byte = [](float part) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(part, 0.0F, 1.0F)));
+  };
+  return {byte(red), byte(green), byte(blue), 255};
+}
 
 /// Reads a mesh in STL, OBJ or COLLADA, which its content determines, not its name. The library assimp reads
 /// it in a child process, because a damaged file may let it crash or use all time and memory: the child has

@@ -1,3 +1,4 @@
+#include <tenon/plants/robots/internal/mesh_import.h>
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/internal/urdf_file.h>
 #include <tenon/plants/robots/mesh_file.h>
@@ -210,13 +211,12 @@ class Reader {
   }
 
   /// The colour of a material, see TriangleMesh; none without one, or if it is a texture.
-  static std::array<std::uint8_t, 4> ColourOf(const urdf::MaterialSharedPtr& material) {
+  static MeshColour ColourOf(const urdf::MaterialSharedPtr& material) {
     if (material == nullptr || !material->texture_filename.empty()) return {};
-    const auto byte = [](float part) {
-      return static_cast<std::uint8_t>(std::lround(255 * std::clamp(part, 0.0F, 1.0F)));
-    };
-    return {byte(material->color.r), byte(material->color.g), byte(material->color.b), 255};
+    return ColourFrom(material->color.r, material->color.g, material->color.b);
   }
+
+  /// The mesh to be drawn, without colours if none is given.
   static std::shared_ptr<const TriangleMesh> Finished(TriangleMesh look) {
     if (std::ranges::all_of(look.colours, [](const auto& colour) { return colour[3] == 0; }))
       look.colours = {};
@@ -226,7 +226,7 @@ class Reader {
   /// Adds a mesh, in B, to the appearance of a body; counts meshes that cannot be read. Parts without a
   /// colour of their own get that of the visual element.
   void AddMesh(const std::string& link, const urdf::Mesh& visual, int body, const Eigen::Isometry3d& T_BM,
-               const std::array<std::uint8_t, 4>& colour) {
+               const MeshColour& colour) {
     const auto miss = [&](const std::string& why) {
       incomplete_.insert(static_cast<std::size_t>(body));
       if (num_missing_++ == 0) missing_ = fmt::format("link '{}': {}", link, why);
