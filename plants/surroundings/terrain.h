@@ -91,8 +91,8 @@ struct TerrainParams {
   double friction = 1;            ///< friction coefficient of the plane, 0 to 10
   std::vector<TerrainBox>
       boxes;  ///< boxes in coordinates of the plane: x up its slope seen from above, z along its normal
-  std::optional<BoxField> field;  ///< field of additional, random boxes
-  std::optional<Stairs> stairs;   ///< additional boxes that form stairs
+  std::optional<BoxField> field{};  ///< field of additional, random boxes
+  std::optional<Stairs> stairs{};   ///< additional boxes that form stairs
 
   static FieldList Fields() {
     return {Field("grade", &TerrainParams::grade).Between(-1000, 1000).Because("the slopes dz/dx, dz/dy"),

@@ -31,7 +31,7 @@ struct ZmpPlanParams {
   int horizon = 2;           ///< number of planned steps, 1 to 4
   double half_width = 0.03;  ///< half width of the support of two feet, see SupportPolygon [m]
   double margin = 0.01;      ///< distance of the ZMP from the edges of the support [m]
-  ZmpSplineParams spline;
+  ZmpSplineParams spline{};
 
   static FieldList Fields() {
     return {Field("horizon_steps", &ZmpPlanParams::horizon).Between(1, (ZmpSpline::kMaxPhases - 1) / 2),
