@@ -160,7 +160,7 @@ std::vector<Stored> MakeProblems(const Set& set, bool eliminate) {
   DualActiveSet solver = test::FullWholeBodySolver();
   for (const auto& [dynamics, task] : walk.tasks) {
     WholeBodySolution solution;
-    maker.Solve(dynamics, task, params, &solution);
+    maker.Solve(dynamics, task, walk.params, &solution);
     // At touchdown some torques are at their limits already, and the moved limits would contradict them.
     if (set.moved > 0 && solution.num_active > 0) continue;
     Stored& qp = problems.emplace_back(

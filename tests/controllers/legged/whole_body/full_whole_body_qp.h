@@ -4,6 +4,8 @@
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/tests/controllers/optimization/owned_qp.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 
 namespace tenon::test {
