@@ -4,6 +4,7 @@
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -46,14 +47,18 @@ struct LegContact {
 };
 
 /// The timing of a gait. A cycle is a sequence of `num_steps` steps; in each all feet stand for `stance`
-/// seconds, then the legs of that step swing for `swing` seconds. Standing has no steps.
+/// seconds, then the legs of that step swing for `swing` seconds, one later than the other by their delays.
+/// Standing has no steps.
 struct GaitTiming {
   int num_steps = 0;
-  std::array<int, kNumLegs> step{};  ///< step of the cycle in which each leg swings
-  double stance = 0;                 ///< duration of the stance of all feet before each swing [s]
-  double swing = 0;                  ///< duration of a swing [s]
+  std::array<int, kNumLegs> step{};      ///< step of the cycle in which each leg swings
+  double stance = 0;                     ///< duration of the stance of all feet before each swing [s]
+  double swing = 0;                      ///< duration of a leg's swing [s]
+  std::array<double, kNumLegs> delay{};  ///< of a leg's swing behind the first one of its step [s]
 
-  double step_duration() const { return stance + swing; }
+  /// From the first lift-off of a step to its last touchdown [s].
+  double span() const { return swing + *std::max_element(delay.begin(), delay.end()); }
+  double step_duration() const { return stance + span(); }
   double cycle() const { return num_steps * step_duration(); }
   /// Duration of a foot's stance from touchdown to lift-off [s].
   double leg_stance() const { return cycle() - swing; }
@@ -61,7 +66,8 @@ struct GaitTiming {
     return {{"num_steps", &GaitTiming::num_steps},
             {"step", &GaitTiming::step, "", kLegElements},
             {"stance", &GaitTiming::stance, "s"},
-            {"swing", &GaitTiming::swing, "s"}};
+            {"swing", &GaitTiming::swing, "s"},
+            {"delay", &GaitTiming::delay, "s", kLegElements}};
   }
 };
 

@@ -16,50 +16,72 @@ int StepsAhead(const ContactSchedule& schedule, std::size_t leg) {
   return n > 0 ? (schedule.timing.step[leg] - schedule.step + n) % n : 0;
 }
 
-/// True if the leg belongs to the group that lifts off during this step. In a gait with flight this is the
-/// next step's group.
-bool LiftsIn(const ContactSchedule& schedule, std::size_t leg) {
-  return schedule.timing.num_steps > 0 && StepsAhead(schedule, leg) == (Flies(schedule.timing) ? 1 : 0);
+/// The planned time of the leg's swing, on the clock of the present step.
+struct Swing {
+  double lift_off, touchdown;
+};
+Swing PlannedSwing(const ContactSchedule& schedule, std::size_t leg, int steps_ahead) {
+  const GaitTiming& timing = schedule.timing;
+  const double begin = steps_ahead * timing.step_duration();
+  return {begin + timing.stance + timing.delay[leg],
+          begin + (timing.stance + timing.delay[leg] + timing.swing)};
 }
 
 bool StepIsOver(const ContactSchedule& schedule) {
   return schedule.step_time >= schedule.timing.step_duration() - kClockTolerance;
 }
 
-/// True if it is time for the lift-off of this step, and it has not happened. Before another gait, the next
-/// group of a gait with flight does not lift off.
-bool LiftsOff(const FootScheduler::Memory& memory, Gait next) {
-  const ContactSchedule& schedule = memory.schedule;
-  const GaitTiming& timing = schedule.timing;
-  if (schedule.gait == Gait::kStand || memory.lifted) return false;
-  if (Flies(timing) && next != schedule.gait) return false;
-  const double lift_off = Flies(timing) ? timing.step_duration() + timing.stance : timing.stance;
-  return schedule.step_time >= lift_off - kClockTolerance;
+/// True if a leg of the next step's group has lifted off, as happens in a gait with flight.
+bool NextIsInAir(const FootScheduler::Memory& memory) {
+  for (std::size_t i = 0; i < kNumLegs; ++i)
+    if (memory.lifted[i] && StepsAhead(memory.schedule, i) == 1) return true;
+  return false;
 }
 
-/// True if a leg that must stand during the swing of this step has no contact.
-bool OthersSearch(const ContactSchedule& schedule) {
+/// The legs whose lift-off is due and has not happened. Before another gait, the next group of a gait with
+/// flight does not lift off.
+std::array<bool, kNumLegs> DueLegs(const FootScheduler::Memory& memory, Gait next) {
+  const ContactSchedule& schedule = memory.schedule;
+  std::array<bool, kNumLegs> due{};
+  if (schedule.gait == Gait::kStand) return due;
+  const bool next_may = Flies(schedule.timing) && (next == schedule.gait || NextIsInAir(memory));
   for (std::size_t i = 0; i < kNumLegs; ++i) {
-    if (!LiftsIn(schedule, i) && schedule.legs[i].state == ContactState::kSearching) return true;
+    const int ahead = StepsAhead(schedule, i);
+    if (memory.lifted[i] || ahead > (next_may ? 1 : 0)) continue;
+    due[i] = schedule.step_time >= PlannedSwing(schedule, i, ahead).lift_off - kClockTolerance;
+  }
+  return due;
+}
+
+bool Any(const std::array<bool, kNumLegs>& legs) {
+  return std::find(legs.begin(), legs.end(), true) != legs.end();
+}
+
+/// True if a leg that must stand during the swing of these legs' groups has no contact.
+bool OthersSearch(const ContactSchedule& schedule, const std::array<bool, kNumLegs>& due) {
+  for (std::size_t i = 0; i < kNumLegs; ++i) {
+    bool lifts = false;
+    for (std::size_t j = 0; j < kNumLegs; ++j)
+      lifts = lifts || (due[j] && schedule.timing.step[i] == schedule.timing.step[j]);
+    if (!lifts && schedule.legs[i].state == ContactState::kSearching) return true;
   }
   return false;
 }
 
 /// Updates phases and times to the next events from the clock.
-void PlanLegs(bool lifted, ContactSchedule* schedule) {
+void PlanLegs(const std::array<bool, kNumLegs>& lifted, ContactSchedule* schedule) {
   const GaitTiming& timing = schedule->timing;
   for (std::size_t i = 0; i < kNumLegs; ++i) {
     LegContact& leg = schedule->legs[i];
     leg.phase = leg.time_to_lift_off = leg.time_to_touchdown = 0;
     if (timing.num_steps == 0) continue;
     const int own = StepsAhead(*schedule, i);
-    const bool has_lifted = LiftsIn(*schedule, i) ? lifted : own == 0;
-    const int steps_ahead = own + (has_lifted ? timing.num_steps : 0);
-    leg.time_to_lift_off = steps_ahead * timing.step_duration() + timing.stance - schedule->step_time;
+    const int steps_ahead = own + (lifted[i] ? timing.num_steps : 0);
+    leg.time_to_lift_off = PlannedSwing(*schedule, i, steps_ahead).lift_off - schedule->step_time;
     if (leg.state == ContactState::kSwing || leg.state == ContactState::kLate) {
-      const double begin = own * timing.step_duration();
-      leg.phase = std::clamp((schedule->step_time - begin - timing.stance) / timing.swing, 0.0, 1.0);
-      leg.time_to_touchdown = std::max(0.0, begin + timing.step_duration() - schedule->step_time);
+      const Swing swing = PlannedSwing(*schedule, i, own);
+      leg.phase = std::clamp((schedule->step_time - swing.lift_off) / timing.swing, 0.0, 1.0);
+      leg.time_to_touchdown = std::max(0.0, swing.touchdown - schedule->step_time);
     } else {
       leg.phase = std::clamp(1 - leg.time_to_lift_off / timing.leg_stance(), 0.0, 1.0);
       if (leg.stance()) leg.time_to_touchdown = leg.time_to_lift_off + timing.swing;
@@ -71,13 +93,15 @@ void BeginStep(Gait gait, const GaitTable& gaits, const GaitTiming& timing, Foot
   ContactSchedule& schedule = memory->schedule;
   ++schedule.footsteps;
   schedule.step_time = 0;
-  memory->lifted = false;
   memory->waited = 0;
   if (gait == schedule.gait && gait != Gait::kStand) {
+    for (std::size_t i = 0; i < kNumLegs; ++i)
+      if (StepsAhead(schedule, i) == 0) memory->lifted[i] = false;
     schedule.step = (schedule.step + 1) % schedule.timing.num_steps;
     if (timing.num_steps > 0) schedule.timing = timing;
     return;
   }
+  memory->lifted.fill(false);
   schedule.gait = gait;
   schedule.step = 0;
   schedule.timing = gait == Gait::kStand   ? GaitTiming{}
@@ -86,6 +110,7 @@ void BeginStep(Gait gait, const GaitTable& gaits, const GaitTiming& timing, Foot
   if (Flies(schedule.timing)) {  // begins with the lift-off of the first group
     schedule.step = schedule.timing.num_steps - 1;
     schedule.step_time = schedule.timing.step_duration() + schedule.timing.stance;
+    for (std::size_t i = 0; i < kNumLegs; ++i) memory->lifted[i] = StepsAhead(schedule, i) == 0;
   }
 }
 
@@ -100,10 +125,10 @@ void GaitProperties::Validate() const {
   }
   Demand(!swing_groups.empty(), "swing_groups is empty: give at least one group");
   if (stance < 0) {
-    Demand(swing_groups.size() >= 2 && -stance < swing / 2,
+    Demand(swing_groups.size() >= 2 && -stance < (swing + stagger) / 2,
            fmt::format("stance_s = {} is negative: a group lifts off before the one before it lands, which "
-                       "takes at least two groups and less than half of swing_s = {}",
-                       stance, swing));
+                       "takes at least two groups and less than half of swing_s + stagger_s = {}",
+                       stance, swing + stagger));
   } else {
     Demand(swing_groups.size() >= 2 || stance > 0,
            "swing_groups has one group and stance_s is 0: the feet would never stand");
@@ -117,7 +142,12 @@ void GaitProperties::Validate() const {
 GaitTiming GaitProperties::Timing() const {
   GaitTiming timing{.num_steps = static_cast<int>(swing_groups.size()), .stance = stance, .swing = swing};
   for (std::size_t k = 0; k < swing_groups.size(); ++k) {
-    for (const Leg leg : swing_groups[k]) timing.step[leg] = static_cast<int>(k);
+    const std::vector<Leg>& group = swing_groups[k];
+    for (std::size_t n = 0; n < group.size(); ++n) {
+      timing.step[group[n]] = static_cast<int>(k);
+      if (n > 0)
+        timing.delay[group[n]] = stagger * static_cast<double>(n) / static_cast<double>(group.size() - 1);
+    }
   }
   return timing;
 }
@@ -186,7 +216,7 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
     schedule.footsteps = 0;
   } else {
     if (schedule.gait != Gait::kStand) {
-      if (StepIsOver(schedule) || LiftsOff(memory, command.gait)) {
+      if (StepIsOver(schedule) || Any(DueLegs(memory, command.gait))) {
         memory.waited += dt;
       } else {
         schedule.step_time += dt;
@@ -199,11 +229,10 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
       double& unloaded = memory.unloaded[i];
       unloaded = leg.stance() && !events.loaded ? unloaded + dt : 0;
       events.unloaded = unloaded >= search_after - kClockTolerance;
-      const bool next = Flies(schedule.timing) && StepsAhead(schedule, i) == 1;
-      const double swing_time =
-          schedule.step_time - schedule.timing.stance - (next ? schedule.timing.step_duration() : 0);
+      const Swing swing = PlannedSwing(schedule, i, StepsAhead(schedule, i));
+      const double swing_time = schedule.step_time - swing.lift_off;
       events.may_land = swing_time >= early_touchdown_phase * schedule.timing.swing - kClockTolerance;
-      events.swing_over = StepIsOver(schedule) && !next;
+      events.swing_over = schedule.step_time >= swing.touchdown - kClockTolerance;
       events.wait_over = wait_is_over();
       leg.state = NextContactState(leg.state, events);
     }
@@ -211,18 +240,17 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
                                   [](const LegContact& leg) { return leg.state == ContactState::kLate; });
     if (schedule.gait == Gait::kStand ? command.gait != Gait::kStand : StepIsOver(schedule) && !late) {
       // A group in the air lands in its own step, before another gait begins.
-      const bool in_air = Flies(schedule.timing) && memory.lifted;
-      BeginStep(in_air ? schedule.gait : command.gait, gaits, timing, &memory);
+      BeginStep(NextIsInAir(memory) ? schedule.gait : command.gait, gaits, timing, &memory);
     }
   }
-  const bool lift_off = LiftsOff(memory, command.gait) && (wait_is_over() || !OthersSearch(schedule));
-  if (lift_off) {
-    memory.lifted = true;
+  const std::array<bool, kNumLegs> due = DueLegs(memory, command.gait);
+  if (Any(due) && (wait_is_over() || !OthersSearch(schedule, due))) {
     memory.waited = 0;
-  }
-  for (std::size_t i = 0; i < kNumLegs; ++i) {
-    LegContact& leg = schedule.legs[i];
-    if (lift_off && LiftsIn(schedule, i)) leg.state = NextContactState(leg.state, {.lift_off = true});
+    for (std::size_t i = 0; i < kNumLegs; ++i) {
+      if (!due[i]) continue;
+      memory.lifted[i] = true;
+      schedule.legs[i].state = NextContactState(schedule.legs[i].state, {.lift_off = true});
+    }
   }
   PlanLegs(memory.lifted, &schedule);
   return schedule;

@@ -23,18 +23,22 @@ struct GaitProperties {
   /// duration of the stance of all feet before each swing; if negative, the time by which a group lifts off
   /// before the group before it lands [s]
   double stance = 0;
-  double swing = 0;  ///< duration of a swing [s]
+  double swing = 0;  ///< duration of a leg's swing [s]
+  /// time by which the last leg of a group swings after the first; those in between are evenly spaced [s]
+  double stagger = 0;
 
   static FieldList Fields() {
     return {Required("swing_groups", &GaitProperties::swing_groups),
             Required("stance_s", &GaitProperties::stance),
-            Required("swing_s", &GaitProperties::swing).Positive()};
+            Required("swing_s", &GaitProperties::swing).Positive(),
+            Field("stagger_s", &GaitProperties::stagger).AtLeast(0)};
   }
   void Validate() const;  ///< throws ParameterError
   GaitTiming Timing() const;
 };
 
-/// Whether all feet are in the air between two stances of a gait with several groups.
+/// Whether a group lifts off before the one before it has landed. Without delays of the legs, all feet are in
+/// the air in between.
 inline bool Flies(const GaitTiming& timing) {
   return timing.stance < 0;
 }
@@ -125,6 +129,9 @@ ContactState NextContactState(ContactState state, const ContactEvents& events);
 /// **Flight.** If the stance is negative, the next group lifts off by that time before the group of the
 /// present step lands, and all feet are in the air in between. With a single group, all feet swing together.
 /// Only CentroidalMpc plans the ballistic motion; a TrunkPlanner cannot.
+///
+/// **Stagger.** The legs of a group may swing one after the other: a bound becomes a gallop with four beats.
+/// The step lasts until the last of them has landed.
 class FootScheduler final : public LeafSystem<FootSchedulerParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -132,14 +139,14 @@ class FootScheduler final : public LeafSystem<FootSchedulerParams> {
   /// State of the gait clock.
   struct Memory {
     bool started = false;
-    bool lifted = false;                      ///< the legs of this step have lifted off
+    std::array<bool, kNumLegs> lifted{};      ///< the leg's own swing, of this step or the next, has begun
     double waited = 0;                        ///< wait before the lift-off or before the next step [s]
     std::array<double, kNumLegs> unloaded{};  ///< time in stance without force [s]
     ContactSchedule schedule;
 
     static FieldList Fields() {
       return {{"started", &Memory::started},
-              {"lifted", &Memory::lifted},
+              {"lifted", &Memory::lifted, "", kLegElements},
               {"waited", &Memory::waited, "s"},
               {"unloaded", &Memory::unloaded, "s", kLegElements},
               {"schedule", &Memory::schedule}};

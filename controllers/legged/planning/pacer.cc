@@ -56,7 +56,10 @@ GaitTiming Pacer::TimingAt(Gait gait, double speed) const {
   const double g = params.gravity, h = hip_height_;
   const double stride = pace.stride * h * std::pow(speed * speed / (g * h), 0.3);
   const double cycle = std::min(timing.cycle(), stride / speed), way = speed * cycle;
-  const double step = cycle / timing.num_steps, least = pace.least_stance * std::sqrt(length_ / g);
+  const double shorter = cycle / timing.cycle();
+  for (double& delay : timing.delay) delay *= shorter;
+  const double step = cycle / timing.num_steps - (timing.span() - timing.swing),
+               least = pace.least_stance * std::sqrt(length_ / g);
   const double slowest = std::max(way / (pace.swing_speed * std::sqrt(g * length_)),
                                   kPeakOfQuintic * way / (pace.drive_speed * drive_speed_ * h + speed));
   timing.swing = std::min(std::max(timing.swing, slowest), std::max(step - least, step / 2));

@@ -16,7 +16,8 @@ namespace tenon {
 /// commanded path at that start. Footholds are the nominal ones below the path in the middle of each stance,
 /// on ground of this slope.
 /// In a gait with flight the stance is empty, and each swing lasts until the next touchdown: the feet that
-/// stand during a part of it give the mean point of support.
+/// stand during a part of it give the mean point of support. All legs of a step with staggered legs swing
+/// from the first lift-off to the last touchdown.
 template <class Visit>
 void ForEachPlannedPhase(const PlanarPath& path, const Vec<2>& slope, const ContactSchedule& schedule,
                          const NominalStance& stance, int steps, Visit&& visit) {
@@ -40,7 +41,7 @@ void ForEachPlannedPhase(const PlanarPath& path, const Vec<2>& slope, const Cont
       if (steps_ahead(i) != k % timing.num_steps) standing[count++] = foot[i];
     }
     visit(std::max(timing.stance, 0.0), std::span<const Eigen::Vector2d>(foot));
-    visit(timing.swing + std::min(timing.stance, 0.0),
+    visit(timing.span() + std::min(timing.stance, 0.0),
           std::span<const Eigen::Vector2d>(standing.data(), count));
     for (std::size_t i = 0; i < kNumLegs; ++i) {
       if (steps_ahead(i) == k % timing.num_steps) {

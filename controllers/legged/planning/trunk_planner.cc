@@ -31,7 +31,7 @@ Vec<3> TrunkPlanner::FreeAcceleration(const ContactSchedule& schedule, const Leg
 BodyReference TrunkPlanner::CalcReference(const BodyReference& body, const ContactSchedule& schedule,
                                           const LeggedState& state, const WrenchEstimate& wrench,
                                           double bandwidth, double sway_limit, Memory& memory) const {
-  const double S = schedule.timing.stance, T = schedule.timing.swing;
+  const double S = schedule.timing.stance, T = schedule.timing.span();
   const double blend = -std::expm1(-bandwidth * params.rate.period());
   memory.push.force_W += blend * (wrench.force_W - memory.push.force_W);
   memory.push.torque_W += blend * (wrench.torque_W - memory.push.torque_W);

@@ -54,6 +54,8 @@ INSTANTIATE_TEST_SUITE_P(
         Goal{"pace", "flat --gait pace --set limit_speed=true", 5},
         Goal{"gallop", "flat --gait gallop --set limit_speed=true", 5}, Goal{"speeds", "speeds"},
         Goal{"kerb", "kerb --duration 15", 10}, Goal{"walking_pace", "pace", 10, 10},
+        Goal{"flying_trot", "flying_trot", 20}, Goal{"bound", "bound", 80}, Goal{"pronk", "pronk", 40},
+        Goal{"gallop_with_four_beats", "gallop", 40},
         Goal{"gait_changes", "gait_changes --set limit_speed=true"},
         Goal{"lateral_push", "lateral_push --set limit_speed=true"}),
     [](const auto& info) { return std::string(info.param.name); });

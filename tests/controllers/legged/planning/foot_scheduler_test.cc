@@ -342,6 +342,66 @@ TEST(FootSchedulerTest, AGaitWithFlightEndsOnTheGround) {
   }
 }
 
+/// Rear feet, then front feet, the left one before the right one.
+FootSchedulerParams Galloping() {
+  FootSchedulerParams params = Standard();
+  params.gaits.gallop = {{{kRearLeft, kRearRight}, {kFrontLeft, kFrontRight}},
+                         /*stance=*/-0.09,
+                         /*swing=*/0.2,
+                         /*stagger=*/0.03};
+  return params;
+}
+
+TEST(FootSchedulerTest, StaggeredLegsGallopWithFourBeats) {
+  Walk walk(Gait::kGallop, Galloping());
+  std::vector<std::pair<int, Leg>> beats;  // tick of a touchdown and its leg
+  std::map<int, int> ticks;                // by the number of feet in stance
+  std::array<ContactState, kNumLegs> before{};
+  for (int n = 0; n < 400 + 4 * 280; ++n) {
+    const ContactSchedule& schedule = walk.Tick();
+    for (const Leg leg : {kFrontLeft, kFrontRight, kRearLeft, kRearRight}) {
+      const ContactState now = schedule.legs[leg].state;
+      if (n >= 400 && now == kStance && before[leg] == kSwing) beats.emplace_back(n, leg);
+      before[leg] = now;
+    }
+    if (n >= 400) ++ticks[schedule.num_stance()];
+  }
+  // A cycle takes 2 (0.2 + 0.03 - 0.09) s. A foot stands for 0.08 s of it, and two flights of 0.03 s remain.
+  ASSERT_EQ(beats.size(), 16U);
+  const std::map<Leg, std::pair<Leg, int>> next{{kRearLeft, {kRearRight, 30}},
+                                                {kRearRight, {kFrontLeft, 110}},
+                                                {kFrontLeft, {kFrontRight, 30}},
+                                                {kFrontRight, {kRearLeft, 110}}};
+  for (std::size_t k = 0; k + 1 < beats.size(); ++k) {
+    const auto& [leg, wait] = next.at(beats[k].second);
+    EXPECT_EQ(beats[k + 1].second, leg);
+    EXPECT_NEAR(beats[k + 1].first - beats[k].first, wait, 2);
+  }
+  EXPECT_NEAR(ticks[0], 4 * 60, 16);
+  EXPECT_NEAR(ticks[1], 4 * 120, 16);
+  EXPECT_NEAR(ticks[2], 4 * 100, 16);
+}
+
+TEST(FootSchedulerTest, StaggeredLegsLandWhenTheirPlanSays) {
+  for (const double stance : {-0.09, -0.02, 0.05}) {
+    FootSchedulerParams params = Galloping();
+    params.gaits.gallop.stance = stance;
+    Walk walk(Gait::kGallop, params);
+    for (int n = 0; n < 500; ++n) walk.Tick();
+    for (const Leg leg : {kFrontLeft, kFrontRight, kRearLeft, kRearRight}) {
+      ASSERT_GT(walk.Until([&](const ContactSchedule& s) { return s.legs[leg].stance(); }), 0);
+      ASSERT_GT(walk.Until([&](const ContactSchedule& s) { return s.legs[leg].state == kSwing; }), 0);
+      EXPECT_NEAR(walk.schedule().legs[leg].phase, 0, 1e-2);
+      EXPECT_NEAR(walk.schedule().legs[leg].time_to_touchdown, 0.2, 2e-3);
+      EXPECT_NEAR(walk.Until([&](const ContactSchedule& s) { return s.legs[leg].stance(); }), 200, 3)
+          << stance;
+    }
+    walk.Command(Gait::kStand);
+    EXPECT_LE(walk.Until([](const ContactSchedule& s) { return s.gait == Gait::kStand; }), 600);
+    EXPECT_EQ(walk.schedule().num_stance(), 4);
+  }
+}
+
 TEST(FootSchedulerTest, ASingleGroupJumps) {
   FootSchedulerParams params = Standard();
   params.gaits.trot.swing_groups = {{kFrontLeft, kFrontRight, kRearLeft, kRearRight}};
@@ -366,6 +426,7 @@ TEST(FootSchedulerTest, RefusesNonsense) {
   };
   EXPECT_TRUE(refuses([](auto& p) { p.gaits.trot.stance = -1; }, "gaits.trot", "stance_s"));
   EXPECT_TRUE(refuses([](auto& p) { p.gaits.pace.swing = 0; }, "gaits.pace", "swing_s"));
+  EXPECT_TRUE(refuses([](auto& p) { p.gaits.pace.stagger = -0.1; }, "gaits.pace", "stagger_s"));
   EXPECT_TRUE(
       refuses([](auto& p) { p.gaits.crawl.swing_groups.pop_back(); }, "gaits.crawl", "'front_right'"));
   EXPECT_TRUE(refuses([](auto& p) { p.gaits.gallop.swing_groups[0].clear(); }, "gaits.gallop"));
