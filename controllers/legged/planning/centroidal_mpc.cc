@@ -143,16 +143,27 @@ void CentroidalMpc::SetContacts(const ContactSchedule& schedule, double first_st
   }
 }
 
-/// Sets the loads of all nodes.
-void CentroidalMpc::SetLoads(const WrenchEstimate& wrench, const WrenchEstimate& steady, double first_step,
+/// Follows the parts of the wrench and sets the loads of all nodes.
+void CentroidalMpc::SetLoads(const WrenchEstimate& wrench, double first_step, Memory& memory,
                              Problem* problem) const {
   const CentroidalMpcProperties& mpc = params.mpc;
   const double weight = model_.mass() * model_.gravity(), moment = weight * stance.com_height;
+  const double gain = -std::expm1(-params.rate.period() / kSteadyTime);
+  const double most = mpc.steady_rate * params.rate.period() * weight;
+  WrenchEstimate& steady = memory.steady;
+  steady.force_W += Shortened<3>(gain * (wrench.force_W - steady.force_W), most);
+  steady.torque_W += Shortened<3>(gain * (wrench.torque_W - steady.torque_W), most * stance.com_height);
+  if (mpc.forecast == WrenchForecast::kSinusoid) {
+    Vec<6> now;
+    now << wrench.force_W / weight, wrench.torque_W / moment;
+    memory.sinusoid.Update(now, params.rate.period());
+  }
   double t = 0;
   for (Problem::Node& node : problem->nodes) {
     const double left = mpc.forecast == WrenchForecast::kDecaying ? std::exp(-t / mpc.decay) : 1;
     node.load << (steady.force_W + left * (wrench.force_W - steady.force_W)) / weight,
         (steady.torque_W + left * (wrench.torque_W - steady.torque_W)) / moment;
+    if (mpc.forecast == WrenchForecast::kSinusoid) node.load = memory.sinusoid.After(t);
     if (mpc.forecast == WrenchForecast::kNone) node.load.setZero();
     t += &node == &problem->nodes.front() ? first_step : mpc.step;
   }
@@ -305,11 +316,7 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
   }
   Problem& problem = solver.problem();
   SetContacts(schedule, first_step, fixed, &problem);
-  const double gain = -std::expm1(-params.rate.period() / kSteadyTime);
-  const double most = mpc.steady_rate * params.rate.period() * weight;
-  memory.steady.force_W += Shortened<3>(gain * (total.force_W - memory.steady.force_W), most);
-  memory.steady.torque_W += Shortened<3>(gain * (total.torque_W - memory.steady.torque_W), most * h);
-  SetLoads(total, memory.steady, first_step, &problem);
+  SetLoads(total, first_step, memory, &problem);
   // The feet of a robot that stands do not follow it to its path.
   PlanarPath reachable = path;
   BodyReference above = body;

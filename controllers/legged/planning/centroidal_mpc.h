@@ -3,6 +3,7 @@
 #include <tenon/controllers/legged/planning/centroidal_walk_problem.h>
 #include <tenon/controllers/legged/planning/foothold_plan.h>
 #include <tenon/controllers/legged/planning/nominal_stance.h>
+#include <tenon/controllers/legged/planning/wrench_sinusoid.h>
 #include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/signals/disturbance_signals.h>
@@ -27,10 +28,12 @@ enum class WrenchForecast {
   kNone,      ///< it does not: the plan knows of no wrench
   kHeld,      ///< it stays as it is
   kDecaying,  ///< it decays exponentially to its steady part
+  kSinusoid,  ///< it goes on as the sinusoid that it has been, see WrenchSinusoid
 };
 constexpr auto EnumNames(WrenchForecast) {
   return std::array{Named{WrenchForecast::kNone, "none"}, Named{WrenchForecast::kHeld, "held"},
-                    Named{WrenchForecast::kDecaying, "decaying"}};
+                    Named{WrenchForecast::kDecaying, "decaying"},
+                    Named{WrenchForecast::kSinusoid, "sinusoid"}};
 }
 
 /// Weights of CentroidalMpc, in the units of CentroidalWalkProblem: of squared errors, per sqrt(h / g) of the
@@ -197,8 +200,8 @@ class CentroidalWalkSolver {
 /// centre of its feet.
 ///
 /// **Disturbance.** The wrench continues over the horizon as `forecast` says; a push that has just begun is
-/// expected to end soon, a steady one to last. It changes the planned motion only: the whole-body controller
-/// compensates the wrench in the torques that realise the motion.
+/// expected to end soon, a steady one to last, a sinusoid to go on as it was. It changes the planned motion
+/// only: the whole-body controller compensates the wrench in the torques that realise the motion.
 ///
 /// **Footholds.** Each landing within the horizon is a decision: its foothold is displaced from the place
 /// below the CoM at touchdown. The nominal displacement is half of the distance that the robot moves in the
@@ -241,15 +244,21 @@ class CentroidalMpc final : public LeafSystem<CentroidalMpcParams> {
     Vec<2> origin = Vec<2>::Zero();  ///< of its states [m]
     long grid = 0;                   ///< index of the multiple of `step` before the start
     std::vector<NodePolicy> nodes;
-    WrenchEstimate steady;  ///< steady part of the wrench
+    WrenchEstimate steady;    ///< steady part of the wrench
+    WrenchSinusoid sinusoid;  ///< is updated if it is the forecast
     FootholdPlan footholds;
     CentroidalMpcDiagnostics diagnostics;
 
     static FieldList Fields() {
-      return {{"started", &Memory::started},     {"start", &Memory::start, "s"},
-              {"origin", &Memory::origin, "m"},  {"grid", &Memory::grid},
-              {"nodes", &Memory::nodes},         {"steady", &Memory::steady},
-              {"footholds", &Memory::footholds}, {"diagnostics", &Memory::diagnostics}};
+      return {{"started", &Memory::started},
+              {"start", &Memory::start, "s"},
+              {"origin", &Memory::origin, "m"},
+              {"grid", &Memory::grid},
+              {"nodes", &Memory::nodes},
+              {"steady", &Memory::steady},
+              {"sinusoid", &Memory::sinusoid},
+              {"footholds", &Memory::footholds},
+              {"diagnostics", &Memory::diagnostics}};
     }
   };
 
@@ -288,8 +297,7 @@ class CentroidalMpc final : public LeafSystem<CentroidalMpcParams> {
   void SetReference(const BodyReference& body, const PlanarPath& path, const ContactSchedule& schedule,
                     const GroundPlane& ground, const Eigen::Vector2d& origin, double first_step,
                     const CentroidalMpcWeights& weights, Problem* problem) const;
-  void SetLoads(const WrenchEstimate& wrench, const WrenchEstimate& steady, double first_step,
-                Problem* problem) const;
+  void SetLoads(const WrenchEstimate& wrench, double first_step, Memory& memory, Problem* problem) const;
   void WarmStart(double time, long grid, const Eigen::Vector2d& origin, const Memory& memory,
                  CentroidalWalkSolver& solver) const;
   void Keep(double time, long grid, const Eigen::Vector2d& origin, CentroidalWalkSolver& solver,

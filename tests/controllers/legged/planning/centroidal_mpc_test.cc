@@ -2,6 +2,9 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
+#include <cmath>
+#include <numbers>
+
 namespace tenon::centroidal_mpc_test {
 namespace {
 
@@ -186,6 +189,26 @@ TEST(CentroidalMpc, TheForecastCounts) {
       EXPECT_LT(force, -30);  // it also leans against the push
     }
   }
+}
+
+// At the zero of a sinusoid the plan already leans against its next half, to the left or to the right.
+TEST(CentroidalMpc, ASinusoidIsExtrapolated) {
+  const auto force_at_zero = [](WrenchForecast forecast, double phase) {
+    Rig rig({.forecast = forecast});
+    double force = 0;
+    for (int n = 0; n <= 800; ++n) {  // of 1 Hz, at 100 Hz
+      rig.wrench.force_W = {0, 20 * std::sin(2 * std::numbers::pi * n / 100.0 + phase), 0};
+      const CentroidalPlan& plan = rig.Solve();
+      force = 0;
+      for (const Vec<3>& f : plan.force_W) force += f[1];
+    }
+    return force;
+  };
+  const double rising = force_at_zero(WrenchForecast::kSinusoid, 0);
+  const double falling = force_at_zero(WrenchForecast::kSinusoid, std::numbers::pi);
+  EXPECT_LT(rising, -5);
+  EXPECT_GT(falling, 5);
+  EXPECT_NEAR(force_at_zero(WrenchForecast::kHeld, 0), 0, -rising / 3);
 }
 
 TEST(CentroidalMpc, BetweenSolvesTheReferenceFollowsThePlan) {
