@@ -22,8 +22,8 @@ struct Signal {
   }
 };
 
-/// The largest error of a forecast over 0.6 s in the second after `end`, over the amplitude. That of a wrench
-/// which is held comes to 2.
+/// The largest error of a forecast over 0.6 s in the second after `end`, over the amplitude. The error
+/// of a wrench which is held comes to 2.
 double ForecastError(const Signal& signal, double end) {
   WrenchSinusoid sinusoid;
   std::mt19937 random(1);
