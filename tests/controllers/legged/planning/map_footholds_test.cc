@@ -55,5 +55,15 @@ TEST(MapFootholdsTest, KnowsTheHighestPointOfTheWay) {
   EXPECT_NEAR(HighestBetween(map, {0.09, 0}, {0.3, 0}), -0.09, 1e-12);
 }
 
+TEST(MapFootholdsTest, DoesNotAllocate) {
+  const ElevationMap map = Step();
+  const AllocationGuard guard;
+  for (const double x : {-0.2, 0.0, 0.03, 0.2}) {
+    FlatPlace(map, {x, 0.3}, std::nullopt, kChoice);
+    FlatPlace(map, {x, 0.3}, 0.1, kChoice);
+  }
+  EXPECT_EQ(guard.count(), 0);
+}
+
 }  // namespace
 }  // namespace tenon::map_footholds_test
