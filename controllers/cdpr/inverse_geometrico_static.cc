@@ -57,7 +57,6 @@ class StaticsProblem {
   int num_angles() const { return static_cast<int>(angles_.size()); }
   int num_equations() const { return static_cast<int>(equations_.size()); }
   int num_unknowns() const { return num_angles() + robot_.num_cables(); }
-  double weight() const { return weight_; }
   Eigen::Vector3d Euler(const VectorXd& x) const {
     Eigen::Vector3d euler = Eigen::Vector3d::Zero();
     euler(angles_) = x.head(num_angles());

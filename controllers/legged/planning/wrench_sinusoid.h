@@ -13,8 +13,9 @@ namespace tenon {
 /// a second-order generalized integrator with a frequency-locked loop (Rodriguez et al., "Multiresonant
 /// frequency-locked loop for grid synchronization", IEEE Transactions on Industrial Electronics 58(1), 2011)
 /// and an estimate of the offset (Karimi-Ghartemani et al., "Addressing DC component in PLL and notch filter
-/// algorithms", IEEE Transactions on Power Electronics 27(1), 2012). The frequency is found within two to
-/// four periods, from 0.25 to 2 Hz; amplitudes below n do not move it.
+/// algorithms", IEEE Transactions on Power Electronics 27(1), 2012). The frequency
+/// starts at 1 Hz, is found within four periods at 0.25 to 1 Hz and within eight at 2 Hz, and stays within
+/// 0.16 and 4 Hz; amplitudes below n hardly move it.
 struct WrenchSinusoid {
   double frequency = 6.283185307179586;  ///< w [rad/s]
   Vec<6> mean = Vec<6>::Zero();          ///< m [m g, m g h]
