@@ -43,6 +43,10 @@ class Campaign(collections.abc.Mapping):
     def __len__(self) -> int:
         return len(self._columns)
 
+    # A Mapping compares its values, but arrays have no single ==, and hashing needs identity.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
     def __repr__(self) -> str:
         return f"<Campaign '{self.directory}': {len(self._columns['run'])} runs>"
 

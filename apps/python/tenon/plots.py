@@ -35,7 +35,7 @@ def plot_signals(run: Run, names: Sequence[str], axes: Any, label: str, save: An
         if label or len(columns) > 1:
             own.legend(frameon=False, fontsize="small")
     all_axes[-1].set_xlabel(_label("time", run.units["time"]))
-    return _save(figure, save)
+    return _finish(figure, axes is None, save)
 
 
 def plot_campaign(campaign: Campaign, x: str, y: str, by: str | None, axes: Any, save: Any) -> Any:
@@ -54,7 +54,7 @@ def plot_campaign(campaign: Campaign, x: str, y: str, by: str | None, axes: Any,
     own.set_ylabel(f"share of runs: {y}" if is_share else _label(*split_unit(y)))
     if by:
         own.legend(frameon=False, fontsize="small")
-    return _save(figure, save)
+    return _finish(figure, axes is None, save)
 
 
 def _draw_band(axes: Any, campaign: Campaign, x: str, y: str, is_share: bool, values: list[Any], shift: float,
@@ -102,11 +102,16 @@ def _figure(axes: Any, count: int) -> tuple[Any, list[Any]]:
     return figure, list(grid[:, 0])
 
 
-def _save(figure: Any, save: Any) -> Any:
-    """Writes the figure if a file is given, and closes it, so that a loop can save many figures."""
+def _finish(figure: Any, own: bool, save: Any) -> Any:
+    """Writes the figure if a file is given, and closes it, so that a loop can save many figures.
+
+    Also closes an `own` figure in a notebook, which shows the value of a cell: the same figure, if open, would follow.
+    """
+    import matplotlib
+    from matplotlib import pyplot
     if save is not None:
-        from matplotlib import pyplot
         figure.savefig(save)
+    if save is not None or (own and "inline" in matplotlib.get_backend()):
         pyplot.close(figure)
     return figure
 

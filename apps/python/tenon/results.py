@@ -64,6 +64,10 @@ class Run(collections.abc.Mapping):
     def __len__(self) -> int:
         return len(self.units)
 
+    # A Mapping compares its values, but arrays have no single ==, and hashing needs identity.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
     def __repr__(self) -> str:
         return f"<Run '{self.directory}': {self.figures.get('end_reason', 'finished' if self.finished else 'failed')}>"
 
@@ -115,6 +119,9 @@ class Comparison(dict):
         self.exit_code = exit_code  #: the largest of all runs; None if only read
         self.figures: dict[str, dict[str, Any]] = read_json(self.directory / "summary.json")  #: of each run
         super().__init__((name, Run(self.directory / name)) for name in self.figures)
+
+    __eq__, __ne__ = object.__eq__, object.__ne__
+    __hash__ = object.__hash__  # type: ignore[assignment]
 
     @property
     def finished(self) -> bool:

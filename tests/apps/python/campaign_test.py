@@ -26,6 +26,10 @@ class Table:
         self.assertEqual(self.campaign["end_reason"][2], "fell, at 2 s")
         self.assertEqual(len(self.campaign), 11)
 
+    def test_equality_is_identity(self):
+        self.assertTrue(self.campaign == self.campaign and self.campaign != tenon.read(self.out))
+        self.assertIn(self.campaign, {self.campaign})
+
     def test_missing_is_never_zero(self):
         for name, place in (("error_max_m", 2), ("error_max_m", 4), ("foot_m.left", 1), ("payload.mass_kg", 4)):
             self.assertTrue(math.isnan(self.campaign[name][place]), (name, place))

@@ -50,6 +50,17 @@ class Plots(fixtures.OutputTest):
             self.assertTrue((self.out / name).read_bytes().startswith(begin))
         self.assertEqual(pyplot.get_fignums(), [])
 
+    def test_a_notebook_shows_one_picture(self):
+        from matplotlib import pyplot
+        run = tenon.Run(self.write_run())
+        with mock.patch("matplotlib.get_backend", return_value="module://matplotlib_inline.backend_inline"):
+            figure = run.plot("loop.pd.force.x")
+            self.assertEqual(pyplot.get_fignums(), [], "the open figure would be shown beside the value of the cell")
+            self.assertIs(run.plot("loop.pd.force.y", axes=figure.axes[0]), figure)
+            own = pyplot.subplots()[1]
+            run.plot("loop.pd.force.x", axes=own)
+            self.assertEqual(len(pyplot.get_fignums()), 1, "figures of others stay open")
+
     def test_quantiles_over_an_axis(self):
         (axes,) = tenon.read(self.write_campaign()).plot("walk.friction", "error_max_m", by="scheme").axes
         self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("walk.friction", "error_max [m]"))

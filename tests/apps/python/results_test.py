@@ -35,6 +35,11 @@ class Results:
         (only,) = run["loop.cart.state"]
         self.assertEqual(only[2], -1.5)
 
+    def test_equality_is_identity(self):
+        run, again = tenon.Run(self.write_run()), tenon.Run(self.out)
+        self.assertTrue(run == run and run != again)
+        self.assertEqual({run: 1, again: 2}[run], 1)
+
     def test_unknown_names(self):
         run = tenon.Run(self.write_run())
         self.assertNotIn("loop.pd.forc", run)
@@ -72,6 +77,7 @@ class Results:
             self.write_run(name, summary)
         self.write_run(summary=figures)
         comparison = tenon.read(self.out)
+        self.assertTrue(comparison != tenon.read(self.out) and comparison in {comparison})
         self.assertEqual(list(comparison), ["pd", "mpc"])
         self.assertFalse(comparison.finished)
         self.assertEqual(comparison["pd"]["loop.pd.force.x"][2], 5)
