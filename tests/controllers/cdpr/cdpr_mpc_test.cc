@@ -50,7 +50,8 @@ TEST(CdprMpcSteps, GrowFromOnePeriodToTheHorizon) {
 }
 
 class CdprMpcOfRobots : public ::testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Cables, CdprMpcOfRobots, ::testing::Values(4, 5, 6, 7, 8, 12, 16));
+INSTANTIATE_TEST_SUITE_P(Cables, CdprMpcOfRobots, ::testing::Values(4, 5, 6, 7, 8, 12, 16),
+                         ::testing::PrintToStringParamName());
 
 // At the equilibrium the command is its tension; beside it the policy pulls back.
 TEST_P(CdprMpcOfRobots, HoldsTheEquilibriumAndPullsBackToIt) {

@@ -125,7 +125,8 @@ TEST(TensionDistribution, WithoutActiveBoundsIsThePseudoinverse) {
 // At random poses and bounds, different for each cable, solutions meet the optimality conditions and agree
 // with NLopt; where there is none, NLopt finds none either.
 class TensionDistributionOfRobots : public ::testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Cables, TensionDistributionOfRobots, ::testing::Values(8, 12, 16));
+INSTANTIATE_TEST_SUITE_P(Cables, TensionDistributionOfRobots, ::testing::Values(8, 12, 16),
+                         ::testing::PrintToStringParamName());
 
 TEST_P(TensionDistributionOfRobots, AgreeWithNloptAtRandomPoses) {
   const CdprDescription robot = test::RobotWithCables(GetParam());

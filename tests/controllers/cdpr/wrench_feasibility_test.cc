@@ -133,7 +133,8 @@ TEST_P(MarginTest, IsWhereTheQuadraticProgramBecomesInfeasible) {
   EXPECT_GT(feasible, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cables, MarginTest, ::testing::Values(6, 8, 12));
+INSTANTIATE_TEST_SUITE_P(Cables, MarginTest, ::testing::Values(6, 8, 12),
+                         ::testing::PrintToStringParamName());
 
 // All wrenches within the capacity margin are feasible; along the normal of the nearest facet, none beyond
 // is.

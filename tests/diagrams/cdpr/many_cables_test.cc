@@ -44,7 +44,7 @@ CdprLoopParams Circle(const CdprDescription& robot, bool mpc) {
 }
 
 class ManyCables : public ::testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Robots, ManyCables, ::testing::Values(12, 16));
+INSTANTIATE_TEST_SUITE_P(Robots, ManyCables, ::testing::Values(12, 16), ::testing::PrintToStringParamName());
 
 // Force and torque of the cables balance the weight, and the plant rests at this pose.
 TEST_P(ManyCables, RestInBalance) {

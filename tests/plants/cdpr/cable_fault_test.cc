@@ -79,7 +79,8 @@ CdprPlantParams InMode(WinchMode mode) {
 }
 
 class WinchTest : public ::testing::TestWithParam<WinchMode> {};
-INSTANTIATE_TEST_SUITE_P(Modes, WinchTest, ::testing::Values(WinchMode::kTension, WinchMode::kTorque));
+INSTANTIATE_TEST_SUITE_P(Modes, WinchTest, ::testing::Values(WinchMode::kTension, WinchMode::kTorque),
+                         [](const auto& info) { return std::string(EnumName(info.param)); });
 
 // A stuck winch pays out nothing, whatever the command: its cable is a spring and damper of constant rest
 // length.

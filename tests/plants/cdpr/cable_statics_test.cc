@@ -27,13 +27,16 @@ Vec<3> RandomSpan(RandomStream& random) {
 }
 
 struct Kind {
+  const char* name;
   double mass_per_length, pulley_radius;
 };
 
 class CableStaticsOfKinds : public ::testing::TestWithParam<Kind> {};
 INSTANTIATE_TEST_SUITE_P(Cables, CableStaticsOfKinds,
-                         ::testing::Values(Kind{0, 0}, Kind{0, 0.04}, Kind{0.05, 0}, Kind{0.5, 0},
-                                           Kind{0.05, 0.04}));
+                         ::testing::Values(Kind{"light", 0, 0}, Kind{"pulley", 0, 0.04},
+                                           Kind{"heavy", 0.05, 0}, Kind{"very_heavy", 0.5, 0},
+                                           Kind{"heavy_pulley", 0.05, 0.04}),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 TEST_P(CableStaticsOfKinds, VirtualWorkGivesThePullAtBothEnds) {
   const CdprDescription robot = FourCableRobot(GetParam().mass_per_length, GetParam().pulley_radius);

@@ -14,11 +14,14 @@ using test::Hanging;
 using Rig = TestRig<CdprPlant>;
 
 struct Kind {
+  const char* name;
   double mass_per_length, pulley_radius;
 };
 class CdprCablesOfKinds : public ::testing::TestWithParam<Kind> {};
 INSTANTIATE_TEST_SUITE_P(Cables, CdprCablesOfKinds,
-                         ::testing::Values(Kind{0, 0}, Kind{0, 0.05}, Kind{0.05, 0}, Kind{0.05, 0.05}));
+                         ::testing::Values(Kind{"light", 0, 0}, Kind{"pulley", 0, 0.05},
+                                           Kind{"heavy", 0.05, 0}, Kind{"heavy_pulley", 0.05, 0.05}),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 TEST_P(CdprCablesOfKinds, AnUndampedDropKeepsItsEnergy) {
   CdprDescription robot = FourCableRobot(GetParam().mass_per_length, GetParam().pulley_radius);

@@ -70,7 +70,8 @@ PlatformAcceleration UnderItsCables(const CdprDescription& robot, const Platform
 }
 
 class CdprPlantOfRobots : public ::testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Cables, CdprPlantOfRobots, ::testing::Values(4, 12));
+INSTANTIATE_TEST_SUITE_P(Cables, CdprPlantOfRobots, ::testing::Values(4, 12),
+                         ::testing::PrintToStringParamName());
 
 TEST_P(CdprPlantOfRobots, IsAFreeRigidBodyUnderItsCables) {
   RandomStream random(6);

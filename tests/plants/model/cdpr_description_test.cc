@@ -57,7 +57,8 @@ INSTANTIATE_TEST_SUITE_P(All, RobotFileTest,
                          ::testing::Values(RobotFile{"cdpr_4", 4, 0, 7}, RobotFile{"cdpr_6", 6, 0, 6.928},
                                            RobotFile{"cdpr_8", 8, 200, 7}, RobotFile{"cogiro", 8, 300, 14.98},
                                            RobotFile{"ipanema_3", 8, 800, 16.77},
-                                           RobotFile{"c4", 12, 400, 10}));
+                                           RobotFile{"c4", 12, 400, 10}),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 TEST_P(RobotFileTest, CarriesItsWeightWithinTheLimitsAndComesBackFromItsText) {
   const auto [name, num_cables, middle, frame_x] = GetParam();

@@ -77,7 +77,8 @@ class QuadrupedModelTest : public ::testing::TestWithParam<const char*> {
   RandomStream random_{11};
   QuadrupedDynamics dynamics_;
 };
-INSTANTIATE_TEST_SUITE_P(Robots, QuadrupedModelTest, ::testing::Values("dogbot", "a1"));
+INSTANTIATE_TEST_SUITE_P(Robots, QuadrupedModelTest, ::testing::Values("dogbot", "a1"),
+                         [](const auto& info) { return std::string(info.param); });
 
 TEST_P(QuadrupedModelTest, MomentaAreProjectionsOfTheMassMatrix) {
   for (int i = 0; i < 20; ++i) {

@@ -26,6 +26,14 @@ double ErrorAt(double end, const SimulatorOptions& options) {
 
 // ---- Accuracy ----
 
+/// Names a case by its method and order and, of a tolerance, by its digits.
+constexpr auto kNameOfCase = [](const auto& info) {
+  std::string name = fmt::format("{}{}", NameOf(std::get<0>(info.param)), std::get<1>(info.param));
+  constexpr std::size_t kSize = std::tuple_size_v<std::remove_cvref_t<decltype(info.param)>>;
+  if constexpr (kSize > 2) name += fmt::format("_{:.0f}_digits", -std::log10(std::get<2>(info.param)));
+  return name;
+};
+
 class FixedStepTest : public testing::TestWithParam<std::tuple<Method, int>> {};
 
 TEST_P(FixedStepTest, ConvergesWithItsOrder) {
@@ -40,10 +48,11 @@ TEST_P(FixedStepTest, ConvergesWithItsOrder) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Stabilized, FixedStepTest,
-                         testing::Combine(testing::Values(Method::kStabilized), testing::Range(2, 4)));
+                         testing::Combine(testing::Values(Method::kStabilized), testing::Range(2, 4)),
+                         kNameOfCase);
 INSTANTIATE_TEST_SUITE_P(RungeKutta, FixedStepTest,
-                         testing::Combine(testing::Values(Method::kErk, Method::kDirk),
-                                          testing::Range(2, 6)));
+                         testing::Combine(testing::Values(Method::kErk, Method::kDirk), testing::Range(2, 6)),
+                         kNameOfCase);
 
 class AdaptiveTest : public testing::TestWithParam<std::tuple<Method, int, double>> {};
 
@@ -54,13 +63,16 @@ TEST_P(AdaptiveTest, MeetsTheTolerance) {
 
 INSTANTIATE_TEST_SUITE_P(Stabilized, AdaptiveTest,
                          testing::Combine(testing::Values(Method::kStabilized), testing::Range(2, 4),
-                                          testing::Values(1e-3, 1e-5)));
+                                          testing::Values(1e-3, 1e-5)),
+                         kNameOfCase);
 INSTANTIATE_TEST_SUITE_P(RungeKutta, AdaptiveTest,
                          testing::Combine(testing::Values(Method::kErk, Method::kDirk), testing::Range(2, 6),
-                                          testing::Values(1e-3, 1e-5, 1e-7)));
+                                          testing::Values(1e-3, 1e-5, 1e-7)),
+                         kNameOfCase);
 INSTANTIATE_TEST_SUITE_P(Multistep, AdaptiveTest,
                          testing::Combine(testing::Values(Method::kBdf, Method::kAdams),
-                                          testing::Values(2, 5), testing::Values(1e-3, 1e-5, 1e-7)));
+                                          testing::Values(2, 5), testing::Values(1e-3, 1e-5, 1e-7)),
+                         kNameOfCase);
 
 TEST(SundialsIntegratorTest, DirkMeetsTheToleranceWhileItsStepsGrow) {
   // With the Jacobian of another step size, Newton's method would stop early with an error of 100 tolerances.

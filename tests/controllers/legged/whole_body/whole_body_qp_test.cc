@@ -74,7 +74,12 @@ class WholeBodyQpTest : public ::testing::TestWithParam<std::array<bool, kNumLeg
   const QuadrupedModel model_{robot_};
   QuadrupedDynamics dynamics_;
 };
-INSTANTIATE_TEST_SUITE_P(Stance, WholeBodyQpTest, ::testing::Values(kAll, kDiagonal, kThree, kNone));
+INSTANTIATE_TEST_SUITE_P(Stance, WholeBodyQpTest, ::testing::Values(kAll, kDiagonal, kThree, kNone),
+                         [](const auto& info) {
+                           std::string name = "feet_";
+                           for (const bool stands : info.param) name += stands ? '1' : '0';
+                           return name;
+                         });
 
 TEST_F(WholeBodyQpTest, StandsOnItsFeet) {
   model_.Calc(test::Standing(robot_), &dynamics_);
