@@ -1,5 +1,6 @@
 #include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/fnv1a.h>
 #include <tenon/systems/text/excerpt.h>
@@ -121,9 +122,8 @@ namespace {
 /// Reads the lines of a table in order or at given offsets.
 class Lines {
  public:
-  explicit Lines(const std::filesystem::path& file) : file_(file), in_(file, std::ios::binary) {
-    std::error_code ignored;
-    if (!in_ || !std::filesystem::is_regular_file(file, ignored))
+  explicit Lines(const std::filesystem::path& file) : file_(file), in_(OpenInput(file, std::ios::binary)) {
+    if (!in_.is_open())
       throw ParameterError(fmt::format(
           "cannot read '{}'; check that this is the output directory of a campaign", file.string()));
     if (!Next()) return;                                       // empty, or an incomplete header

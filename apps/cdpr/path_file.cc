@@ -1,4 +1,5 @@
 #include <tenon/apps/cdpr/path_file.h>
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/parse_number.h>
@@ -38,8 +39,9 @@ std::vector<std::string_view> Cells(std::string_view line) {
 }  // namespace
 
 PathTable ReadPathFile(const std::string& file) {
-  std::ifstream in(file);
-  if (!in) throw ParameterError(fmt::format("{}: cannot be read: give the path of a CSV file", file));
+  std::ifstream in = OpenInput(file);
+  if (!in.is_open())
+    throw ParameterError(fmt::format("{}: cannot be read: give the path of a CSV file", file));
   PathTable table;
   std::string line;
   int number = 1;

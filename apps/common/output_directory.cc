@@ -1,4 +1,5 @@
 #include <tenon/apps/common/output_directory.h>
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
 
@@ -44,7 +45,7 @@ namespace {
 
 /// Names of the variants that an earlier run left in a directory.
 std::vector<std::string> VariantsIn(const fs::path& directory) {
-  std::ifstream in(directory / "summary.json");
+  std::ifstream in = OpenInput(directory / "summary.json");
   const auto summary = nlohmann::json::parse(in, nullptr, false);
   std::vector<std::string> names;
   if (!summary.is_object()) return names;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tenon/systems/files/input_file.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -7,9 +9,9 @@
 
 namespace tenon::apps {
 
-/// Returns the contents of a file, empty if it cannot be read.
+/// Returns the contents of a regular file, empty if it cannot be read.
 inline std::string ReadText(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = OpenInput(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
 

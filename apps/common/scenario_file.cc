@@ -1,5 +1,6 @@
 #include <tenon/apps/common/read_text.h>
 #include <tenon/apps/common/scenario_file.h>
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
@@ -166,8 +167,8 @@ void ScenarioFiles::Take(const std::string& key, YamlFile& file) {
   YamlDocument map = ResourceMap(file);
   const std::size_t before = files_.size();
   const auto copy = [&](const std::string& inner, const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    if (!in) return;  // not the path of a file
+    std::ifstream in = OpenInput(path, std::ios::binary);
+    if (!in.is_open()) return;  // not the path of a file
     const std::string ending = path.extension().string();
     const std::string name = inner == "file" ? key : key + "." + inner;
     std::string text(std::istreambuf_iterator<char>(in), {});

@@ -3,6 +3,7 @@
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/run_options.h>
 #include <tenon/apps/common/summary.h>
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/report_json.h>
@@ -60,7 +61,7 @@ nlohmann::ordered_json FigureJson(std::optional<double> value) {
 }  // namespace
 
 Summary Summary::Load(const fs::path& file, int exit_code) {
-  std::ifstream in(file);
+  std::ifstream in = OpenInput(file);
   auto json = std::make_unique<Json>();
   json->values = nlohmann::ordered_json::parse(in, nullptr, false);
   if (!json->values.is_object() || !json->values.contains("finished") ||

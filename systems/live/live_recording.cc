@@ -1,3 +1,4 @@
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -54,8 +55,8 @@ std::string EntryLine(const LiveEntry& entry) {
 }  // namespace
 
 LiveRecording LiveRecording::Read(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in)
+  std::ifstream in = OpenInput(file);
+  if (!in.is_open())
     throw ParameterError(
         fmt::format("cannot read the recording '{}': give the live.jsonl of a live run", file.string()));
   LiveRecording recording;

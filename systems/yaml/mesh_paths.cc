@@ -1,3 +1,4 @@
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 
 #include <algorithm>
@@ -34,7 +35,7 @@ std::vector<fs::path> PackageFolders(const fs::path& urdf) {
 /// The name of a ROS package in its package.xml, which may differ from that of its directory; empty if the
 /// directory is no package.
 std::string NameOfPackage(const fs::path& directory) {
-  std::ifstream in(directory / "package.xml");
+  std::ifstream in = OpenInput(directory / "package.xml");
   const std::string text(std::istreambuf_iterator<char>(in), {});
   const std::size_t begin = text.find("<name>"), end = text.find("</name>");
   if (begin == text.npos || end == text.npos || end < begin) return "";

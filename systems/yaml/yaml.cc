@@ -1,3 +1,4 @@
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/framework/block/distribution.h>
 #include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -35,17 +36,19 @@ void CheckUtf8(std::string_view text, const std::string& place) {
 YamlDocument YamlDocument::Load(const std::string& file_name) {
   const std::filesystem::path path(file_name);
   std::error_code ignored;
-  std::ifstream file(path);
-  if (!file || std::filesystem::is_directory(path, ignored))
+  std::ifstream file = OpenInput(path);
+  if (!file.is_open())
     throw ParameterError(fmt::format(
         "cannot read '{}': {}; check the path: {}", internal::Excerpt(file_name),
-        std::filesystem::exists(path, ignored) ? "not a readable file" : "no such file",
+        std::filesystem::exists(path, ignored)
+            ? "not a readable file (directories, pipes and devices are refused)"
+            : "no such file",
         path.is_absolute()
             ? "a path in a file is relative to the directory of that file"
             : fmt::format("'{}' is relative to '{}'", file_name, std::filesystem::current_path().string())));
   std::string text;
   std::array<char, 1 << 16> part;
-  while (file && text.size() <= internal::kMaxYamlBytes) {  // a device may be endless
+  while (file && text.size() <= internal::kMaxYamlBytes) {
     file.read(part.data(), part.size());
     text.append(part.data(), static_cast<std::size_t>(file.gcount()));
   }

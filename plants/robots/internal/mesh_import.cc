@@ -1,4 +1,5 @@
 #include <tenon/plants/robots/internal/mesh_import.h>
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <assimp/Importer.hpp>
@@ -12,7 +13,6 @@
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -46,16 +46,12 @@ class Unreadable : public std::runtime_error {
 };
 
 std::string ReadFile(const fs::path& file) {
-  // A pipe without a writer would block open().
-  const int descriptor = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-  struct stat status {};
-  const bool regular = descriptor >= 0 && ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
-  if (descriptor >= 0) ::close(descriptor);
-  if (!regular) throw Unreadable("there is no such file");
-  if (status.st_size > static_cast<off_t>(kLargestFile)) throw Unreadable("it is larger than 200 MB");
-  std::ifstream in(file, std::ios::binary);
-  std::string text(static_cast<std::size_t>(status.st_size), '\0');
-  if (!in.read(text.data(), status.st_size)) throw Unreadable("it cannot be opened");
+  std::ifstream in = OpenInput(file, std::ios::binary | std::ios::ate);
+  if (!in.is_open()) throw Unreadable("there is no such file");
+  const std::streamoff size = in.tellg();
+  if (size > static_cast<std::streamoff>(kLargestFile)) throw Unreadable("it is larger than 200 MB");
+  std::string text(static_cast<std::size_t>(size), '\0');
+  if (!in.seekg(0).read(text.data(), size)) throw Unreadable("it cannot be opened");
   return text;
 }
 

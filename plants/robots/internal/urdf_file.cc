@@ -1,4 +1,5 @@
 #include <tenon/plants/robots/internal/urdf_file.h>
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <console_bridge/console.h>
@@ -6,8 +7,6 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <mutex>
 #include <regex>
@@ -48,15 +47,15 @@ UrdfFile ParseUrdf(const std::filesystem::path& path) {
   UrdfFile file{path.string(), {}, {}};
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) file.Fail("this is a directory; give the path of a URDF");
-  std::ifstream in(path);
-  if (!in)
+  std::ifstream in = OpenInput(path);
+  if (!in.is_open())
     file.Fail(
         fmt::format("the file cannot be read: {}; give the path of a URDF, relative to the robot's YAML file",
-                    std::strerror(errno)));
+                    std::filesystem::exists(path, error) ? "not a readable file" : "no such file"));
   std::string text;
   for (char part[1 << 16]; text.size() <= kMaxUrdfBytes && in;
        text.append(part, static_cast<std::size_t>(in.gcount())))
-    in.read(part, sizeof(part));  // a device may be endless
+    in.read(part, sizeof(part));
   CheckedUrdf checked = CheckUrdf(text, file.name);
   file.lines = std::move(checked.lines);
   static std::mutex mutex;  // the parser's log is global

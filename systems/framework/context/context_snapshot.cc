@@ -1,3 +1,4 @@
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/context/context.h>
 #include <tenon/systems/framework/diagram/diagram.h>
@@ -149,8 +150,8 @@ void Context::SaveFile(const std::string& file) const {
 }
 
 void Context::RestoreFile(const std::string& file) {
-  std::ifstream in(file, std::ios::binary | std::ios::ate);
-  if (!in) throw RunError(fmt::format("cannot read the snapshot '{}'", file));
+  std::ifstream in = OpenInput(file, std::ios::binary | std::ios::ate);
+  if (!in.is_open()) throw RunError(fmt::format("cannot read the snapshot '{}'", file));
   std::vector<std::byte> bytes(static_cast<std::size_t>(in.tellg()));
   in.seekg(0);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));

@@ -1,3 +1,4 @@
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/run.h>
@@ -18,8 +19,8 @@ using internal::ColumnLog;
 using Json = nlohmann::ordered_json;
 
 std::string ReadPart(const fs::path& directory, const std::string& name) {
-  std::ifstream in(directory / name, std::ios::binary);
-  if (!in) {
+  std::ifstream in = OpenInput(directory / name, std::ios::binary);
+  if (!in.is_open()) {
     throw ParameterError(
         fmt::format("'{}' has no {}: give the output directory of one run; a comparison has them in "
                     "subdirectories",

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <cstring>
@@ -475,8 +476,16 @@ TEST(YamlSizeTest, AliasesCountAsWhatTheyRepeat) {
   EXPECT_THAT(ReadError(text), AllOf(StartsWith("robot.yaml:6:"), HasSubstr("a5: "), HasSubstr("500000")));
 }
 
-TEST(YamlSizeTest, FilesWithoutEndAreRefused) {
-  EXPECT_THAT(ErrorOf([] { YamlDocument::Load("/dev/zero"); }), HasSubstr("more than 16777216 bytes"));
+TEST(YamlSizeTest, LargeFilesPipesAndDevicesAreRefused) {
+  const std::string file = test::TemporaryPath("large.yaml"), pipe = test::TemporaryPath("pipe.yaml");
+  std::ofstream{file};
+  std::filesystem::resize_file(file, 17'000'000);
+  EXPECT_THAT(ErrorOf([&] { YamlDocument::Load(file); }), HasSubstr("more than 16777216 bytes"));
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& other : {std::string("/dev/zero"), pipe})
+    EXPECT_THAT(ErrorOf([&] { YamlDocument::Load(other); }), HasSubstr("cannot read '" + other + "': not a"));
+  std::filesystem::remove(file);
+  std::filesystem::remove(pipe);
 }
 
 TEST(YamlSizeTest, DeepNestingIsRefused) {
