@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <functional>
 #include <string>
-#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -122,11 +122,12 @@ bool BoundedServer::process_and_close_socket(int socket) {
     ::close(socket);
     return false;
   }
-  const auto connection = connections_.insert(connections_.end(), Connection{.socket = socket});
+  auto connection = connections_.end();
   try {
+    connection = connections_.insert(connections_.end(), Connection{.socket = socket});
     std::thread([this, connection] { Serve(connection); }).detach();
-  } catch (const std::system_error&) {  // the machine has no more threads
-    connections_.erase(connection);
+  } catch (const std::exception&) {  // the machine has no more threads or memory
+    if (connection != connections_.end()) connections_.erase(connection);
     ::close(socket);
   }
   return true;
@@ -136,14 +137,19 @@ void BoundedServer::Serve(std::list<Connection>::iterator connection) {
   current_ = &*connection;
   Socket stream(*connection);
   bool closed = false;
+  // A header of 8 kB could request the page a thousand times in one answer.
+  const auto whole = [](httplib::Request& request) { request.ranges.clear(); };
   const auto process = [&](auto& server) {  // the signature depends on the version of httplib
     if constexpr (requires { server.process_request(stream, true, closed, nullptr); }) {
-      server.process_request(stream, true, closed, nullptr);
+      server.process_request(stream, true, closed, whole);
     } else {
-      server.process_request(stream, "", 0, "", 0, true, closed, nullptr);
+      server.process_request(stream, "", 0, "", 0, true, closed, whole);
     }
   };
-  process(*this);
+  try {
+    process(*this);
+  } catch (...) {  // such as std::bad_alloc, outside of the handlers; the run goes on
+  }
   ::shutdown(connection->socket, SHUT_RDWR);
   const std::lock_guard lock(mutex_);
   ::close(connection->socket);

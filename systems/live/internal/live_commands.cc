@@ -1,6 +1,7 @@
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/live/internal/live_run.h>
+#include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/nearest_name.h>
 
 #include <fmt/format.h>
@@ -230,7 +231,11 @@ void LiveRun::Steer(const Json& command, const std::string& name) {
     Apply(load.set(context(), mass));
     SayEvent(mass == 0 ? load.name + " off" : fmt::format("{} of {:.3g} kg", load.name, mass));
   } else {
-    throw ParameterError(fmt::format("there is no command '{}'", name));
+    static const std::vector<std::string> kCommands{
+        "take", "leave",     "pause", "resume", "tick",    "rate", "back", "reset",   "save",
+        "stop", "parameter", "drive", "gait",   "posture", "goal", "pull", "release", "load"};
+    throw ParameterError(fmt::format("there is no command '{}'; did you mean '{}'?", Excerpt(name),
+                                     NearestName(name, kCommands)));
   }
 }
 

@@ -111,6 +111,12 @@ struct LiveHttp::Impl {
     server.set_default_headers({{"Content-Security-Policy", "frame-ancestors 'none'"},
                                 {"X-Frame-Options", "DENY"},
                                 {"Cross-Origin-Opener-Policy", "same-origin"}});
+    server.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
+      if (!request.has_header("Content-Encoding")) return httplib::Server::HandlerResponse::Unhandled;
+      // A thousand times the payload limit may come out of a compressed body.
+      Answer(response, Refusal(415, "a command must not be compressed: omit Content-Encoding"));
+      return httplib::Server::HandlerResponse::Handled;
+    });
     server.Get("/", [this](const httplib::Request& request, httplib::Response& response) {
       if (!Admit(request, response)) return;
       std::unique_lock lock(mutex);

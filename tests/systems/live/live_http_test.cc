@@ -190,6 +190,27 @@ TEST_F(LiveHttpTest, IncompleteRequestsDoNotKeepThePageAway) {
   EXPECT_LT(OpenDescriptors() - before, 300 + 80) << "the run needs descriptors for its files";
 }
 
+// 2,000 ranges of a page of 2 MB would be an answer of 4 GB, which ends the process if the memory ends.
+TEST_F(LiveHttpTest, ARangeGivesTheWholePageOnce) {
+  std::string ranges = "bytes=0-";
+  for (int i = 0; i < 1500; ++i) ranges += ",0-";
+  for (const std::string& range : {std::string("bytes=3-5"), ranges}) {
+    const auto page = client_.Get("/", {{"Range", range}});
+    ASSERT_TRUE(page);
+    EXPECT_EQ(page->status, 200);
+    EXPECT_EQ(page->body, "<h1>page</h1>");
+  }
+  channel_.Close();  // ends the stream
+  const auto events = client_.Get("/events?client=me", {{"Range", ranges}});
+  ASSERT_TRUE(events);
+  EXPECT_EQ(events->status, 200) << "a browser refuses other statuses";
+}
+
+// 64 kB of gzip are up to 64 MB of text.
+TEST_F(LiveHttpTest, CompressedCommandsAreRefused) {
+  EXPECT_EQ(Post("{}", {{"Content-Encoding", "gzip"}})->status, 415);
+}
+
 TEST_F(LiveHttpTest, ARequestMustArriveInTime) {
   EXPECT_TRUE(Incomplete(http_.port(), "GET /").Drip(std::chrono::seconds(20)));
 }

@@ -257,7 +257,7 @@ TEST_F(LiveServerTest, RefusesWhatCannotBeAndSaysWhy) {
           EXPECT_THAT(server_->Command("other", R"({"command":"take"})"), HasSubstr("'test' drives"));
           return;
         }
-        refused({{"command", "fly"}}, "'fly'");
+        refused({{"command", "drve"}}, "no command 'drve'; did you mean 'drive'?");
         refused({{"command", "gait"}, {"name", "trot"}}, "'gait'");
         refused({{"command", "drive"}, {"velocity", {2, 0, 0}}}, "give -1 to 1");
         refused({{"command", "drive"}, {"velocity", {0, 0}}}, "three numbers");
