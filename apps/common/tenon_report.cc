@@ -5,6 +5,7 @@
 #include <tenon/apps/common/report_pictures.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/report.h>
+#include <tenon/systems/text/excerpt.h>
 
 #include <fmt/format.h>
 
@@ -23,10 +24,13 @@ namespace fs = std::filesystem;
 std::vector<std::string> NamesOf(const std::vector<std::string>& directories) {
   std::vector<std::string> names;
   for (const fs::path directory : directories)
-    names.push_back(fs::absolute(directory / "").lexically_normal().parent_path().filename());
+    names.push_back(
+        internal::Excerpt(fs::absolute(directory / "").lexically_normal().parent_path().filename().string()));
   std::vector<std::string> sorted = names;
   std::ranges::sort(sorted);
-  return std::ranges::adjacent_find(sorted) == sorted.end() ? names : directories;
+  if (std::ranges::adjacent_find(sorted) == sorted.end()) return names;
+  std::ranges::transform(directories, names.begin(), internal::Printable);
+  return names;
 }
 
 int Run(const std::vector<std::string>& directories, const fs::path& out) {

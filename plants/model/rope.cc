@@ -9,7 +9,9 @@
 namespace tenon {
 
 void Rope::Validate() const {
-  Demand(!name.empty() && name.find_first_of(",.; ") == std::string::npos,
+  const bool fits = std::ranges::all_of(
+      name, [](unsigned char c) { return c > ' ' && c != 0x7F && c != ',' && c != '.' && c != ';'; });
+  Demand(!name.empty() && fits,
          fmt::format("the name '{}' cannot be that of a column: use letters, digits and underscores", name));
   Demand(tension_min <= tension_max,
          fmt::format("tension_min_N = {} must not exceed tension_max_N = {}", tension_min, tension_max));

@@ -435,6 +435,7 @@ class Plot {
     const names = shown.map(({run, signal: {name, unit}}) => (this.section.runs.length > 1 ? `${this.section.runs[run].name}: ` : '') +
         name + (unit ? ` [${unit}]` : ''));
     const lines = [...rows.values()].sort((a, b) => a[0] - b[0]);
-    return [['time [s]', ...names], ...lines].map((line) => line.join(',')).join('\n') + '\n';
+    const cell = (text) => /[",]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text;
+    return [['time [s]', ...names.map((name) => cell(name.replace(/[\0-\x1f]/g, ' ')))], ...lines].map((line) => line.join(',')).join('\n') + '\n';
   }
 }

@@ -110,7 +110,8 @@ function svgText(drawing) {
     copy.setAttribute('font-family', 'Helvetica, Arial, sans-serif');
     const ground = shape(null, 'rect', {width: '100%', height: '100%', fill: '#fff'}), title = copy.querySelector('title');
     if (title && title.parentNode === copy) title.after(ground); else copy.prepend(ground);
-    return new XMLSerializer().serializeToString(copy);
+    // XML has no control characters, not even escaped ones.
+    return new XMLSerializer().serializeToString(copy).replace(/[\0-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]/g, '\ufffd');
   });
 }
 function saveSvg(drawing, name) {

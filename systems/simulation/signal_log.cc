@@ -1,6 +1,7 @@
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/framework/diagram/internal/program.h>
 #include <tenon/systems/simulation/signal_log.h>
+#include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/nearest_name.h>
 
 #include <fmt/core.h>
@@ -160,6 +161,12 @@ SignalLog::Columns SignalLog::ListColumns() const {
     columns.sizes.push_back(elements.size());
     for (const Element& element : elements) {
       const std::string name = signal.path() + (element.name.empty() ? "" : "." + element.name);
+      const std::string cell = name + element.unit;
+      if (std::ranges::any_of(cell, [](unsigned char c) { return c < 0x20 || c == 0x7F || c == ','; }))
+        throw ParameterError(
+            fmt::format("'{}' in '{}' cannot be the name and unit of a column: remove commas and control "
+                        "characters",
+                        internal::Excerpt(name), internal::Excerpt(element.unit)));
       if (const auto [first, is_new] = signal_of.emplace(name, i); !is_new) {
         throw ParameterError(
             fmt::format("a log cannot have two columns '{}': of '{}' (signal {}) and of '{}' (signal {}); "

@@ -31,9 +31,13 @@ void Assembly::MarkBuilt() {
 
 void Assembly::CheckName(const std::string& name) const {
   CheckNotBuilt("Add", name);
-  if (name.empty() || name.find_first_of(". \t\n,") != std::string::npos) {
+  const bool fits =
+      std::ranges::all_of(name, [](unsigned char c) { return c > ' ' && c != 0x7F && c != '.' && c != ','; });
+  if (name.empty() || !fits) {
     throw BuildError(
-        fmt::format("a block cannot be named '{}': give a name without dots, commas and blanks", name));
+        fmt::format("a block cannot be named '{}': give a name without dots, commas, blanks and control "
+                    "characters",
+                    name));
   }
   if (by_name_.contains(name)) {
     throw BuildError(fmt::format("there are two blocks named '{}': give one of them another name", name));

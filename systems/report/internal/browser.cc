@@ -2,15 +2,18 @@
 #include <tenon/systems/report/internal/browser.h>
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstdlib>
 #include <sstream>
+#include <string_view>
 
 namespace tenon::internal {
 
@@ -180,7 +183,13 @@ void Browser::Prefer(const std::string& color_scheme) {
 }
 
 void Browser::Open(const fs::path& file) {
-  Navigate("file://" + fs::absolute(file).string());
+  std::string url = "file://";
+  for (const char c : fs::absolute(file).string()) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = std::isalnum(byte) != 0 || std::string_view("/-_.~").find(c) != std::string_view::npos;
+    url += plain ? std::string(1, c) : fmt::format("%{:02X}", byte);
+  }
+  Navigate(url);
 }
 
 void Browser::Navigate(const std::string& url) {

@@ -94,7 +94,7 @@ class RunPageTest : public testing::BrowserTest {
     return browser.Evaluate(expression);
   }
 
-  const fs::path file = test::TemporaryPath("tenon_report_page.html");
+  const fs::path file = test::TemporaryPath("a%20b #1?\x01.html");  // any name opens
   Browser browser;
 };
 
@@ -479,6 +479,69 @@ TEST_F(RunPageTest, DrawsRowsAsTheyCome) {
 }
 
 TEST_F(RunPageTest, RunsSideBySide) {
+// A box climbs a slope of 40 degrees on a rope of 30 m and feels a force that points to its middle.
+TEST_F(RunPageTest, TheFirstViewShowsRobotSlopeAndForces) {
+  const Geometry shapes{Shape::Box(ShapeRole::kBody, "robot", {0.6, 0.4, 0.3}),
+                        Shape::Box(ShapeRole::kGround, "slope", {40, 40, 0.02}),
+                        Shape::Segment(ShapeRole::kLine, "rope", 0.01),
+                        Shape::Arrow(ShapeRole::kEstimate, "estimate", 0.01)};
+  DiagramBuilder builder;
+  auto& look = builder.AddFunction({"look"}, Uses(builder.time), [shapes](double t) {
+    const double angle = -40 * std::numbers::pi / 180;
+    const Vec<3> up(std::cos(angle), 0, -std::sin(angle)), place = up * t + Vec<3>(0, 0, 0.5);
+    Geometry now = shapes;
+    for (Shape& shape : now) shape.p_W = place;
+    now[0].q_W = now[1].q_W = {std::cos(angle / 2), 0, std::sin(angle / 2), 0};
+    now[1].p_W = {0, 0, 0};
+    now[2].vector_W = 30 * up;
+    now[3].vector_W = {0, 10, 0};
+    now[3].p_W = place - Vec<3>(0, 0.05, 0);
+    return now;
+  });
+  Simulator simulator(builder.Build());
+  Report report({.title = "slope"});
+  report.Log(simulator, {}, {&look});
+  report.Conclude(simulator.AdvanceTo(3));
+  Open(report);
+  EXPECT_GT(browser
+                .Evaluate("new THREE.Vector3(-Math.sin(0.698), 0, Math.cos(0.698))"
+                          ".dot(tenonReport.replay.camera.getWorldDirection(new THREE.Vector3()).negate())")
+                .get<double>(),
+            0.3)
+      << "the slope is seen from above";
+  const Json seen = Settle(R"((() => {
+    const {camera, renderer, runs} = tenonReport.replay, at = (p) => p.clone().project(camera);
+    const ends = runs[0].actors[0].points(0).map(at), across = (k) => (Math.max(...ends.map((p) => p[k])) - Math.min(...ends.map((p) => p[k]))) / 2;
+    const canvas = document.createElement('canvas'), source = renderer.domElement, p = at(runs[0].actors[0].object.position);
+    Object.assign(canvas, {width: source.width, height: source.height});
+    const context = canvas.getContext('2d');
+    context.drawImage(source, 0, 0);
+    const [red, green, blue] = context.getImageData((1 + p.x) / 2 * source.width, (1 - p.y) / 2 * source.height, 1, 1).data;
+    return {filled: Math.max(across('x'), across('y')), red, blue, following: tenonReport.replay.follow};
+  })())");
+  EXPECT_GT(seen["filled"].get<double>(), 0.6) << "the robot fills the view";
+  EXPECT_LT(seen["filled"].get<double>(), 1);
+  EXPECT_GT(seen["red"].get<int>(), seen["blue"].get<int>() + 20)
+      << "the orange arrow shines through the blue box";
+  EXPECT_EQ(seen["following"], true);
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
+// Names of runs are names of directories, which may hold anything.
+TEST_F(RunPageTest, AnyNameGivesWholeFiles) {
+  Report both({.title = "a\x01", .plots = {{"force", {"truth.output"}, {}}}});
+  both.Add("\"a\",\nb", Run(true, 0));
+  both.Add("c\x01", Run(true, 0.5));
+  Open(both);
+  EXPECT_EQ(browser.Evaluate("plot('force').csv().split('\\n')[0]"),
+            R"(time [s],"""a"", b: truth.output [N]",c : truth.output [N])");
+  EXPECT_EQ(
+      browser.Evaluate(
+          "[...tenonReport.pictures(600, 300).map((p) => p[1]), tenonReport.picture(0)].map((text) => "
+          "new DOMParser().parseFromString(text, 'image/svg+xml').querySelectorAll('parsererror').length)"),
+      Json({0, 0}));
+}
+
   const Report a = Run(true, 0), b = Run(true, 0.5);
   Report both(
       {.title = "both", .plots = {{"cables", {"tension.output"}, {}}, {"force", {"truth.output"}, {}}}});
