@@ -96,7 +96,8 @@ class Replay {
     for (const {frames, actors} of this.runs) {
       const step = Math.max(1, Math.floor(frames.time.length / 100));
       for (const actor of actors) {
-        if (actor.shape.role === 'ground' || !actor.everSeen()) continue;
+        // A rope may be much longer than the robot. What holds it at both ends is in view, or far away.
+        if (actor.shape.role === 'ground' || actor.shape.role === 'lines' || !actor.everSeen()) continue;
         for (let i = 0; i < frames.time.length; i += step) {
           for (const point of actor.points(i)) {
             this.box.expandByPoint(point);
@@ -107,13 +108,14 @@ class Replay {
     }
     for (const box of [this.box, this.home]) {
       if (box.isEmpty()) box.set(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1));
-      box.min.z = Math.min(box.min.z, 0);
+      if (box.min.z < box.getSize(new THREE.Vector3()).length()) box.min.z = Math.min(box.min.z, 0);
     }
     this.extent = this.box.getSize(new THREE.Vector3()).length();
     const homeExtent = this.home.getSize(new THREE.Vector3()).length();
-    this.travels = this.live ? this.live.travels : this.extent > 2 * homeExtent;
+    this.travels = this.live ? this.live.travels : this.extent > 1.2 * homeExtent;
     if (this.live && this.travels) this.box.expandByVector(new THREE.Vector3(homeExtent, homeExtent, 0));
-    if (this.travels) this.home.expandByScalar(0.15 * homeExtent); else this.home = this.box;
+    if (this.travels) this.home.expandByScalar(0.03 * homeExtent); else this.home = this.box;
+    this.direction = this.chooseDirection();
 
     // The radius of the bodies about their mean position.
     this.setTime(0);
@@ -181,7 +183,7 @@ class Replay {
     const moved = this.follow && this.bodyPlace() ? this.bodyPlace().sub(this.start) : new THREE.Vector3();
     this.view = this.home.clone().translate(moved);
     const center = this.view.getCenter(new THREE.Vector3());
-    const direction = Replay.direction();
+    const {direction} = this;
     this.controls.target.copy(center);
     this.camera.position.copy(center).add(direction);
     this.camera.lookAt(center);
@@ -220,8 +222,7 @@ class Replay {
   }
 
   corners() {
-    const {min, max} = this.view;
-    return [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
+    return cornersOf(this.view);
   }
 
   // Draws pictures of `size`, {width, height} in pixels, at twice this resolution, so that a thin cable is a whole line. null fills
@@ -312,8 +313,12 @@ class Replay {
     return true;
   }
 
-  static direction() {
-    return new THREE.Vector3(0.5, -0.9, 0.42).normalize();
+  // The direction from the bodies to the camera: from the side on which the steepest ground is not seen edge-on.
+  chooseDirection() {
+    const ground = this.runs.flatMap(({frames, actors}) => frames.length ? actors.filter((a) => a.shape.role === 'ground' && a.shape.kind === 'box') : []);
+    const normals = ground.map((actor) => actor.normal(0)).sort((a, b) => a.z - b.z);
+    const sides = [[1, 1], [-1, 1], [1, -1], [-1, -1]].map(([x, y]) => new THREE.Vector3(0.5 * x, -0.9 * y, 0.42).normalize());
+    return sides.find((side) => normals.slice(0, 1).every((normal) => normal.dot(side) > 0.3)) || sides[0];
   }
 
   requestRender() {
@@ -341,7 +346,7 @@ class Replay {
     const {camera, size} = this.inset, place = size > 0 && this.bodyPlace();
     if (!place) return false;
     camera.up.set(0, 0, 1);
-    camera.position.copy(place).addScaledVector(Replay.direction(), 7.5 * this.bodyRadius);
+    camera.position.copy(place).addScaledVector(this.direction, 7.5 * this.bodyRadius);
     camera.lookAt(place);
     return true;
   }

@@ -72,7 +72,7 @@ function drawScene(parent, replay, camera, width, height, id) {
   const add = (actor, points, attributes) => {
     if (points.length < 3) return;
     const depth = points.reduce((sum, p) => sum + p.depth, 0) / points.length;
-    polygons.push({depth, group: actor.shape.role === 'ground' ? ground : solids, points: corners(points), attributes: {...attributes, opacity: actor.material.opacity}});
+    polygons.push({depth, arrow: actor.shape.kind === 'arrow', group: actor.shape.role === 'ground' ? ground : solids, points: corners(points), attributes: {...attributes, opacity: actor.material.opacity}});
   };
   const addFaces = (actor, points, faces, closed, colors) => {
     for (const face of faces) {
@@ -126,7 +126,11 @@ function drawScene(parent, replay, camera, width, height, id) {
       if (actor.object.visible) addActor(actor);
     }
   }
-  for (const {group, points, attributes} of polygons.sort((a, b) => b.depth - a.depth)) shape(group, 'polygon', {points, ...attributes});
+  polygons.sort((a, b) => b.depth - a.depth);
+  for (const {group, points, attributes} of polygons) shape(group, 'polygon', {points, ...attributes});
+  // Arrows shine through the bodies.
+  for (const {arrow, points, attributes} of polygons)
+    if (arrow) shape(solids, 'polygon', {points, ...attributes, opacity: 0.5 * attributes.opacity});
 }
 
 // Draws time, names of the shapes, scale and colour bar over a picture of the replay, by a context of a canvas or of SVG.

@@ -40,6 +40,10 @@ class FrameCursor {
   }
 }
 
+function cornersOf({min, max}) {
+  return [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
+}
+
 // One shape as objects of three.js.
 class Actor {
   constructor(shape, index, frames, unitRange) {
@@ -76,6 +80,9 @@ class Actor {
       case 'arrow':
         this.head = add(new THREE.ConeBufferGeometry(1, 1, 16));
         this.shaft = add(new THREE.CylinderBufferGeometry(1, 1, 1, 12));
+        // The part behind bodies, or inside, shines through them.
+        this.hidden = new THREE.MeshBasicMaterial({color, transparent: true, depthFunc: THREE.GreaterDepth, depthWrite: false});
+        for (const part of [this.head, this.shaft]) part.add(new THREE.Mesh(part.geometry, this.hidden));
         break;
       case 'trace': this.makeTrace(x, color, add); break;
       default: throw new Error(`no shape is called '${shape.kind}'`);
@@ -102,6 +109,8 @@ class Actor {
     this.material.side = THREE.DoubleSide;  // many files have triangles of inconsistent orientation
     add(geometry);
     this.meshReach = geometry.boundingSphere.center.length() + geometry.boundingSphere.radius;
+    geometry.computeBoundingBox();
+    this.meshBox = geometry.boundingBox;
   }
 
   makeTrace(radius, color, add) {
@@ -151,8 +160,21 @@ class Actor {
     if (this.frames.at(this.base + VISIBLE, frame) === 0) return [];
     const p = read(P);
     if (this.shape.kind === 'segment') return [p, read(VECTOR).add(p)];
-    const reach = ['trace', 'arrow'].includes(this.shape.kind) ? 0 : this.reach();
-    return [p.clone().addScalar(reach), p.clone().subScalar(reach)];
+    if (this.shape.kind === 'trace' || this.shape.kind === 'arrow') return [p];
+    const [x, y, z] = this.shape.size;
+    if (this.shape.kind === 'sphere') return [p.clone().addScalar(x), p.subScalar(x)];
+    const half = this.shape.kind === 'box' ? [x / 2, y / 2, z / 2] : [x, x, y / 2 + (this.shape.kind === 'capsule' ? x : 0)];
+    const {min, max} = this.meshBox || {max: new THREE.Vector3(...half), min: new THREE.Vector3(...half).negate()};
+    const q = this.attitude(frame);
+    return cornersOf({min, max}).map((corner) => corner.applyQuaternion(q).add(p));
+  }
+
+  // The z axis of the shape in a frame.
+  normal(frame) {
+    return new THREE.Vector3(0, 0, 1).applyQuaternion(this.attitude(frame));
+  }
+  attitude(frame) {
+    return new THREE.Quaternion(...[1, 2, 3, 0].map((k) => this.frames.at(this.base + Q + k, frame)));
   }
 
   // False for shapes that are always hidden and for forces that are always zero.
@@ -167,6 +189,7 @@ class Actor {
   }
 
   setOpacity(opacity) {
+    if (this.hidden) this.hidden.opacity = 0.5 * opacity;
     for (const material of [this.material, this.edges]) {
       if (!material) continue;
       material.transparent = opacity < 1;

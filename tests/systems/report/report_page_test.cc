@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace tenon::report_page_test {
 
@@ -478,7 +479,6 @@ TEST_F(RunPageTest, DrawsRowsAsTheyCome) {
   EXPECT_THAT(browser.complaints(), IsEmpty());
 }
 
-TEST_F(RunPageTest, RunsSideBySide) {
 // A box climbs a slope of 40 degrees on a rope of 30 m and feels a force that points to its middle.
 TEST_F(RunPageTest, TheFirstViewShowsRobotSlopeAndForces) {
   const Geometry shapes{Shape::Box(ShapeRole::kBody, "robot", {0.6, 0.4, 0.3}),
@@ -542,6 +542,7 @@ TEST_F(RunPageTest, AnyNameGivesWholeFiles) {
       Json({0, 0}));
 }
 
+TEST_F(RunPageTest, RunsSideBySide) {
   const Report a = Run(true, 0), b = Run(true, 0.5);
   Report both(
       {.title = "both", .plots = {{"cables", {"tension.output"}, {}}, {"force", {"truth.output"}, {}}}});
