@@ -7,6 +7,7 @@
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/nearest_name.h>
 #include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/version.h>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -213,7 +214,7 @@ void WriteResults(const CampaignPlan& plan, const CampaignSchedule& schedule, co
     }
   }
   nlohmann::ordered_json summary{
-      {"app", file.app}, {"scenario", file.scenario}, {"confidence", file.confidence}};
+      {"app", file.app}, {"scenario", file.scenario}, {"tenon", Version()}, {"confidence", file.confidence}};
   if (file.limit) {  // the overall survival at values of a bisection has no meaning
     summary["runs"] = all.count;
     fmt::print("{} runs\n", all.count);

@@ -102,8 +102,8 @@ std::string_view Cell(const CampaignRow& row, std::string_view column) {
 }
 
 bool DependsOnMachine(std::string_view column) {
-  return std::ranges::any_of(std::array{"wall", "qp_time", "mpc_time", "real_time"},
-                             [&](const char* part) { return column.starts_with(part); });
+  return column == "tenon" || std::ranges::any_of(std::array{"wall", "qp_time", "mpc_time", "real_time"},
+                                                  [&](const char* part) { return column.starts_with(part); });
 }
 
 std::uint64_t HashOfResults(const CampaignRow& row) {

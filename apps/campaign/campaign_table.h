@@ -23,9 +23,10 @@ using CampaignRow = std::vector<std::pair<std::string, std::string>>;
 /// Returns the text of a column; empty if the row has no such column.
 std::string_view Cell(const CampaignRow& row, std::string_view column);
 
-/// Returns whether a column holds measured times, which differ when a run is repeated.
+/// Returns whether a column holds measured times or the version of Tenon, which differ when a run is
+/// repeated.
 bool DependsOnMachine(std::string_view column);
-/// Returns a hash of the results of a run that does not depend on measured times and on the order of columns.
+/// Returns a hash of the results of a run. It does not depend on such columns and on the order of columns.
 std::uint64_t HashOfResults(const CampaignRow& row);
 
 /// The file runs.csv: a header and a line for each run, written when the run ends. A cell is empty if the run

@@ -6,6 +6,7 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/volume_report.h>
+#include <tenon/systems/version.h>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -290,7 +291,8 @@ void WriteWorkspaceStudy(const WorkspaceStudy& study, const std::filesystem::pat
                                  {"force_N", demand.force},
                                  {"torque_N_m", demand.torque},
                                  {"cable_diameter_m", study.params.cable_diameter},
-                                 {"wall_s", study.wall}};
+                                 {"wall_s", study.wall},
+                                 {"tenon", Version()}};
   for (const auto& [name, value] : study.figures) summary[name] = internal::JsonOrNull(value);
   VolumeReport report{
       .title = robot.name + ": workspace", .description = Describe(study), .figures = study.figures};

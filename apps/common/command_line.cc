@@ -7,6 +7,7 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/version.h>
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -125,7 +126,7 @@ int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& bo
   OpenStandardDescriptors();
   const MemoryReserve reserve;
   std::signal(SIGXFSZ, SIG_IGN);  // at a limit of the file size, writing then fails with an error
-  app.set_version_flag("--version", app.get_name() + " " TENON_VERSION, "print the version and stop");
+  app.set_version_flag("--version", app.get_name() + " " + Version(), "print the version and stop");
   // `--live 8081` means `--live=8081`; any other word after --live is the scenario.
   std::vector<std::string> words;
   for (int i = argc - 1; i > 0; --i) words.emplace_back(argv[i]);  // CLI11 expects them in reverse order

@@ -5,6 +5,7 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/version.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 #include <tenon/systems/yaml/resources.h>
 
@@ -209,7 +210,7 @@ void ScenarioFiles::Write(const fs::path& directory) const {
     WriteFile(place / kWritten, names);
   }
   for (const auto& [name, text] : files_) WriteFile(place / name, text);
-  WriteFile(directory / "scenario.yaml", text_);
+  WriteFile(directory / "scenario.yaml", fmt::format("# Tenon {}\n{}", Version(), text_));
 }
 
 }  // namespace tenon::apps

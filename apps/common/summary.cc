@@ -7,6 +7,7 @@
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/report_json.h>
+#include <tenon/systems/version.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -22,6 +23,19 @@ namespace fs = std::filesystem;
 struct Summary::Json {
   nlohmann::ordered_json values;
 };
+
+namespace {
+
+constexpr const char *kLimits = "limits", *kNotes = "notes", *kTenon = "tenon";
+
+/// Returns the figures to show: all except the version, which is in the files.
+std::vector<std::pair<std::string, std::string>> Shown(const Summary& summary) {
+  auto figures = summary.Flat();
+  std::erase_if(figures, [](const auto& figure) { return figure.first == kTenon; });
+  return figures;
+}
+
+}  // namespace
 
 Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutcome& outcome)
     : json_(std::make_unique<Json>()), ended_by_(outcome.status.monitor) {
@@ -39,13 +53,12 @@ Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutc
   values["wall_s"] = outcome.wall_s;
   auto& factor = values["real_time_factor"];  // null without any time
   if (outcome.wall_s > 0) factor = outcome.status.time / outcome.wall_s;
+  values[kTenon] = Version();
 }
 
 Summary::Summary(std::unique_ptr<Json> json, int exit_code) : json_(std::move(json)), exit_code_(exit_code) {}
 
 namespace {
-
-constexpr const char *kLimits = "limits", *kNotes = "notes";
 
 std::optional<double> NumberIn(const nlohmann::ordered_json& object, const char* key) {
   if (!object.contains(key)) return std::nullopt;
@@ -210,6 +223,7 @@ void Summary::AddTo(Report& report) const {
   if (!notes_.empty()) report.AddFigure(kNotes, fmt::format("{}", fmt::join(notes_, "; ")));
   for (const auto& [name, value] : Flatten(values)) {
     if (name == "finished" || name == "fell" || name == "end_reason") continue;  // part of the verdict
+    if (name == kTenon) continue;                                                // the page names it
     if (value.is_number() || value.is_null()) {
       const auto limits = std::ranges::find_if(limits_, [&key = name](const auto& limit) {
         return key == limit.first || key.starts_with(limit.first + ".");
@@ -223,7 +237,7 @@ void Summary::AddTo(Report& report) const {
 }
 
 void Summary::Print() const {
-  std::vector<FigureText> figures = FigureTexts(Flat());
+  std::vector<FigureText> figures = FigureTexts(Shown(*this));
   for (FigureText& figure : figures) {
     const auto limit = std::ranges::find(limits_, figure.key, &std::pair<std::string, Limits>::first);
     if (limit == limits_.end() || figure.values.size() != 1) continue;
@@ -246,7 +260,7 @@ void Summary::WriteComparison(const Named& runs, const fs::path& file) {
 
 void Summary::PrintComparison(const Named& runs) {
   std::vector<std::pair<std::string, NamedTexts>> flat;
-  for (const auto& [name, summary] : runs) flat.emplace_back(name, summary.Flat());
+  for (const auto& [name, summary] : runs) flat.emplace_back(name, Shown(summary));
   fmt::print("{}", FigureColumns(flat));
 }
 

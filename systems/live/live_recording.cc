@@ -5,6 +5,7 @@
 #include <tenon/systems/live/internal/live_file.h>
 #include <tenon/systems/live/live_recording.h>
 #include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/version.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -111,7 +112,7 @@ LiveFile::LiveFile(std::filesystem::path file, std::uint64_t seed) : file_(std::
 void LiveFile::Rewrite() {
   if (file_.empty()) return;
   out_ = std::ofstream(file_, std::ios::trunc);
-  Line(Json{{"tenon_live", kFormat}, {"seed", recording_.seed}}.dump());
+  Line(Json{{"tenon_live", kFormat}, {"seed", recording_.seed}, {"tenon", Version()}}.dump());
   for (const LiveEntry& entry : recording_.entries) Line(EntryLine(entry));
 }
 

@@ -1,5 +1,6 @@
 // The claims that hold for each app that runs a robot, checked on its binary.
 
+#include <tenon/systems/version.h>
 #include <tenon/tests/apps/run_app.h>
 
 #include <map>
@@ -12,6 +13,7 @@ using test::Read;
 using ::testing::AllOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 struct App {
   std::string name, path;
@@ -97,8 +99,10 @@ TEST_P(EveryAppTest, WritesSummarySignalsScenarioReportAndGraph) {
   for (const std::string& signal : signals) EXPECT_THAT(Signals(), HasSubstr(signal));
   for (const std::string& key : keys) EXPECT_THAT(Read(out / "scenario.yaml"), HasSubstr(key));
   for (const std::string& block : blocks) EXPECT_THAT(Read(out / "graph.dot"), HasSubstr(block));
+  EXPECT_THAT(Summary(), HasSubstr(std::string("\"tenon\": \"") + Version()));
+  EXPECT_THAT(Read(out / "scenario.yaml"), StartsWith(std::string("# Tenon ") + Version() + "\n"));
   EXPECT_THAT(Read(out / "report.html").substr(0, 500),
-              AllOf(HasSubstr("<title>" + scenario + ": "), HasSubstr(description)));
+              AllOf(HasSubstr(Version()), HasSubstr("<title>" + scenario + ": "), HasSubstr(description)));
   EXPECT_LT(fs::file_size(out / "report.html"), 2e6);
   const std::size_t beside = Summary().find("\"limits\"");
   for (const auto& [figure, limit] : limits) {

@@ -2,6 +2,7 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/page_parts.h>
+#include <tenon/systems/version.h>
 
 #include <fmt/core.h>
 
@@ -87,6 +88,7 @@ std::string MakePage(const std::string& title, std::string data_json, PageKind k
     const std::string_view slot = rest.substr(open + 2, close - open - 2);
     rest.remove_prefix(close + 2);
     if (slot == "title") out += escaped_title;
+    if (slot == "version") out += Version();
     if (slot == "report.css") out += kPageCss;
     if (slot == "scripts") out += scripts;
     if (slot == "data") out += data_json;

@@ -1,5 +1,6 @@
 // The command line of tenon-cdpr, its output files and its exit codes.
 
+#include <tenon/systems/version.h>
 #include <tenon/tests/apps/run_app.h>
 
 #include <fmt/core.h>
@@ -375,7 +376,7 @@ TEST(TenonCdprKeysTest, ListsKeysWithTheirMeanings) {
   EXPECT_EQ(RunCommand(TENON_CDPR " D1 --keys").exit_code, 0);
   EXPECT_THAT(RunCommand(TENON_CDPR " D1 --keys --set robot=mine.yaml").text,
               HasSubstr("--set robot=mine.yaml: robot: "));
-  EXPECT_EQ(RunCommand(TENON_CDPR " --version").text, "tenon-cdpr " TENON_VERSION "\n");
+  EXPECT_EQ(RunCommand(TENON_CDPR " --version").text, std::string("tenon-cdpr ") + Version() + "\n");
   EXPECT_THAT(RunCommand(TENON_CDPR " --help").text,
               AllOf(HasSubstr("--controller"), HasSubstr("Exit codes")));
 }

@@ -1,0 +1,23 @@
+# Writes FILE, the definition of tenon::Version(), if its contents change. Arguments: SOURCE, the source tree; NUMBER, the
+# version; FILE. The commit is known only in a clone of the repository.
+set(version ${NUMBER})
+find_package(Git QUIET)
+if(GIT_FOUND AND EXISTS ${SOURCE}/.git)
+  set(git ${GIT_EXECUTABLE} -c safe.directory=* -C ${SOURCE})
+  execute_process(COMMAND ${git} rev-parse --short=12 HEAD
+    OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+  execute_process(COMMAND ${git} diff --quiet HEAD RESULT_VARIABLE changed ERROR_QUIET)
+  if(commit AND changed)
+    string(APPEND version " (commit ${commit} with changes)")
+  elseif(commit)
+    string(APPEND version " (commit ${commit})")
+  endif()
+endif()
+set(text "#include <tenon/systems/version.h>\n\nconst char* tenon::Version() {\n  return \"${version}\";\n}\n")
+set(before)
+if(EXISTS ${FILE})
+  file(READ ${FILE} before)
+endif()
+if(NOT before STREQUAL text)
+  file(WRITE ${FILE} "${text}")
+endif()
