@@ -27,6 +27,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <limits>
 #include <thread>
 #include <unordered_map>
 #include <unordered_set>
@@ -166,7 +167,7 @@ std::string CommandOf(const std::string& campaign, const fs::path& directory) {
   return fmt::format("tenon-campaign {} --out {}", ShellQuoted(campaign), ShellQuoted(directory.string()));
 }
 
-constexpr const char* kBeginAnew = "restart without --resume, or choose another --out";
+constexpr const char* kBeginAnew = "choose another --out";
 
 int Replay(const CampaignArguments& arguments, const YamlDocument& file, const CampaignPlan& plan,
            const CampaignRunner& runner, const fs::path& directory) {
@@ -199,6 +200,15 @@ int Replay(const CampaignArguments& arguments, const YamlDocument& file, const C
   return again.exit_code;
 }
 
+/// Returns the number of complete lines of a table of any campaign.
+std::size_t RunsIn(const fs::path& table) {
+  std::size_t runs = 0;
+  if (fs::exists(table))
+    CampaignTable::Read(table, std::numeric_limits<std::size_t>::max(),
+                        [&](std::size_t, const CampaignRow&) { ++runs; });
+  return runs;
+}
+
 int Merge(const CampaignArguments& arguments) {
   if (arguments.out.empty()) throw ParameterError("--merge: give the output directory by --out");
   const fs::path first = arguments.merge.front();
@@ -228,6 +238,16 @@ int Merge(const CampaignArguments& arguments) {
     throw ParameterError(
         fmt::format("--merge: the estimate of '{}' is not finished; finish it first: {} --resume",
                     first.string(), CommandOf((first / "campaign.yaml").string(), first)));
+  const fs::path merged = fs::path(arguments.out) / "runs.csv";
+  if (RunsIn(merged) > 0) {
+    DemandSameInputs(arguments.out, inputs, "choose another --out");
+    CampaignTable::Read(merged, plan, [&](std::size_t run, const CampaignRow& row) {
+      if (const auto same = results.find(run); same == results.end() || same->second != HashOfResults(row))
+        throw ParameterError(fmt::format(
+            "--out {}: run {} in its table is in none of the parts and would be lost: choose another --out",
+            arguments.out, run));
+    });
+  }
   const OutputDirectory out(arguments.out);
   RemoveReplays(out.path());
   WriteFile(out.path() / "campaign.yaml", ReadText(first / "campaign.yaml"));
@@ -249,6 +269,14 @@ int Merge(const CampaignArguments& arguments) {
   return kRan;
 }
 
+/// Returns a directory beside `directory` that does not exist.
+fs::path NewDirectory(const fs::path& directory) {
+  fs::path beside;
+  for (int i = 2; i == 2 || fs::exists(beside); ++i)
+    beside = fs::path(directory / "").lexically_normal().parent_path() += fmt::format("_{}", i);
+  return beside;
+}
+
 /// Runs a campaign, in all ranks of MPI if `mpi` is given.
 int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, const CampaignPlan& plan,
                 const CampaignRunner& runner, const Shard& shard, const fs::path& directory,
@@ -256,6 +284,11 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
   const std::string inputs = Inputs(file, runner);
   const fs::path table_file = directory / "runs.csv";
   const bool resumes = arguments.resume && fs::exists(table_file);
+  if (const std::size_t done = resumes ? 0 : RunsIn(table_file); done > 0)
+    throw ParameterError(
+        fmt::format("'{}' holds {} runs, which are never overwritten: continue them with --resume, or choose "
+                    "another --out, such as {}",
+                    table_file.string(), done, ShellQuoted(NewDirectory(directory).string())));
   if (resumes) DemandSameInputs(directory, inputs, kBeginAnew);
   const std::string campaign = CampaignText(file);
   std::error_code not_equivalent;
@@ -393,7 +426,9 @@ int main(int argc, char** argv) {
       "As an array job: tenon-campaign CAMPAIGN --shard $SLURM_ARRAY_TASK_ID/100 --out "
       "DIR/$SLURM_ARRAY_TASK_ID,\n"
       "                 then tenon-campaign --merge DIR/* --out WHOLE\n"
-      "Ctrl-C ends it after writing complete files; --resume continues it, also after a kill.\n"
+      "Ctrl-C ends it after writing complete files; --resume continues it, also after a kill. A table with "
+      "runs is\n"
+      "never overwritten: without --resume, --out must be new.\n"
       "Exit codes: 0 all runs are done, whether they survived or not; 2 invalid usage or campaign; 3 a "
       "replayed "
       "run did not survive; 5 a file could not be written or the machine could not complete all runs; "

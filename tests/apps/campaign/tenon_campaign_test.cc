@@ -1,5 +1,6 @@
 // The command line of tenon-campaign, and the tables and reports that it writes.
 
+#include <tenon/systems/version.h>
 #include <tenon/tests/apps/run_app.h>
 
 #include <algorithm>
@@ -74,7 +75,10 @@ TEST_F(TenonCampaignTest, WritesARowForEachRunAndAReport) {
   EXPECT_EQ(rows.size(), 6U);
   EXPECT_EQ(rows.at(0).find("0,101,20,A4,true,false,0.05,"), 0U);
   EXPECT_EQ(rows.at(5).find("5,103,35,A4,true,false,0.05,"), 0U);
-  EXPECT_THAT(Read(out / "c/summary.json"), AllOf(HasSubstr("\"runs\": 6"), HasSubstr("\"survived\": 6")));
+  EXPECT_THAT(table, HasSubstr(",tenon,"));
+  EXPECT_THAT(rows.at(0), HasSubstr(std::string(",") + Version()));
+  EXPECT_THAT(Read(out / "c/summary.json"), AllOf(HasSubstr("\"runs\": 6"), HasSubstr("\"survived\": 6"),
+                                                  HasSubstr(std::string("\"tenon\": \"") + Version())));
   EXPECT_THAT(Read(out / "c/report.html"), HasSubstr("\"figures\":[\"simulated_s\""));
 }
 
@@ -134,7 +138,7 @@ TEST_F(TenonCampaignTest, RunsEveryAppAndScenariosWithDistributions) {
     const std::string file =
         File("app: " + scenario.substr(0, blank) + "\nscenario: " + scenario.substr(blank) +
              "\nduration_s: 0.05\nseeds: {count: 2}\n");
-    EXPECT_THAT(Run(file + To("c")), HasSubstr("2 of 2 survived")) << scenario;
+    EXPECT_THAT(Run(file + To("c" + scenario.substr(blank + 1))), HasSubstr("2 of 2 survived")) << scenario;
   }
   std::ofstream(out / "random.yaml") << "extends: B1-flat\npayload: {mass_kg: {uniform: [10, 20]}}\n";
   const std::string file = File("app: tenon-quadruped\nscenario: " + (out / "random.yaml").string() +
@@ -244,15 +248,23 @@ TEST_F(TenonCampaignTest, APartMayBeEmpty) {
   Run(file + To("part3") + " --shard 3/3 --resume");
 }
 
-TEST_F(TenonCampaignTest, ANewStartRemovesAnEarlierCampaign) {
+TEST_F(TenonCampaignTest, ATableWithRunsIsNeverOverwritten) {
   const std::string file = Walks(1);
   Run(file + To("c"));
   Run(file + To("c") + " --replay 0");
+  const std::string table = Read(out / "c/runs.csv");
+  for (const std::string& again : {file, Walks(2)})
+    EXPECT_THAT(Run(again + To("c"), 2),
+                AllOf(HasSubstr("c/runs.csv"), HasSubstr("--resume"), HasSubstr((out / "c_2").string())));
+  EXPECT_EQ(Read(out / "c/runs.csv"), table);
   EXPECT_TRUE(fs::exists(out / "c/run_0/report.html"));
-  Run(Walks(2) + To("c"));
-  EXPECT_EQ(Rows(out / "c/runs.csv").size(), 4U);
-  EXPECT_FALSE(fs::exists(out / "c/run_0/report.html"));
-  EXPECT_THAT(Read(out / "c/report.html"), Not(HasSubstr("run_0/report.html")));
+  // A merge may be repeated, but loses no run.
+  for (const std::string i : {"1", "2"}) Run(Walks(1) + To("part" + i) + " --shard " + i + "/2");
+  const std::string part = (out / "part").string();
+  Run("--merge " + part + "1" + To("all"));
+  Run("--merge " + part + "1 " + part + "2" + To("all"));
+  EXPECT_THAT(Run("--merge " + part + "2" + To("all"), 2), HasSubstr("run 0"));
+  EXPECT_EQ(Rows(out / "all/runs.csv").size(), 2U);
 }
 
 TEST_F(TenonCampaignTest, ADryRunShowsAndRunsNothing) {
