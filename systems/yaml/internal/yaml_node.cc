@@ -20,9 +20,14 @@ namespace {
 
 using Kind = YamlTree::Kind;
 
+bool IsIndex(std::string_view key) {
+  return !key.empty() && std::ranges::all_of(key, [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
 /// Suggests a valid key or a correction for an unknown key.
 std::string SuggestKey(std::string_view unknown, const FieldList& keys) {
   if (keys.empty()) return "no keys are valid here; remove it";
+  if (IsIndex(unknown)) return "this is a map, whose keys are names, and not a list";
   const auto [stem, unit] = SplitUnit(unknown);
   for (const Field& key : keys) {
     const auto [valid_stem, valid_unit] = SplitUnit(key.name);
@@ -254,6 +259,12 @@ YamlNode YamlNode::Child(const YamlTree& child, std::string_view key) const {
 }
 
 std::vector<YamlNode> YamlNode::Items() const {
+  if (tree_->kind == Kind::kMap && !tree_->children.empty() && IsIndex(tree_->children.front().key))
+    Fail(
+        fmt::format("the list is in another file, so its element {} cannot be set alone: give the whole list "
+                    "in brackets, or a "
+                    "copy of that file",
+                    tree_->children.front().key));
   if (!IsList())
     Fail(fmt::format("expected a list, found {}; write it in brackets, as in [1, 2]", Describe(*tree_)));
   std::vector<YamlNode> items;

@@ -391,6 +391,9 @@ TEST(TenonCdprCompletionTest, BashCompletesScenariosOptionsAndKeys) {
   EXPECT_EQ(completed("--dur", 1), "--duration\n");
   EXPECT_EQ(completed("D1 --set path.ra", 3), "path.radius_m= path.ramp_s=\n");
   EXPECT_THAT(completed("D1 --set faults", 3), HasSubstr("faults.0.at="));
+  EXPECT_EQ(completed("D1 --controller p", 3), "pd pd_feedforward pd_offset_free\n");
+  EXPECT_EQ(completed("D1 --set robot = cog", 5), "cogiro\n") << "bash divides KEY=VALUE";
+  EXPECT_EQ(completed("D1 --set controller =", 4).find("mpc_equilibrium mpc_zero"), 0U);
 }
 
 // The app offers all candidates; zsh keeps those that begin with the typed word.
@@ -408,6 +411,8 @@ TEST(TenonCdprCompletionTest, ZshCompletesScenariosOptionsAndKeys) {
   EXPECT_THAT(offered("--dur"), AllOf(HasSubstr("--duration"), Not(HasSubstr("circle_6"))));
   EXPECT_THAT(offered("D1 --set path.ra"),
               AllOf(HasSubstr("-S = -- "), HasSubstr(" path.radius_m "), HasSubstr(" faults.0.at ")));
+  EXPECT_THAT(offered("D1 --set robot=cog"), HasSubstr(" robot=cogiro "));
+  EXPECT_THAT(offered("D1 --controller p"), HasSubstr(" pd_feedforward "));
   EXPECT_EQ(offered("D1 --out x"), "files\n");
 }
 

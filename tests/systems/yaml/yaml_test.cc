@@ -190,6 +190,8 @@ TEST(YamlErrorTest, UnknownKeysNameTheNearestOne) {
                  {"speed_km_per_h: 1", "1:1: speed_km_per_h: ", "from km_per_h to m_per_s"},
                  {"inertia_g_mm2: 1", "1:1: inertia_g_mm2: ", "from g_mm2 to kg_m2"},
                  {"speed: 1", "1:1: speed: ", "'speed_m_per_s'"},
+                 {"0: 1", "1:1: 0: ", "not a list"},
+                 {"legs: {0: {mass_kg: 1}}", "1:7: legs: ", "its element 0 cannot be set alone"},
                  {"steps_s: 1", "1:1: steps_s: ", "'steps'"}});
   struct Empty {
     static FieldList Fields() { return {}; }
