@@ -22,13 +22,13 @@ int CompareControllers(const RunOptions& options, const CdprScenario& scenario,
     variants.push_back({name, [run, change](const RunOptions& each) { return RunCdpr(run, each, change); }});
     names += (names.empty() ? "" : ", ") + name;
   };
+  if (customisation) add(kMine, scenario, customisation);  // first, because the page opens with the first run
   CdprScenario shipped = scenario;
   shipped.custom.reset();
   for (const auto& [controller, name] : EnumNames(CdprController{})) {
     shipped.controller = controller;
     add(name, shipped, {});
   }
-  if (customisation) add(kMine, scenario, customisation);
   return Compare(options, ScenarioReport(scenario, Describe(scenario, names)), variants);
 }
 

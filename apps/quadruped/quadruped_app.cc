@@ -59,13 +59,13 @@ int CompareObservers(const RunOptions& options, const QuadrupedScenario& scenari
   if (kinds.empty())
     for (const auto& [kind, name] : EnumNames(ObserverKind{})) kinds.push_back(kind);
   std::vector<Variant> variants;
+  if (customisation) variants.push_back(MakeVariant(kMine, scenario, customisation));
   QuadrupedScenario shipped = scenario;
   shipped.custom.reset();
   for (const ObserverKind kind : kinds) {
     shipped.observer = kind;
     variants.push_back(MakeVariant(EnumName(kind), shipped));
   }
-  if (customisation) variants.push_back(MakeVariant(kMine, scenario, customisation));
   return Compare(options, ReportOf(scenario), variants);
 }
 

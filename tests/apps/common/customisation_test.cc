@@ -20,6 +20,7 @@ using apps::Tally;
 using test::Read;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 struct Keys {
   double gain_per_s = 30;
@@ -136,11 +137,13 @@ TEST_F(CustomisationTest, IsComparedWithTheShippedOnes) {
   EXPECT_EQ(summary["none"]["observer"], "none");
   EXPECT_FALSE(summary["none"].contains("guess_max_N"));
   EXPECT_TRUE(summary["mine"].contains("guess_max_N"));
+  EXPECT_THAT(Read(out / "all/summary.json"), StartsWith("{\n  \"mine\"")) << "the page opens with it";
   ASSERT_EQ(RunIn("cables", CdprApp().Customise([](DiagramBuilder&, CdprLoop&) {}),
                   {"D1", "--duration", "0.02", "--compare"}),
             0)
       << text_;
   EXPECT_TRUE(SummaryOf("cables").contains("mine"));
+  EXPECT_THAT(Read(out / "cables/summary.json"), StartsWith("{\n  \"mine\""));
 }
 
 TEST_F(CustomisationTest, ReplacesTheSupervisorOfAGuideDogAndTheControllerOfACableRobot) {
