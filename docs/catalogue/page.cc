@@ -107,10 +107,20 @@ std::string UnitOf(const Source& source) {
   return spec.units + (spec.elements.empty() ? "" : fmt::format(" ({})", spec.elements));
 }
 
-/// The value of an optional input that is not connected.
-std::string DefaultOf(const Source& input) {
-  const std::vector<double> numbers = input.initial_numbers();
-  if (input.type_name() == "bool") return numbers[0] == 0 ? "false" : "true";
+/// The value of an optional input that is not connected, or of a Parameter.
+std::string DefaultOf(const Source& source) {
+  const TypeInfo& type = source.type();
+  const std::vector<double> numbers = source.initial_numbers();
+  if (numbers.empty()) return "";
+  if (type.kind == Kind::kStruct && numbers.size() > 1) {
+    std::vector<std::string> fields;
+    for (const Element& element : source.elements())
+      fields.push_back(element.name + " " + Number(numbers[fields.size()]));
+    return fmt::format("{}", fmt::join(fields, ", "));
+  }
+  for (const internal::NamedValue& value : type.names)
+    if (static_cast<double>(value.value) == numbers[0]) return value.name;
+  if (source.type_name() == "bool") return numbers[0] == 0 ? "false" : "true";
   if (std::all_of(numbers.begin(), numbers.end(), [](double number) { return number == 0; })) return "0";
   std::string text;
   for (std::size_t i = 0; i < std::min<std::size_t>(numbers.size(), 3); ++i) {
@@ -176,10 +186,11 @@ class BlockTable {
     for (const Source* source : entry.block->sources()) {
       if (source->kind() != SourceKind::kParameter) continue;
       if (parameters_.empty())
-        parameters_ = "\n| parameter | type | unit | range | |\n| --- | --- | --- | --- | --- |\n";
+        parameters_ =
+            "\n| parameter | type | unit | range | default | |\n| --- | --- | --- | --- | --- | --- |\n";
       const auto& parameter = static_cast<const internal::ParameterSource&>(*source);
       parameters_ += Line({source->name(), TypeOf(*source), UnitOf(*source), parameter.range().Text(),
-                           parameter.description()});
+                           DefaultOf(*source), parameter.description()});
     }
   }
 
