@@ -26,8 +26,9 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
   for (const auto& block : loop.blocks())
     if (const auto* errors = dynamic_cast<const WinchErrors*>(block.get()))
       beside_sensors.push_back(&errors->cables);
-  FaultPoint<CableVector> command(issued, issued, kRead, besides_drives, CableVector::Zero(num_cables));
-  FaultPoint<CableSignals> lengths(world.cables, loop.reference.reference, kRead, beside_sensors,
+  FaultPoint<CableVector> command(issued, issued, internal::kReadIt, besides_drives,
+                                  CableVector::Zero(num_cables));
+  FaultPoint<CableSignals> lengths(world.cables, loop.reference.reference, internal::kReadIt, beside_sensors,
                                    CableSignals::Zero(num_cables));
   FaultPoint<CdprReference> reference(
       loop.reference.reference, issued, kOnlyPd, {},

@@ -98,6 +98,8 @@ namespace internal {
 void DemandPeriod(const Fault& fault, const Rate& rate);
 /// Throws ParameterError if the fault's kind is for mechanical parts only.
 SignalFaultKind SignalKind(const Fault& fault);
+/// Remedy for a fault at a signal that no block reads.
+inline constexpr const char* kReadIt = "connect it to an input of your block, or choose another place";
 /// The rate at which a signal is sampled; 1 kHz for a continuous one.
 Rate RateOf(const Source& signal);
 /// Throws ParameterError because no block reads the signal, or the diagram has none (null); `hint` names the
@@ -105,9 +107,6 @@ Rate RateOf(const Source& signal);
 [[noreturn]] void ThrowUnread(const Source* signal, const char* hint);
 
 }  // namespace internal
-
-/// Remedy for a fault at a signal that no block reads.
-inline constexpr const char* kRead = "connect it to an input of your block, or choose another place";
 
 /// A place where a signal can fail: an output and all blocks that read it, except those that simulate or
 /// judge the run. The output is that of the block that stands there, see DiagramBuilder::Replace.
@@ -118,7 +117,7 @@ class FaultPoint {
   explicit FaultPoint(const char* hint) : hint_(hint) {}
   /// The fault is sampled like `clock`. `aside` are readers that it does not reach; `hint` names the remedy
   /// if it reaches none.
-  FaultPoint(const OutputPort<T>& output, const Source& clock, const char* hint = kRead,
+  FaultPoint(const OutputPort<T>& output, const Source& clock, const char* hint = internal::kReadIt,
              std::vector<const Source*> aside = {}, T initial = internal::Zeroed<T>())
       : hint_(hint), output_(&output), clock_(&clock), aside_(std::move(aside)), initial_(initial) {}
 

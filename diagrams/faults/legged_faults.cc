@@ -43,7 +43,7 @@ Places PlacesOfWalk(QuadrupedWalk& loop, std::vector<const Source*> beside = {})
                 .torque_sensor = {world.measured_torque, world.measured_torque},
                 .foot_force = {world.foot_forces, world.foot_forces, kNoFootSensors},
                 .imu = {world.inertial, world.inertial},
-                .wrench = {loop.observer.wrench, clock, kRead, {&loop.view.wrench}}};
+                .wrench = {loop.observer.wrench, clock, internal::kReadIt, {&loop.view.wrench}}};
   if (loop.ropes != nullptr) {
     beside.push_back(&loop.ropes->robot);
     places.rope = {loop.winches->y,
@@ -52,7 +52,7 @@ Places PlacesOfWalk(QuadrupedWalk& loop, std::vector<const Source*> beside = {})
                    {},
                    CurrentAs<LeafSystem<HeldLagParams<CableVector>>>(*loop.winches).params.initial};
   }
-  places.state = {loop.state, clock, kRead, std::move(beside)};
+  places.state = {loop.state, clock, internal::kReadIt, std::move(beside)};
   return places;
 }
 
