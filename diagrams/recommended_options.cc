@@ -32,7 +32,8 @@ SimulatorOptions LeggedIntegration::Options(const QuadrupedPlant& plant) const {
   };
   for (const char* part : {".v_W", ".w_W", ".qd"}) add(plant.motion, part, atol_velocity);
   add(plant.bristles, "", atol_bristles);
-  if (plant.additions.u.initial.size() > 0) add(plant.added_u, "", atol_velocity);
+  if (const Source* const added = FindCurrent(plant.added_u); added && !added->spec().elements.empty())
+    add(*added, "", atol_velocity);
   return options;
 }
 

@@ -58,7 +58,7 @@ ScenarioApp CdprApp::AsScenarioApp() const {
       [customisation = customisation_](const YamlDocument& document) {
         return ReadScenario(document, customisation);
       },
-      MakeLoopParams,
+      [customisation = customisation_](const CdprScenario& scenario) { CheckCdpr(scenario, customisation); },
       [customisation = customisation_](const CdprScenario& scenario, const RunOptions& options) {
         return RunCdpr(scenario, options, customisation);
       });

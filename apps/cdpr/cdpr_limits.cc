@@ -15,6 +15,10 @@ namespace {
 constexpr double kQuarterTurn = std::numbers::pi / 2;
 constexpr double kTogether = 1e-6;  // distance below which two points coincide [m]
 
+AddedShapes ShapesAddedTo(const CdprPlant& plant) {
+  return AddedShapes::Of(plant, MakeCdprGeometry(CurrentAs(plant).params.robot).size());
+}
+
 bool Sags(const CdprDescription& robot) {
   return robot.cable.mass_per_length > 0;
 }
@@ -26,13 +30,16 @@ std::vector<const Source*> CdprLimits::Signals(const CdprLoop& loop) {
                                      &loop.world.plant.cables, &loop.reference.reference,
                                      &loop.world.payload.payload};
   if (loop.world.hanging_load != nullptr) signals.push_back(&loop.world.hanging_load->load);
-  if (Sags(loop.world.plant.params.robot)) signals.push_back(&loop.world.plant.geometry);
+  if (Sags(RobotOf(loop.world.plant)) || !ShapesAddedTo(loop.world.plant).empty())
+    signals.push_back(&loop.world.plant.geometry);
   return Present(signals);
 }
 
 CdprLimits::CdprLimits(const CdprLoop& loop, double cable_diameter)
     : loop_(loop),
-      robot_(loop.world.plant.params.robot),
+      robot_(RobotOf(loop.world.plant)),
+      anchors_(robot_),
+      added_(ShapesAddedTo(loop.world.plant)),
       cable_diameter_(cable_diameter),
       pull_(robot_.cables.size(), true),
       pulling_(robot_),
@@ -50,6 +57,7 @@ void CdprLimits::Begin(const std::vector<std::string>& names, const std::vector<
   payload_mass_ = Column(names, loop_.world.payload.payload, &Payload::mass);
   if (const HangingLoad* hanging = loop_.world.hanging_load)
     load_ = Columns(names, hanging->load, &HangingLoadState::p_W);
+  added_.Begin(names, plant.geometry);
   if (!Sags(robot_)) return;
   const Geometry shapes = MakeCdprGeometry(robot_);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -62,7 +70,7 @@ void CdprLimits::Begin(const std::vector<std::string>& names, const std::vector<
 void CdprLimits::Row(std::span<const double> row) {
   const Eigen::Vector3d p_WB = VectorIn<3>(row, position_);
   const Eigen::Matrix3d R_WB = RotationFromQuaternion(VectorIn<4>(row, attitude_));
-  CalcCableKinematics(robot_, p_WB, R_WB, &all_, loop_.world.plant.anchors, row[0]);
+  CalcCableKinematics(robot_, p_WB, R_WB, &all_, anchors_, row[0]);
   CableRow(row, p_WB);
   PlatformRow(row, p_WB, R_WB);
   FloorRow(row, p_WB, R_WB);
@@ -141,6 +149,9 @@ void CdprLimits::FloorRow(std::span<const double> row, const Eigen::Vector3d& p_
   if (!load_.empty()) add(row[load_[2]], "the hanging load");
   for (const auto& [height, tension] : pieces_)
     if (row[tension] > 0) add(row[height], "a cable");
+  added_.Visit(row, [&](const std::string& of, const Vec<3>& p_W, double radius) {
+    add(p_W[2] - radius, of.c_str());
+  });
   heights_.Add(lowest);
   if (lowest < 0)
     breaches_.Add(row[0], "platform, load or cables went through the floor",

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/apps/common/added_shapes.h>
 #include <tenon/apps/common/breaches.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
@@ -14,6 +15,11 @@
 
 namespace tenon::apps {
 
+/// The robot of the plant that stands in the diagram, see CurrentAs.
+inline const CdprDescription& RobotOf(const CdprPlant& plant) {
+  return CurrentAs<LeafSystem<CdprPlantParams>>(plant).params.robot;
+}
+
 /// Checks that a run of a CdprLoop was physically possible, from a log at each tick of its controller:
 ///
 /// The distance between two cables, as straight lines from anchors or pulleys, is at least their diameter.
@@ -23,7 +29,8 @@ namespace tenon::apps {
 /// No cable runs through the platform, see CableInterference. If one does at the start, the platform is
 /// assumed to be an open frame and is not checked. Cables without tension are not checked.
 ///
-/// The platform's box, payload, hanging load and cables, with their sag, stay above the floor, z = 0. The
+/// The platform's box, payload, hanging load, added bodies and cables, with their sag, stay above the floor,
+/// z = 0. The
 /// heading differs from its reference by at most a quarter turn: the restoring moment of the cables is
 /// proportional to the sine of that angle.
 ///
@@ -48,6 +55,8 @@ class CdprLimits final : public LogSink {
 
   const CdprLoop& loop_;
   CdprDescription robot_;
+  MovingAnchors anchors_;
+  AddedShapes added_;
   double cable_diameter_;
   std::vector<bool> pull_;         // whether each cable has tension
   CdprDescription pulling_;        // robot_ with only those cables that have tension

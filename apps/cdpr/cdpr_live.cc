@@ -1,3 +1,4 @@
+#include <tenon/apps/cdpr/cdpr_limits.h>
 #include <tenon/apps/cdpr/cdpr_live.h>
 #include <tenon/plants/model/gravity.h>
 
@@ -17,27 +18,30 @@ PlatformPullParams PullFor(const CdprDescription& robot) {
   return {stiffness, 0.2 * 2 * std::sqrt(stiffness * robot.mass), weight / 2};
 }
 
+const std::shared_ptr<const EquilibriumPath>& PathOf(const CdprLoop& loop) {
+  return CurrentAs<LeafSystem<ReferenceGeneratorParams>>(loop.reference).params.path;
+}
+
 }  // namespace
 
 CdprLive::CdprLive(DiagramBuilder& builder, CdprLoop& loop)
     : loop_(loop),
-      pull_(builder.Add<PlatformPull>("live_pull", PullFor(loop.world.plant.params.robot))),
-      goal_(builder.Add<GoalPath>("live_goal", GoalPathParams{.path = loop.reference.params.path})) {
-  builder.Connect(goal_.path, loop.reference.path);
-  if (loop.control.mpc != nullptr) builder.Connect(goal_.path, loop.control.mpc->path);
+      pull_(builder.Add<PlatformPull>("live_pull", PullFor(RobotOf(loop.world.plant)))),
+      goal_(builder.Add<GoalPath>("live_goal", GoalPathParams{.path = PathOf(loop)})) {
+  // A block of the user's may lack an input; the live page then lacks what it is for.
+  const auto connect = [&](auto& input) {
+    if (FindCurrent(input) != nullptr) builder.Connect(goal_.path, input);
+  };
+  connect(loop.reference.path);
+  if (loop.control.mpc != nullptr) connect(loop.control.mpc->path);
   builder.Connect(loop.world.plant.platform, pull_.platform);
-  if (loop.world.hanging_load != nullptr || loop.world.gusts != nullptr) {
-    builder.Disconnect(loop.world.plant.wrench);
-    builder.Connect(
-        loop.world.hanging_load != nullptr ? loop.world.hanging_load->wrench : loop.world.gusts->wrench,
-        pull_.others);
-  }
-  builder.Connect(pull_.wrench, loop.world.plant.wrench);
+  if (FindCurrent(loop.world.plant.wrench) != nullptr)
+    builder.InsertBefore(loop.world.plant.wrench, pull_.others, pull_.wrench);
 }
 
 LiveControls CdprLive::Controls() const {
   LiveControls controls;
-  controls.goal = Goal();
+  if (FindCurrent(loop_.reference.path) != nullptr) controls.goal = Goal();
   LiveControls::Pull pull;
   pull.stiffness = pull_.params.stiffness;
   pull.max_force = pull_.params.max_force;
@@ -60,10 +64,11 @@ LiveControls CdprLive::Controls() const {
     const Vec<3> point = platform.p_WB + platform.R_WB() * grip.p_B;
     return std::pair(point, pull_.Force(platform, grip));
   };
-  controls.pull = std::move(pull);
+  if (FindCurrent(loop_.world.plant.wrench) != nullptr) controls.pull = std::move(pull);
 
-  const PayloadSchedule& payload = loop_.world.payload;
-  const double mass = loop_.world.plant.params.robot.mass;
+  const PayloadSchedule& payload = CurrentAs(loop_.world.payload);
+  if (CurrentBlock(payload) != &payload) return controls;
+  const double mass = RobotOf(loop_.world.plant).mass;
   controls.load = {
       "payload", {0.01 * mass, 0.5 * mass}, 0.2 * mass, [&payload](Context& context, double load) {
         if (load == 0) return LiveSets{SetTo(payload.release, context.time())};
@@ -77,11 +82,11 @@ LiveControls CdprLive::Controls() const {
 /// robot cannot reach.
 LiveControls::Goal CdprLive::Goal() const {
   Eigen::AlignedBox3d box;
-  const CdprPlant& plant = loop_.world.plant;
-  for (const double time : {0.0, plant.anchors.end_time()})
-    for (const CableDescription& cable : plant.anchors.RobotAt(plant.params.robot, time).cables)
+  const MovingAnchors anchors(RobotOf(loop_.world.plant));
+  for (const double time : {0.0, anchors.end_time()})
+    for (const CableDescription& cable : anchors.RobotAt(RobotOf(loop_.world.plant), time).cables)
       box.extend(cable.anchor_W);
-  const Vec<3> start = loop_.reference.params.path->At(0).position;
+  const Vec<3> start = PathOf(loop_)->At(0).position;
   box.extend(start).extend(Vec<3>(start[0], start[1], 0));
   return {"reference", {box.min(), box.max()}, [this](Context& context, const Vec<3>& place) {
             const CdprReference& reference = context.Eval(loop_.reference.reference);

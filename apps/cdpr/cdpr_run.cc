@@ -42,17 +42,25 @@ static constexpr KeyOfBlock kKeysOfBlocks[] = {
     {"imu_errors", "hardware"},
 };
 
+void CheckCdpr(const CdprScenario& scenario, const Customisation<CdprLoop>& customisation) {
+  DiagramBuilder builder;
+  Outputs outputs(builder);
+  std::vector<const Source*> faults;
+  AddDiagram(
+      builder, kKeysOfBlocks, [&] { return MakeLoopParams(scenario); }, customisation, scenario, outputs,
+      faults);
+}
+
 RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
                   const Customisation<CdprLoop>& customisation) {
   DiagramBuilder builder;
-  auto& loop = BlameBlocks(
-      kKeysOfBlocks, [&]() -> CdprLoop& { return builder.Add<CdprLoop>("loop", MakeLoopParams(scenario)); });
   Outputs outputs(builder);
+  std::vector<const Source*> faults;
+  auto& loop = AddDiagram(
+      builder, kKeysOfBlocks, [&] { return MakeLoopParams(scenario); }, customisation, scenario, outputs,
+      faults);
   if (const std::string note = PayOutNote(*loop.reference.params.path); !note.empty())
     PrintNotes(options, {note});
-  customisation.Apply(builder, loop, scenario.custom, outputs);
-  const std::vector<const Source*> faults =
-      BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });
   std::optional<CdprLive> live;
   if (options.live) live.emplace(builder, loop);
   const auto diagram = builder.Build();
@@ -72,11 +80,12 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   outputs.AddTo(simulator);
   signals.insert(signals.end(), faults.begin(), faults.end());
   const CdprPlant& plant = loop.world.plant;
-  if (!plant.additions.u.spec.elements.empty()) {
+  if (HasElements(plant.added_speeds)) {
     signals.push_back(&plant.added_positions);
     signals.push_back(&plant.added_speeds);
   }
-  if (plant.params.extend) signals.push_back(&plant.added_wrench);
+  if (CurrentBlock(plant) != &CurrentAs(plant) || CurrentAs(plant).params.extend)
+    signals.push_back(&plant.added_wrench);
   std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry, &loop.reference.geometry};
   if (loop.world.gusts != nullptr) signals.push_back(&loop.world.gusts->wrench);
   if (loop.world.hanging_load != nullptr) {
@@ -89,9 +98,11 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   if (live) live->AddTo(signals);
   outputs.AddTo(signals, shapes);
 
-  const CdprDescription& robot = loop.world.plant.params.robot;
+  const CdprDescription& robot = RobotOf(loop.world.plant);
   const Limits tension{.low = robot.tension_min().minCoeff(), .high = robot.tension_max().maxCoeff()};
-  const std::string controller(EnumName(scenario.controller));
+  const System& control =
+      loop.control.mpc != nullptr ? static_cast<const System&>(*loop.control.mpc) : *loop.control.pd;
+  const std::string controller(IsReplaced(control) ? kMine : EnumName(scenario.controller));
   const auto judge = [&](Summary& summary) {
     summary.Set("controller", controller);
     summary.Set("tension_min_N", figures->tension().min());

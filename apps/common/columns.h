@@ -29,6 +29,12 @@ std::vector<const Port*> Present(const std::vector<const Port*>& ports) {
   return present;
 }
 
+/// Whether the port that is now in the place of `port` has named elements.
+inline bool HasElements(const Source& port) {
+  const Source* const current = FindCurrent(port);
+  return current != nullptr && !current->spec().elements.empty();
+}
+
 namespace logged {
 
 /// A part of a port's value: its name in logs, and the names of its items if it is an array.

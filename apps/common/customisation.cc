@@ -1,6 +1,12 @@
 #include <tenon/apps/common/customisation.h>
+#include <tenon/apps/common/progress.h>
+
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <mutex>
+#include <set>
+#include <string>
 
 namespace tenon::apps {
 
@@ -9,6 +15,34 @@ void RefuseCustomKeys(const std::optional<YamlText>& custom) {
     throw KeyError(
         "custom",
         "only a program with blocks of its own has keys here: run that program, or remove `custom`");
+}
+
+std::vector<const System*> BlocksOf(const Subdiagram& diagram) {
+  std::vector<const System*> blocks;
+  for (const auto& block : diagram.blocks()) {
+    blocks.push_back(block.get());
+    if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get()))
+      for (const System* inner : BlocksOf(*nested)) blocks.push_back(inner);
+  }
+  return blocks;
+}
+
+void SayDropped(const std::vector<const System*>& shipped) {
+  static std::mutex mutex;
+  static std::set<std::string> said;
+  for (const System* block : shipped) {
+    if (block->replaced_by() == nullptr) continue;
+    std::vector<std::string> inputs;
+    for (const Source* input : block->sources())
+      if (input->kind() == SourceKind::kInput && input->driver() != nullptr && FindCurrent(*input) == nullptr)
+        inputs.push_back(fmt::format("'{}' ({})", input->name(), input->type_name()));
+    if (inputs.empty()) continue;
+    const std::string text =
+        fmt::format("note: your block '{}' has no input {}, to which the shipped one is connected\n",
+                    block->path(), fmt::join(inputs, ", "));
+    const std::lock_guard lock(mutex);
+    if (said.insert(text).second) Say(text);
+  }
 }
 
 std::vector<ScenarioKey> WithCustomKeys(std::vector<ScenarioKey> keys, std::vector<ScenarioKey> own) {

@@ -6,6 +6,7 @@
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/yaml/yaml.h>
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <type_traits>
@@ -19,10 +20,35 @@ struct NoKeys {
   static FieldList Fields() { return {}; }
 };
 
+/// The blocks of a run: those of the user's program, or the shipped ones to compare with.
+enum class Blocks { kMine, kShipped };
+constexpr auto EnumNames(Blocks) {
+  return std::array{Named{Blocks::kMine, "mine"}, Named{Blocks::kShipped, "shipped"}};
+}
+/// Name of the customised variant in a comparison, and of a user's block in figures.
+inline constexpr const char* kMine = EnumName(Blocks::kMine);
+
+/// The map `custom` of a scenario: the keys of a customisation, and `blocks`.
+template <class Keys>
+struct CustomKeys : Keys {
+  Blocks blocks = Blocks::kMine;
+  static FieldList Fields() {
+    FieldList fields = Keys::Fields();
+    fields.push_back({"blocks", &CustomKeys::blocks});
+    return fields;
+  }
+};
+
 /// Throws KeyError if a scenario has the key `custom`, whose contents are known only to another program.
 void RefuseCustomKeys(const std::optional<YamlText>& custom);
 /// Replaces the key `custom` in a list of keys by the keys of a customisation.
 std::vector<ScenarioKey> WithCustomKeys(std::vector<ScenarioKey> keys, std::vector<ScenarioKey> own);
+
+/// All blocks of a diagram.
+std::vector<const System*> BlocksOf(const Subdiagram& diagram);
+/// Says on stderr, once in a program, which inputs of `shipped` blocks were connected and are missing in the
+/// blocks that replaced them.
+void SayDropped(const std::vector<const System*>& shipped);
 
 /// A change that a user's program makes to the diagram of an app before each run, with keys of its own in the
 /// scenario's map `custom`. Empty in the shipped apps. Runs of a campaign call it in several threads at once.
@@ -35,14 +61,17 @@ class Customisation {
   template <HasFields Keys, class Hook>
   static Customisation Of(Hook hook) {
     Customisation made;
-    made.read_ = [](const YamlDocument& scenario) { return WriteYaml(scenario.ReadAt<Keys>("custom")); };
-    made.keys_ = [] { return KeysOf<Keys>(); };
+    using Read = CustomKeys<Keys>;
+    made.read_ = [](const YamlDocument& scenario) { return WriteYaml(scenario.ReadAt<Read>("custom")); };
+    made.keys_ = [] { return KeysOf<Read>(); };
     made.apply_ = [hook = std::move(hook)](DiagramBuilder& builder, Diagram& diagram,
                                            const YamlDocument& written, Outputs& outputs) {
+      const auto keys = written.Read<Read>();
+      if (keys.blocks == Blocks::kShipped) return;
       if constexpr (std::is_invocable_v<Hook, DiagramBuilder&, Diagram&, const Keys&, Outputs&>) {
-        hook(builder, diagram, written.Read<Keys>(), outputs);
+        hook(builder, diagram, keys, outputs);
       } else if constexpr (std::is_invocable_v<Hook, DiagramBuilder&, Diagram&, const Keys&>) {
-        hook(builder, diagram, written.Read<Keys>());
+        hook(builder, diagram, keys);
       } else if constexpr (std::is_invocable_v<Hook, DiagramBuilder&, Diagram&, Outputs&>) {
         hook(builder, diagram, outputs);
       } else {
@@ -65,13 +94,16 @@ class Customisation {
     custom = YamlText{YamlDocument::Parse(read_(scenario), "custom").Flow()};
   }
 
-  /// Applies the change with keys that Read has stored. Throws KeyError of `custom` for errors of the change.
+  /// Applies the change with keys that Read has stored, unless these choose the shipped blocks, and says
+  /// which connections the new blocks have dropped. Throws KeyError of `custom` for errors of the change.
   void Apply(DiagramBuilder& builder, Diagram& diagram, const std::optional<YamlText>& custom,
              Outputs& outputs) const {
     if (!*this) return;
+    const std::vector<const System*> shipped = BlocksOf(diagram);
     Blame("custom", [&] {
       apply_(builder, diagram, YamlDocument::Parse(custom ? custom->text : "{}", "custom"), outputs);
     });
+    SayDropped(shipped);
   }
 
   /// Lists the keys of a scenario: those of the app, and those of the customisation as `custom.KEY`.
@@ -85,12 +117,9 @@ class Customisation {
   std::function<void(DiagramBuilder&, Diagram&, const YamlDocument& written, Outputs&)> apply_;
 };
 
-/// Name of the customised variant in a comparison.
-inline constexpr const char* kMine = "mine";
-
-/// Returns whether a customisation has replaced the block of a port.
-inline bool IsReplaced(const Source& port) {
-  return &port.Current() != &port;
+/// Returns whether a customisation has replaced a block.
+inline bool IsReplaced(const System& block) {
+  return CurrentBlock(block) != &block;
 }
 
 /// Base of the apps whose diagram a program can change. With a change, `--compare` also runs the variant

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/customisation.h>
 #include <tenon/apps/common/notes.h>
 #include <tenon/diagrams/faults/faults.h>
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,19 @@ decltype(auto) BlameFaults(F insert) {
   } catch (const ParameterError& error) {
     throw KeyError("faults", error.what());
   }
+}
+
+/// Adds the diagram of a scenario to the builder, with the parameters that `params()` returns, the change of
+/// a user's program and the faults of the scenario, whose signals `faults` receives. `keys` name the keys of
+/// the diagram's blocks. Throws KeyError.
+template <class Diagram>
+Diagram& AddDiagram(DiagramBuilder& builder, std::span<const KeyOfBlock> keys, const auto& params,
+                    const Customisation<Diagram>& customisation, const auto& scenario, Outputs& outputs,
+                    std::vector<const Source*>& faults) {
+  auto& diagram = BlameBlocks(keys, [&]() -> Diagram& { return builder.Add<Diagram>("loop", params()); });
+  customisation.Apply(builder, diagram, scenario.custom, outputs);
+  faults = BlameFaults([&] { return InsertFaults(builder, diagram, scenario.faults); });
+  return diagram;
 }
 
 /// Adds a note for each fault of a scenario that never acts in a run of `duration` [s].

@@ -133,6 +133,13 @@ void Summary::Break(double time, const std::string& reason) {
       fmt::format("{}, at {:.4g} s", breaches_.front().second, breaches_.front().first);
 }
 
+void Summary::Require(const Condition& condition) {
+  Set(condition.key, condition.met_at);
+  const double end = json_->values["simulated_s"];
+  if (condition.due && *condition.due <= end && !condition.met_at)
+    Break(*condition.due, std::string("the point of the case did not happen: ") + condition.missed);
+}
+
 bool Summary::finished() const {
   return json_->values["finished"];
 }

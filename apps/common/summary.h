@@ -13,6 +13,18 @@
 
 namespace tenon::apps {
 
+/// An event that makes the point of a case. A run that lasts until it is due is not finished without it.
+struct Condition {
+  const char* key;                    ///< figure: the time at which it happened [s]
+  const char* missed;                 ///< end reason of a run without it
+  std::optional<double> due = {};     ///< [s]; empty: the event need not happen
+  std::optional<double> met_at = {};  ///< [s]
+
+  void Meet(double time) {
+    if (!met_at) met_at = time;
+  }
+};
+
 /// The figures of a run as in summary.json, in SI units, which the keys name. The constructor sets the
 /// figures that all apps have.
 class Summary {
@@ -44,9 +56,12 @@ class Summary {
   /// Sets the limits of a figure and all figures nested in it. They are shown beside the figure and written
   /// under `limits` in summary.json.
   void Limit(const std::string& key, const Limits& limits) { limits_.emplace_back(key, limits); }
-  /// Records a physically impossible event at `time` [s]: the run is not finished and has the exit code
-  /// kLimitBroken. The earliest such event becomes the end reason, unless something else ended the run.
+  /// Records an event that must not happen, such as a physically impossible one, at `time` [s]: the run is
+  /// not finished and has the exit code kLimitBroken. The earliest such event becomes the end reason, unless
+  /// something else ended the run.
   void Break(double time, const std::string& reason);
+  /// Sets the figure of a condition. If it was due and is not met, the run is not finished, as after a Break.
+  void Require(const Condition& condition);
   /// Overrides the end reason and the exit code.
   void EndedBy(const std::string& reason, int exit_code);
 

@@ -1,5 +1,6 @@
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/guide_dog/collision_figures.h>
+#include <tenon/apps/quadruped/limit_figures.h>
 
 #include <fmt/core.h>
 
@@ -34,9 +35,11 @@ double DistanceBelow(double top, Eigen::Vector3d a, Eigen::Vector3d b, const Eig
 }  // namespace
 
 CollisionFigures::CollisionFigures(const GuideDog& loop)
-    : loop_(loop), clearance_(loop.world.plant.bare_robot, loop.world.plant.params.terrain) {
-  for (std::size_t i = 0; i < loop.obstacles.params.obstacles.size(); ++i)
-    obstacles_.push_back("obstacle " + std::to_string(i));
+    : loop_(loop),
+      clearance_(MakeClearance(loop.world.plant)),
+      obstacles_(CurrentAs<LeafSystem<ObstacleDetectorParams>>(loop.obstacles).params.obstacles),
+      attachment_B_(CurrentAs<LeafSystem<LeashParams>>(loop.leash).params.attachment_B) {
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) names_.push_back("obstacle " + std::to_string(i));
 }
 
 std::vector<const Source*> CollisionFigures::Signals(const GuideDog& loop) {
@@ -60,14 +63,13 @@ void CollisionFigures::Row(std::span<const double> row) {
   const Eigen::Vector3d person_W = VectorIn<3>(row, person_), hand_W = VectorIn<3>(row, hand_);
   RobotRow(row[0], x, person_W, Person::kHeight - Person::kRadius, Person::kRadius, kPerson, &to_person_);
 
-  const Eigen::Vector3d attachment_W = x.p_WB + x.R_WB() * loop_.leash.params.attachment_B;
-  const std::vector<Obstacle>& obstacles = loop_.obstacles.params.obstacles;
-  for (std::size_t i = 0; i < obstacles.size(); ++i) {
-    const auto& [centre, radius] = obstacles[i];
-    RobotRow(row[0], x, {centre[0], centre[1], 0}, Obstacle::kHeight, radius, obstacles_[i], &to_obstacles_);
+  const Eigen::Vector3d attachment_W = x.p_WB + x.R_WB() * attachment_B_;
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+    const auto& [centre, radius] = obstacles_[i];
+    RobotRow(row[0], x, {centre[0], centre[1], 0}, Obstacle::kHeight, radius, names_[i], &to_obstacles_);
     const auto check = [&](const char* name, double distance) {
       to_obstacles_.Add(distance);
-      if (distance < 0) Collide(row[0], name, obstacles_[i], -distance);
+      if (distance < 0) Collide(row[0], name, names_[i], -distance);
     };
     check(kPerson, (person_W.head<2>() - centre).norm() - radius - Person::kRadius);
     check(kLeash, DistanceBelow(Obstacle::kHeight, attachment_W, hand_W, centre) - radius);
@@ -90,7 +92,7 @@ void CollisionFigures::RobotRow(double time, const LeggedState& x, const Eigen::
 }
 
 void CollisionFigures::LeashRow(double time, const LeggedState& x, const Eigen::Vector3d& hand_W) {
-  const Eigen::Vector3d start_B = clearance_.OnTrunk(loop_.leash.params.attachment_B);
+  const Eigen::Vector3d start_B = clearance_.OnTrunk(attachment_B_);
   const Eigen::Vector3d hand_B = x.R_WB().transpose() * (hand_W - x.p_WB);
   const QuadrupedClearances::Gap gap = clearance_.To(x.q, start_B, hand_B - start_B, kSoft);
   if (gap.distance < kTogether) Collide(time, kLeash, NameOf(gap.leg), -gap.distance);

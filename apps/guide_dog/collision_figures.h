@@ -41,7 +41,9 @@ class CollisionFigures final : public LogSink {
 
   const GuideDog& loop_;
   QuadrupedClearance clearance_;
-  std::vector<std::string> obstacles_;  // names
+  std::vector<Obstacle> obstacles_;
+  Vec<3> attachment_B_;             // of the leash [m]
+  std::vector<std::string> names_;  // of the obstacles
   std::vector<std::size_t> position_, attitude_, q_, person_, hand_;
   Tally to_person_, to_obstacles_;  // [m]
   Breaches breaches_;

@@ -26,12 +26,27 @@ namespace {
 LiveControls::Goal PersonGoalOf(const Person& person) {
   constexpr double kReach = 20;   // largest distance of the goal from the start, along each axis [m]
   constexpr double kSpeed = 0.5;  // [m/s]
-  const Vec<2>& start = person.params.start;
+  const Vec<2>& start = CurrentAs<LeafSystem<PersonParams>>(person).params.start;
   return {"person",
           {Vec<3>(start[0] - kReach, start[1] - kReach, 0), Vec<3>(start[0] + kReach, start[1] + kReach, 0)},
           [&person](Context&, const Vec<3>& place) {
             return LiveSets{SetTo(person.goal, {true, place.head<2>(), kSpeed})};
           }};
+}
+
+/// Adds the diagram of a scenario to the builder, see AddDiagram. `observer` receives the observer of its
+/// parameters.
+GuideDog& AddGuideDog(DiagramBuilder& builder, const GuideDogScenario& scenario,
+                      const Customisation<GuideDog>& customisation, Outputs& outputs,
+                      std::vector<const Source*>& faults, ObserverKind& observer) {
+  const auto params = [&] {
+    GuideDogParams made = MakeGuideDogParams(scenario);
+    observer = made.observer.kind;
+    return made;
+  };
+  auto& loop = AddDiagram(builder, kKeysOfLegged, params, customisation, scenario, outputs, faults);
+  CheckObserver(scenario.observer, loop);
+  return loop;
 }
 
 RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& options,
@@ -40,22 +55,19 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   if (!options.live && !options.out.empty()) CheckJudged(scenario.walk.judged_from_s, duration, true);
 
   DiagramBuilder builder;
-  auto& loop = BlameBlocks(kKeysOfLegged, [&]() -> GuideDog& {
-    return builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario));
-  });
   Outputs outputs(builder);
-  customisation.Apply(builder, loop, scenario.custom, outputs);
-  const std::vector<const Source*> faults =
-      BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });
+  std::vector<const Source*> faults;
+  ObserverKind observer{};
+  auto& loop = AddGuideDog(builder, scenario, customisation, outputs, faults, observer);
   std::optional<QuadrupedLive> live;
   if (options.live) Blame("forces", [&] { live.emplace(builder, loop.world, &loop.walk, scenario.live); });
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario, loop.world.plant));
   std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
-  const auto leash = std::make_shared<GuideDogFigures>(loop);
-  const auto walk = std::make_shared<WalkFigures>(loop, scenario.walk.judged_from_s,
-                                                  scenario.observer != ObserverKind::kNone,
-                                                  MakePathVerdict(scenario.walk, options.live != nullptr));
+  const auto leash = std::make_shared<GuideDogFigures>(loop, options.live == nullptr);
+  const auto walk =
+      std::make_shared<WalkFigures>(loop, scenario.walk.judged_from_s, observer != ObserverKind::kNone,
+                                    MakePathVerdict(scenario.walk, options.live != nullptr));
   simulator.AddLog(Hz(1000), GuideDogFigures::Judged(loop), {leash, walk});
   const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
   simulator.AddLog(Hz(1000), LimitFigures::Signals(loop.world.plant), {InBackground(limits)});
@@ -66,7 +78,7 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
 
   const auto judge = [&](Summary& summary) {
     summary.Set("robot", ResourceName(scenario.robot));
-    summary.Set("observer", std::string(EnumName(scenario.observer)));
+    summary.Set("observer", IsReplaced(loop.observer) ? kMine : EnumName(observer));
     leash->AddTo(summary);
     walk->AddTo(summary);
     limits->AddTo(summary);
@@ -78,7 +90,7 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   if (live) {
     live->AddTo(signals, shapes);
     controls = live->Controls();
-    controls.goal = PersonGoalOf(loop.person);
+    if (FindCurrent(loop.person.goal) != nullptr) controls.goal = PersonGoalOf(loop.person);
   }
   outputs.AddTo(signals, shapes);
   return RunScenario(options, scenario, Describe(scenario, duration), duration, simulator, signals, shapes,
@@ -96,7 +108,13 @@ ScenarioApp GuideDogApp::AsScenarioApp() const {
         CheckJudged(scenario.walk.judged_from_s, Duration(scenario));
         return scenario;
       },
-      MakeGuideDogParams,
+      [customisation = customisation_](const GuideDogScenario& scenario) {
+        DiagramBuilder builder;
+        Outputs outputs(builder);
+        std::vector<const Source*> faults;
+        ObserverKind observer{};
+        AddGuideDog(builder, scenario, customisation, outputs, faults, observer);
+      },
       [customisation = customisation_](const GuideDogScenario& scenario, const RunOptions& options) {
         return RunGuideDog(scenario, options, customisation);
       });

@@ -19,6 +19,20 @@ bool Is(double value, auto enumerator) {
 
 }  // namespace
 
+GuideDogFigures::GuideDogFigures(const GuideDog& loop, bool judged)
+    : loop_(loop),
+      desired_tension_(
+          CurrentAs<LeafSystem<AdmittanceFilterParams>>(loop.admittance).params.gains.desired_tension),
+      threshold_(CurrentAs<LeafSystem<SupervisorParams>>(loop.supervisor).params.gains.threshold) {
+  double end = 0;  // of a phase [s]
+  for (const PersonPhase& phase : CurrentAs<LeafSystem<PersonParams>>(loop.person).params.phases) {
+    end += phase.duration;
+    if (!judged) continue;
+    if (phase.activity == Activity::kFollow && phase.speed > 0 && !tightens_.due) tightens_.due = end;
+    if (phase.activity == Activity::kPull && FindCurrent(loop.supervisor.status)) directed_.due = end;
+  }
+}
+
 std::vector<const Source*> GuideDogFigures::Signals(const GuideDog& loop) {
   std::vector<const Source*> signals{&loop.leash.leash,
                                      &loop.person.person,
@@ -74,6 +88,7 @@ void GuideDogFigures::Row(std::span<const double> row) {
 void GuideDogFigures::LeashRow(std::span<const double> row) {
   const double tension = row[tension_], distance = row[length_];
   tensions_.Add(tension);
+  if (tension > 0) tightens_.Meet(row[0]);
 
   if (!mode_ || !activity_) return;
   const bool together =
@@ -107,8 +122,10 @@ void GuideDogFigures::HeadingRow(std::span<const double> row) {
   const Eigen::Matrix3d R = RotationFromQuaternion(VectorIn<4>(row, attitude_));
   if (headings_.size() == kSecond) headings_.pop_front();
   headings_.emplace_back(R(0, 0), R(1, 0));
-  if (mode_ && Is(last_mode_, GuideMode::kStop) && Is(row[*mode_], GuideMode::kTurn))
+  if (mode_ && Is(last_mode_, GuideMode::kStop) && Is(row[*mode_], GuideMode::kTurn)) {
     pull_yaw_ = std::atan2(-row[direction_[1]], -row[direction_[0]]);
+    directed_.Meet(row[0]);
+  }
 }
 
 void GuideDogFigures::AddTo(Summary& summary) const {
@@ -131,6 +148,8 @@ void GuideDogFigures::AddTo(Summary& summary) const {
                     std::abs(std::remainder(std::atan2(sum[1], sum[0]) - *pull_yaw_, 2 * std::numbers::pi));
   }
   summary.Set("heading_error_deg", heading_error);
+  summary.Require(tightens_);
+  summary.Require(directed_);
 }
 
 }  // namespace tenon::apps

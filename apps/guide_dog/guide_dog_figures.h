@@ -32,11 +32,10 @@ class GuideDogFigures final : public LogSink {
   /// The shapes of a replay.
   static std::vector<const OutputPort<Geometry>*> Shapes(const GuideDog& loop);
 
-  /// The parameters of the loop, unlike those of its scenario, are scaled to the robot.
-  explicit GuideDogFigures(const GuideDog& loop)
-      : loop_(loop),
-        desired_tension_(loop.admittance.params.gains.desired_tension),
-        threshold_(loop.supervisor.params.gains.threshold) {}
+  /// The parameters of the loop, unlike those of its scenario, are scaled to the robot. With `judged`, the
+  /// leash must tighten by the end of the person's first phase of following, and the robot must take the
+  /// direction of her last pull by the end of that phase; see Condition.
+  explicit GuideDogFigures(const GuideDog& loop, bool judged = false);
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
   void AddTo(Summary& summary) const;
@@ -60,6 +59,8 @@ class GuideDogFigures final : public LogSink {
   std::optional<double> pull_yaw_;                        // [rad]
   double last_mode_ = 0;
   std::deque<Vec<2>> headings_;  // headings of the last second as unit vectors
+  Condition tightens_{"leash_tight_at_s", "the leash never tightened"};
+  Condition directed_{"direction_given_at_s", "the person never gave a direction"};
 };
 
 }  // namespace tenon::apps

@@ -3,6 +3,7 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,8 +12,8 @@ namespace tenon::apps {
 /// Scenario of tenon-guide-dog, read from a YAML file. With `scale_forces`, the forces and stiffnesses of the
 /// person and the leash are scaled to the robot's weight, too.
 struct GuideDogScenario : LeggedScenario {
-  WalkScenario walk;  ///< walk that the robot would make without a person
-  ObserverKind observer = DisturbanceObserverParams().kind;  ///< observer of disturbances
+  WalkScenario walk;                     ///< walk that the robot would make without a person
+  std::optional<ObserverKind> observer;  ///< overrides the observer of the profile
   SupervisorGains supervisor;
   AdmittanceGains admittance;
   PersonParams person;

@@ -9,9 +9,10 @@ namespace tenon::apps {
 
 std::vector<SignalLimits> DriveLimits(const QuadrupedPlant& plant) {
   std::vector<SignalLimits> limits;
-  const std::vector<Element> joints = plant.joint_torque.elements();
+  if (FindCurrent(plant.joint_torque) == nullptr) return limits;
+  const std::vector<Element> joints = Current(plant.joint_torque).elements();
   for (int i = 0; i < kNumJoints; ++i) {
-    const JointDescription& joint = plant.params.robot.joint(i);
+    const JointDescription& joint = ParamsOf(plant).robot.joint(i);
     const std::string& name = joints[static_cast<std::size_t>(i)].name;
     limits.push_back({fmt::format("{}.{}", SignalName(plant.joint_torque), name),
                       {.low = -joint.torque_limit, .high = joint.torque_limit}});

@@ -1,5 +1,6 @@
 #include <tenon/apps/common/beside.h>
 #include <tenon/apps/common/columns.h>
+#include <tenon/apps/quadruped/drive_limits.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 
 #include <fmt/core.h>
@@ -10,6 +11,13 @@
 namespace tenon::apps {
 namespace {
 
+AddedShapes ShapesAddedTo(const QuadrupedPlant& plant) {
+  const QuadrupedPlant& shipped = CurrentAs(plant);
+  const QuadrupedPlantParams& params = shipped.params;
+  return AddedShapes::Of(plant,
+                         MakeQuadrupedGeometry(shipped.bare_robot, params.payload, params.terrain).size());
+}
+
 constexpr double kRounding = 1e-9;  // tolerance, relative to the torque limit of a drive
 
 const char* NameOf(int leg) {
@@ -19,13 +27,23 @@ const char* NameOf(int leg) {
 }  // namespace
 
 std::vector<const Source*> LimitFigures::Signals(const QuadrupedPlant& plant) {
-  return Present<Source>({&plant.state, &plant.joint_torque, &plant.foot_depths});
+  std::vector<const Source*> signals{&plant.state, &plant.joint_torque, &plant.foot_depths};
+  if (!ShapesAddedTo(plant).empty()) signals.push_back(&plant.geometry);
+  return Present(signals);
+}
+
+QuadrupedClearance MakeClearance(const QuadrupedPlant& plant) {
+  const QuadrupedPlant& shipped = CurrentAs(plant);
+  const QuadrupedPlantParams& params = ParamsOf(plant);
+  return {&params == &shipped.params ? shipped.bare_robot : params.robot, params.terrain};
 }
 
 LimitFigures::LimitFigures(const QuadrupedPlant& plant)
     : plant_(plant),
-      robot_(plant.params.robot),
-      clearance_(plant.bare_robot, plant.params.terrain),
+      robot_(ParamsOf(plant).robot),
+      clearance_(MakeClearance(plant)),
+      terrain_(ParamsOf(plant).terrain),
+      added_(ShapesAddedTo(plant)),
       foot_limit_(std::max(kPressedIn, kPressedRatio * robot_.foot_radius)) {}
 
 void LimitFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
@@ -33,14 +51,23 @@ void LimitFigures::Begin(const std::vector<std::string>& names, const std::vecto
   attitude_ = Columns(names, plant_.state, &LeggedState::q_WB);
   q_ = Columns(names, plant_.state, &LeggedState::q);
   qd_ = Columns(names, plant_.state, &LeggedState::qd);
-  torque_ = Columns(names, plant_.joint_torque);
+  torque_ = Columns(names, FindCurrent(plant_.joint_torque));
+  added_.Begin(names, plant_.geometry);
   depth_ = Columns(names, FindCurrent(plant_.foot_depths));
 }
 
 void LimitFigures::Row(std::span<const double> row) {
-  DriveRow(row);
+  if (!torque_.empty()) DriveRow(row);
   if (!depth_.empty()) FootRow(row);
   ClearanceRow(row);
+  added_.Visit(row, [&](const std::string& name, const Vec<3>& p_W, double radius) {
+    const Terrain::Surface ground = terrain_.At(p_W[0], p_W[1]);
+    const double height = (p_W[2] - ground.height) * ground.normal_W[2] - radius;
+    added_heights_.Add(height);
+    if (height < -kPressedIn)
+      breaches_.Add(row[0], "a body on the robot went into the ground",
+                    fmt::format("{} by {:.3g} m, more than {} m", name, -height, kPressedIn));
+  });
 }
 
 void LimitFigures::DriveRow(std::span<const double> row) {
@@ -105,6 +132,7 @@ void LimitFigures::AddTo(Summary& summary) const {
   summary.Set("leg_clearance_min_m", legs_.min(), {.low = -kPressedIn});
   summary.Set("trunk_clearance_min_m", trunk_.min(), {.low = -kPressedIn});
   summary.Set("ground_clearance_min_m", ground_.min(), {.low = -kPressedIn});
+  if (!added_.empty()) summary.Set("added_clearance_min_m", added_heights_.min(), {.low = -kPressedIn});
   breaches_.AddTo(summary);
 }
 

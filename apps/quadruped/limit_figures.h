@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/apps/common/added_shapes.h>
 #include <tenon/apps/common/breaches.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
@@ -13,13 +14,17 @@
 
 namespace tenon::apps {
 
+/// The clearances of the robot that stands in the diagram.
+QuadrupedClearance MakeClearance(const QuadrupedPlant& plant);
+
 /// Checks the physical limits of drives, feet, legs, trunk and ground, from a log of every control tick.
 ///
 /// The torque of a drive must stay within its torque-speed line at the joint's speed, whether or not the
 /// plant enforced this. A joint that is driven beyond its speed limit from outside is no breach while its
 /// drive stays within the line. Links and trunk must not penetrate each other or the ground by more than
 /// `kPressedIn`, and a foot must not penetrate the ground by more than `kPressedRatio` of its radius, or
-/// kPressedIn if that is more.
+/// kPressedIn if that is more. Neither must the shapes of bodies that were added to the robot enter the
+/// ground by more than kPressedIn.
 class LimitFigures final : public LogSink {
  public:
   static constexpr double kPressedIn = 0.005;   ///< penetration of links and trunk [m]
@@ -42,11 +47,13 @@ class LimitFigures final : public LogSink {
   const QuadrupedPlant& plant_;
   QuadrupedDescription robot_;
   QuadrupedClearance clearance_;
+  Terrain terrain_;
+  AddedShapes added_;
   double foot_limit_;  // [m]
   std::vector<std::size_t> position_, attitude_, q_, qd_, torque_, depth_;
 
-  Tally torques_, speeds_, excesses_, depths_;  // [N m], [rad/s], [N m], [m]
-  Tally legs_, trunk_, ground_;                 // [m]
+  Tally torques_, speeds_, excesses_, depths_;   // [N m], [rad/s], [N m], [m]
+  Tally legs_, trunk_, ground_, added_heights_;  // [m]
   Breaches breaches_;
 };
 

@@ -137,12 +137,8 @@ ScenarioApp QuadrupedApp::AsScenarioApp() const {
     if (scenario.walk) CheckJudged(scenario.walk->judged_from_s, Duration(scenario));
     return scenario;
   };
-  const auto prepare = [](const QuadrupedScenario& scenario) {
-    if (scenario.walk) {
-      MakeWalkParams(scenario);
-    } else {
-      MakeStandParams(scenario);
-    }
+  const auto prepare = [customisation = customisation_](const QuadrupedScenario& scenario) {
+    CheckQuadruped(scenario, customisation);
   };
   const auto run = [customisation = customisation_](const QuadrupedScenario& scenario,
                                                     const RunOptions& options) {

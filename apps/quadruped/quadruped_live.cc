@@ -1,3 +1,4 @@
+#include <tenon/apps/quadruped/drive_limits.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
 
@@ -15,23 +16,43 @@ constexpr double kLoadEdge = 0.12;   // edge of the load as SlidingLoad draws it
 constexpr std::array kGaits{Gait::kTrot, Gait::kCrawl, Gait::kPace, Gait::kGallop};
 
 Geometry ShapesOf(const QuadrupedPlant& plant) {
-  return MakeQuadrupedGeometry(plant.params.robot, plant.params.payload, plant.params.terrain);
+  const QuadrupedPlantParams& params = ParamsOf(plant);
+  return MakeQuadrupedGeometry(params.robot, params.payload, params.terrain);
 }
 
 SlidingLoadParams LoadOn(const QuadrupedPlant& plant) {
   SlidingLoadParams params;
-  const RigidInertia& trunk = plant.params.robot.trunk;
+  const QuadrupedPlantParams& on = ParamsOf(plant);
+  const RigidInertia& trunk = on.robot.trunk;
   const double half_height = ShapesOf(plant).front().size[2] / 2;
   params.position_B = trunk.com + Vec<3>(0, 0, half_height + kLoadEdge / 2);
-  params.robot = plant.params.initial;
-  params.gravity = plant.params.gravity;
+  params.robot = on.initial;
+  params.gravity = on.gravity;
   return params;
 }
+
+/// Adds a pull and a load to the forces on the robot, behind the first `params` ones.
+class LiveForces final : public LeafSystem<std::size_t> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<ExternalForces> others{this, {"others"}, ExternalForces{}};
+  InputPort<ExternalForce> pull{this, {"pull"}}, load{this, {"load"}};
+  OutputPort<ExternalForces> forces{this, {"forces"}, Uses(others, pull, load), &LiveForces::CalcForces};
+
+ private:
+  ExternalForces CalcForces(const ExternalForces& others, const ExternalForce& pull,
+                            const ExternalForce& load) const {
+    ExternalForces all = others;
+    all[params] = pull;
+    all[params + 1] = load;
+    return all;
+  }
+};
 
 /// The body of each shape of the robot, by the index of the shape. Other shapes are omitted.
 std::map<std::size_t, int> BodiesOf(const QuadrupedPlant& plant) {
   std::map<std::string, int> by_name{{"trunk", 0}};
-  for (int j = 0; j < kNumJoints; ++j) by_name["link of " + plant.params.robot.joint(j).name] = 1 + j;
+  for (int j = 0; j < kNumJoints; ++j) by_name["link of " + ParamsOf(plant).robot.joint(j).name] = 1 + j;
   for (int leg = 0; leg < kNumLegs; ++leg)
     by_name[std::string("foot ") + kLegNames[static_cast<std::size_t>(leg)]] = kJointsPerLeg * (leg + 1);
   std::map<std::size_t, int> bodies;
@@ -49,31 +70,28 @@ QuadrupedLive::QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, Wal
                              const LiveScenario& limits)
     : limits_(limits),
       world_(world),
-      pull_(builder.Add<SpringPull>("live_pull", SpringPullParams{.robot = world.plant.params.robot})),
+      pull_(builder.Add<SpringPull>("live_pull", SpringPullParams{.robot = ParamsOf(world.plant).robot})),
       load_(builder.Add<SlidingLoad>("live_load", LoadOn(world.plant))) {
   if (walk != nullptr) {
-    drive_ = &builder.Add<WalkDrive>("live_drive",
-                                     WalkDriveParams{.acceleration = walk->params.acceleration,
-                                                     .yaw_acceleration = walk->params.yaw_acceleration,
-                                                     .rate = walk->params.rate});
+    const WalkScheduleParams& planned = CurrentAs<LeafSystem<WalkScheduleParams>>(*walk).params;
+    drive_ =
+        &builder.Add<WalkDrive>("live_drive", WalkDriveParams{.acceleration = planned.acceleration,
+                                                              .yaw_acceleration = planned.yaw_acceleration,
+                                                              .rate = planned.rate});
     builder.Insert(walk->command, drive_->planned, drive_->command);
   }
   builder.Connect(world.plant.state, pull_.state);
   builder.Connect(world.plant.state, load_.robot);
-  const std::size_t used = world.disturbances.params.count;
+  acts_ = FindCurrent(world.plant.external) != nullptr;
+  if (!acts_) return;
+  const std::size_t used = CurrentAs<LeafSystem<ForceBundleParams>>(world.disturbances).params.count;
   Demand(used + 2 <= kMaxExternalForces,
          fmt::format("the scenario has {} forces, but a live run allows at most {}: remove some", used - 1,
                      kMaxExternalForces - 3));
-  auto& forces = builder.AddFunction(
-      {"live_forces"}, Uses(world.disturbances.forces, pull_.force, load_.force),
-      [used](const ExternalForces& others, const ExternalForce& pull, const ExternalForce& load) {
-        ExternalForces all = others;
-        all[used] = pull;
-        all[used + 1] = load;
-        return all;
-      });
-  builder.Disconnect(world.plant.external);
-  builder.Connect(forces, world.plant.external);
+  auto& forces = builder.Add<LiveForces>("live_forces", used);
+  builder.Connect(pull_.force, forces.pull);
+  builder.Connect(load_.force, forces.load);
+  builder.InsertBefore(world.plant.external, forces.others, forces.forces);
 }
 
 void QuadrupedLive::AddTo(std::vector<const Source*>& signals,
@@ -104,8 +122,9 @@ LiveControls QuadrupedLive::Controls() const {
         }};
   }
 
+  if (!acts_) return controls;
   const QuadrupedPlant& plant = world_.plant;
-  const QuadrupedDescription& robot = plant.params.robot;
+  const QuadrupedDescription& robot = ParamsOf(plant).robot;
   const std::map<std::size_t, int> bodies = BodiesOf(plant);
   LiveControls::Pull pull;
   pull.stiffness = pull_.params.stiffness;
@@ -119,14 +138,14 @@ LiveControls QuadrupedLive::Controls() const {
     grip.target_W = target_W;
     if (first) {
       grip.body = bodies.at(shape);
-      grip.p_B = PointInBody(robot, context.Eval(world_.plant.motion), grip.body, point_W);
+      grip.p_B = PointInBody(robot, context.Eval(world_.plant.state), grip.body, point_W);
     }
     return LiveSets{SetTo(pull_.grip, grip)};
   };
   pull.release = [this] { return LiveSets{SetTo(pull_.grip, {})}; };
   pull.state = [this, &robot](Context& context) {
     const SpringGrip& grip = context.Eval(pull_.grip);
-    const LeggedState& x = context.Eval(world_.plant.motion);
+    const LeggedState& x = context.Eval(world_.plant.state);
     return std::pair(PointOfBody(robot, x, grip.body, grip.p_B).p_W, context.Eval(pull_.force).force_W);
   };
   controls.pull = std::move(pull);
@@ -134,7 +153,7 @@ LiveControls QuadrupedLive::Controls() const {
   const double largest = std::round(limits_.load_ratio * robot.mass());
   controls.load = {
       "trunk load", {0.1, largest}, std::min(5.0, largest / 2), [this](Context& context, double mass) {
-        const LeggedState& x = context.Eval(world_.plant.motion);
+        const LeggedState& x = context.Eval(world_.plant.state);
         const Eigen::Vector3d arm =
             x.R_WB() * (load_.params.position_B + Vec<3>(0, 0, mass > 0 ? kDropHeight : 0));
         const Vec<3> place = x.p_WB + arm, velocity = x.v_W + x.w_W.cross(arm);

@@ -32,6 +32,7 @@ class QuadrupedLive {
   WalkDrive* drive_ = nullptr;
   SpringPull& pull_;
   SlidingLoad& load_;
+  bool acts_ = false;  ///< the plant takes forces
 };
 
 }  // namespace tenon::apps

@@ -27,11 +27,11 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
                   const auto&... judging) {
   const double duration = Duration(scenario);
   DiagramBuilder builder;
-  auto& loop = BlameBlocks(kKeysOfLegged, [&]() -> Loop& { return builder.Add<Loop>("loop", params); });
   Outputs outputs(builder);
-  customisation.Apply(builder, loop, scenario.custom, outputs);
-  const std::vector<const Source*> faults =
-      BlameFaults([&] { return InsertFaults(builder, loop, scenario.faults); });
+  std::vector<const Source*> faults;
+  auto& loop = AddDiagram(
+      builder, kKeysOfLegged, [&] { return params; }, customisation, scenario, outputs, faults);
+  if constexpr (requires { loop.observer; }) CheckObserver(scenario.observer, loop);
   std::optional<QuadrupedLive> live;
   if (options.live) {
     WalkSchedule* walk = nullptr;
@@ -50,7 +50,7 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
   const auto judge = [&](Summary& summary) {
     summary.Set("robot", ResourceName(scenario.robot));
     if constexpr (requires { loop.observer; })
-      summary.Set("observer", IsReplaced(loop.observer.wrench) ? kMine : std::string(EnumName(*observer)));
+      summary.Set("observer", IsReplaced(loop.observer) ? kMine : EnumName(*observer));
     figures->AddTo(summary);
     limits->AddTo(summary);
     summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
@@ -67,6 +67,28 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
 }
 
 }  // namespace
+
+void CheckObserver(const std::optional<ObserverKind>& observer, const QuadrupedWalk& loop) {
+  if (observer && IsReplaced(loop.observer))
+    throw KeyError("observer",
+                   fmt::format("'{}' has no effect, because this program replaces the block '{}': remove the "
+                               "key, set custom.blocks to shipped, or use --compare",
+                               EnumName(*observer), loop.observer.path()));
+}
+
+void CheckQuadruped(const QuadrupedScenario& scenario, const Customisation<QuadrupedWalk>& customisation) {
+  DiagramBuilder builder;
+  Outputs outputs(builder);
+  std::vector<const Source*> faults;
+  if (scenario.walk) {
+    const auto params = [&] { return MakeWalkParams(scenario); };
+    CheckObserver(scenario.observer,
+                  AddDiagram(builder, kKeysOfLegged, params, customisation, scenario, outputs, faults));
+  } else {
+    const auto params = [&] { return MakeStandParams(scenario); };
+    AddDiagram<QuadrupedStand>(builder, kKeysOfLegged, params, {}, scenario, outputs, faults);
+  }
+}
 
 RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options,
                        const Customisation<QuadrupedWalk>& customisation) {

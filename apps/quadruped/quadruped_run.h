@@ -6,6 +6,7 @@
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,12 @@ inline constexpr KeyOfBlock kKeysOfLegged[] = {
 
 /// The keys of a scenario that name shipped files, and the kinds of these files.
 std::vector<ScenarioFile> LeggedFiles();
+
+/// Throws KeyError if a scenario chooses a shipped observer, but a customisation has replaced it.
+void CheckObserver(const std::optional<ObserverKind>& observer, const QuadrupedWalk& loop);
+
+/// Checks whether a scenario can be run, without running it. Throws KeyError.
+void CheckQuadruped(const QuadrupedScenario& scenario, const Customisation<QuadrupedWalk>& customisation);
 
 /// Runs one scenario, in the diagram of a walk that `customisation` changes. Throws KeyError and the errors
 /// of the outputs.

@@ -20,6 +20,12 @@ void CheckJudged(double from, double end, bool cut) {
 
 namespace {
 
+/// Whether the plant that stands in the diagram may exert an added wrench.
+bool IsExtended(const QuadrupedPlant& plant) {
+  const QuadrupedPlant& shipped = CurrentAs(plant);
+  return CurrentBlock(plant) != &shipped || shipped.params.extend;
+}
+
 double Yaw(std::span<const double> row, const std::vector<std::size_t>& attitude) {
   const Eigen::Matrix3d R = RotationFromQuaternion(VectorIn<4>(row, attitude));
   return std::atan2(R(1, 0), R(0, 0));
@@ -40,11 +46,11 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
                                      &loop.locomotion.schedule,
                                      &loop.errors.errors,
                                      &loop.errors.external_foot_forces};
-  if (!loop.world.plant.additions.u.spec.elements.empty()) {
+  if (HasElements(loop.world.plant.added_speeds)) {
     signals.push_back(&loop.world.plant.added_positions);
     signals.push_back(&loop.world.plant.added_speeds);
   }
-  if (loop.world.plant.params.extend) signals.push_back(&loop.world.plant.added_wrench);
+  if (IsExtended(loop.world.plant)) signals.push_back(&loop.world.plant.added_wrench);
   if (loop.ropes) {
     signals.push_back(&loop.ropes->tension);
     signals.push_back(&loop.tensions->wrench);
@@ -74,7 +80,7 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   ground_force_ = Columns(names, errors, &WalkingErrors::ground_force);
   const QuadrupedPlant& plant = loop_.world.plant;
   external_force_ = Columns(names, FindCurrent(plant.external_wrench), &WrenchEstimate::force_W);
-  if (plant.params.extend && loop_.known_additions == nullptr)
+  if (IsExtended(plant) && loop_.known_additions == nullptr)
     added_force_ = Columns(names, FindCurrent(plant.added_wrench), &WrenchEstimate::force_W);
   estimated_force_ = Columns(names, loop_.observer.wrench, &WrenchEstimate::force_W);
   if (loop_.tensions) rope_force_ = Columns(names, loop_.tensions->wrench, &WrenchEstimate::force_W);

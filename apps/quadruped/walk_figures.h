@@ -57,7 +57,11 @@ class WalkFigures final : public LogSink {
   /// Figures are computed from `from` [s] on; `path` is judged from the start. Without an observer
   /// (`observes` is false) there are no figures of its estimate.
   WalkFigures(const QuadrupedWalk& loop, double from, bool observes, const PathVerdict& path)
-      : loop_(loop), from_(from), observes_(observes), path_(path), estimate_(loop) {}
+      : loop_(loop),
+        from_(from),
+        observes_(observes || CurrentBlock(loop.observer) != &loop.observer),
+        path_(path),
+        estimate_(loop) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
   void AddTo(Summary& summary) const;

@@ -25,7 +25,6 @@ struct CdprControl {
   ReferenceBalancer* balancer = nullptr;  ///< balancer for a PD with feedforward
 
   const OutputPort<CableVector>& command() const { return mpc != nullptr ? mpc->command : pd->command; }
-  Rate rate() const { return mpc != nullptr ? mpc->params.command_rate : pd->params.rate; }
 };
 
 }  // namespace tenon

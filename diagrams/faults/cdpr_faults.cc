@@ -16,51 +16,39 @@ constexpr const char* kOnlyEstimated =
 
 std::vector<const Source*> InsertFaults(DiagramBuilder& builder, CdprLoop& loop,
                                         const std::vector<CdprFault>& faults) {
-  CdprWorld& world = loop.world;
-  CdprObserver& observer = loop.observer;
-  CdprControl& control = loop.control;
-  const int num_cables = world.plant.params.robot.num_cables();
-  const Rate rate = control.rate();
-  FaultPoint<CableVector> command(control.command(), {&world.command}, rate, CableVector::Zero(num_cables));
-  FaultPoint<CdprReference> reference(kOnlyPd);
-  FaultPoint<PoseMeasurement> pose(kOnlyEstimated);
-  FaultPoint<ImuMeasurement> imu(kOnlyEstimated);
-  FaultPoint<PlatformEstimate> estimate(kOnlyEstimated);
-  std::vector<InputPort<CableSignals>*> length_readers;
-  if (control.pd != nullptr) length_readers.push_back(&control.pd->cables);
-  if (observer.estimator != nullptr) length_readers.push_back(&observer.estimator->cables);
-  if (observer.load != nullptr) length_readers.push_back(&observer.load->cables);
-  if (observer.broken_cables != nullptr) length_readers.push_back(&observer.broken_cables->cables);
-  FaultPoint<CableSignals> lengths(world.cables, length_readers, loop.reference.params.rate,
+  const CdprWorld& world = loop.world;
+  const CdprObserver& observer = loop.observer;
+  const OutputPort<CableVector>& issued = loop.control.command();
+  const int num_cables = CurrentAs<LeafSystem<CdprPlantParams>>(world.plant).params.robot.num_cables();
+  std::vector<const Source*> besides_drives{&loop.command},
+      beside_sensors{&world.monitor.cables, &loop.cables};
+  if (observer.broken_cables != nullptr) besides_drives.push_back(&observer.broken_cables->command);
+  for (const auto& block : loop.blocks())
+    if (const auto* errors = dynamic_cast<const WinchErrors*>(block.get()))
+      beside_sensors.push_back(&errors->cables);
+  FaultPoint<CableVector> command(issued, issued, internal::kReadIt, besides_drives,
+                                  CableVector::Zero(num_cables));
+  FaultPoint<CableSignals> lengths(world.cables, loop.reference.reference, internal::kReadIt, beside_sensors,
                                    CableSignals::Zero(num_cables));
-  if (control.pd != nullptr) {
-    InputPort<CdprReference>& reader =
-        control.balancer != nullptr ? control.balancer->reference : control.pd->reference;
-    reference = {loop.reference.reference, {&reader}, rate, loop.reference.params.path->At(0)};
-  }
+  FaultPoint<CdprReference> reference(
+      loop.reference.reference, issued, kOnlyPd, {},
+      CurrentAs<LeafSystem<ReferenceGeneratorParams>>(loop.reference).params.path->At(0));
+  FaultPoint<PoseMeasurement> pose(world.pose, world.pose, kOnlyEstimated, {&loop.pose});
+  FaultPoint<ImuMeasurement> imu(world.inertial, world.inertial, kOnlyEstimated, {&loop.inertial});
+  FaultPoint<PlatformEstimate> estimate(kOnlyEstimated);
   if (observer.estimator != nullptr) {
-    std::vector<InputPort<ImuMeasurement>*> imu_readers{&observer.estimator->inertial};
-    std::vector<InputPort<PlatformEstimate>*> estimate_readers;
-    if (control.mpc != nullptr) estimate_readers.push_back(&control.mpc->estimate);
-    if (observer.load != nullptr) {
-      imu_readers.push_back(&observer.load->inertial);
-      estimate_readers.push_back(&observer.load->estimate);
-    }
-    pose = {world.pose, {&observer.estimator->pose}, world.pose_sensor.params.rate};
-    imu = {world.inertial, imu_readers, world.imu.params.rate};
-    estimate = {observer.estimator->estimate, estimate_readers, observer.estimator->params.rate};
+    const OutputPort<PlatformEstimate>& estimated = observer.estimator->estimate;
+    estimate = {estimated, estimated, kOnlyEstimated};
   }
 
   FaultInserter inserter(builder);
-  FaultChain<CableFaults> chain(world.plant.faults);
   const auto insert = [&](const Fault& fault, const std::string& name, CableFaultKind kind) {
-    auto& block =
-        builder.Add<CableFault>(name, {.kind = kind,
-                                       .num_cables = num_cables,
-                                       .cables = fault.Indices("cable", control.command().elements()),
-                                       .schedule = fault.schedule(),
-                                       .rate = rate});
-    chain.Append(builder, block.faults, block.others);
+    auto& block = builder.Add<CableFault>(name, {.kind = kind,
+                                                 .num_cables = num_cables,
+                                                 .cables = fault.Indices("cable", Current(issued).elements()),
+                                                 .schedule = fault.schedule(),
+                                                 .rate = internal::RateOf(issued)});
+    builder.InsertBefore(loop.world.plant.faults, block.others, block.faults);
     inserter.signals.push_back(&block.acting);
   };
   inserter.InsertAll(faults, [&](const CdprFault& fault, const std::string& name) {

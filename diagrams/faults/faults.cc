@@ -74,6 +74,8 @@ void FaultInserter::InsertOne(std::size_t index, const char* place,
     insert(name);
   } catch (const ParameterError& error) {
     throw FaultError(index, fmt::format("{} at '{}': {}", name, place, FirstMessage(error)));
+  } catch (const BuildError& error) {
+    throw FaultError(index, fmt::format("{} at '{}': {}", name, place, FirstMessage(error)));
   }
 }
 
@@ -102,8 +104,15 @@ SignalFaultKind SignalKind(const Fault& fault) {
       EnumName(fault.kind)));
 }
 
-void ThrowUnread(const char* reason) {
-  throw ParameterError(fmt::format("no block reads this signal: {}", reason));
+Rate RateOf(const Source& signal) {
+  const Source& origin = signal.Current().Resolve();
+  return origin.is_sampled() ? origin.trigger().sampled.rate : Hz(1000);
+}
+
+void ThrowUnread(const Source* signal, const char* hint) {
+  throw ParameterError(signal == nullptr ? fmt::format("no block reads this signal: {}", hint)
+                                         : fmt::format("no block reads '{}' ({}): {}", signal->path(),
+                                                       signal->type_name(), hint));
 }
 
 }  // namespace internal

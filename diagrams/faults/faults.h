@@ -89,27 +89,6 @@ class FaultInserter {
                         const std::function<void(const std::string& name)>& insert);
 };
 
-/// The mechanical faults of one plant in a chain: each block merges its own faults with those of the block
-/// before it, and the last block feeds the plant.
-template <class T>
-class FaultChain {
- public:
-  explicit FaultChain(InputPort<T>& plant) : plant_(&plant) {}
-  /// Adds a block at the end of the chain by its ports `faults` and `others`.
-  void Append(DiagramBuilder& builder, const OutputPort<T>& faults, InputPort<T>& others) {
-    if (last_ != nullptr) {
-      builder.Disconnect(*plant_);
-      builder.Connect(*last_, others);
-    }
-    builder.Connect(faults, *plant_);
-    last_ = &faults;
-  }
-
- private:
-  InputPort<T>* plant_;
-  const OutputPort<T>* last_ = nullptr;
-};
-
 /// Throws ParameterError unless the fault's kind is one of `possible`.
 void DemandKind(const Fault& fault, const std::vector<FaultKind>& possible);
 
@@ -119,25 +98,36 @@ namespace internal {
 void DemandPeriod(const Fault& fault, const Rate& rate);
 /// Throws ParameterError if the fault's kind is for mechanical parts only.
 SignalFaultKind SignalKind(const Fault& fault);
-/// Throws ParameterError because no block reads the signal; `reason` says why, and names the remedy.
-[[noreturn]] void ThrowUnread(const char* reason);
+/// Remedy for a fault at a signal that no block reads.
+inline constexpr const char* kReadIt = "connect it to an input of your block, or choose another place";
+/// The rate at which a signal is sampled; 1 kHz for a continuous one.
+Rate RateOf(const Source& signal);
+/// Throws ParameterError because no block reads the signal, or the diagram has none (null); `hint` names the
+/// remedy.
+[[noreturn]] void ThrowUnread(const Source* signal, const char* hint);
 
 }  // namespace internal
 
-/// A place where a signal can fail: the connections of an output to some of its readers.
+/// A place where a signal can fail: an output and all blocks that read it, except those that simulate or
+/// judge the run. The output is that of the block that stands there, see DiagramBuilder::Replace.
 template <class T>
 class FaultPoint {
  public:
-  /// Constructs a place that the diagram does not have: Insert throws an error with this reason.
-  explicit FaultPoint(const char* reason) : reason_(reason) {}
-  FaultPoint(const OutputPort<T>& output, std::vector<InputPort<T>*> readers, Rate rate,
-             T initial = internal::Zeroed<T>())
-      : output_(&output), readers_(std::move(readers)), rate_(rate), initial_(initial) {}
+  /// Constructs a place that the diagram does not have: Insert throws an error with this hint.
+  explicit FaultPoint(const char* hint) : hint_(hint) {}
+  /// The fault is sampled like `clock`. `aside` are readers that it does not reach; `hint` names the remedy
+  /// if it reaches none.
+  FaultPoint(const OutputPort<T>& output, const Source& clock, const char* hint = internal::kReadIt,
+             std::vector<const Source*> aside = {}, T initial = internal::Zeroed<T>())
+      : hint_(hint), output_(&output), clock_(&clock), aside_(std::move(aside)), initial_(initial) {}
 
-  /// Inserts a fault after the existing ones. Throws ParameterError.
+  /// Inserts a fault after the existing ones. Throws ParameterError, and BuildError if the block that
+  /// replaced the output's block lacks it.
   void Insert(FaultInserter& inserter, const Fault& fault, const std::string& name) {
-    if (output_ == nullptr) internal::ThrowUnread(reason_);
-    internal::DemandPeriod(fault, rate_);
+    if (output_ == nullptr) internal::ThrowUnread(nullptr, hint_);
+    const OutputPort<T>& output = Current(*output_);
+    const Rate rate = internal::RateOf(*clock_);
+    internal::DemandPeriod(fault, rate);
     const SignalFaultParams<T> defaults;
     auto& block = inserter.builder.Add<SignalFault<T>>(
         name, {.kind = internal::SignalKind(fault),
@@ -148,23 +138,23 @@ class FaultPoint {
                .samples = fault.samples.value_or(defaults.samples),
                .probability = fault.probability.value_or(defaults.probability),
                .initial = initial_,
-               .rate = rate_,
-               .unit = output_->spec().units,
-               .elements = output_->spec().elements});
-    inserter.builder.Connect(*output_, block.u);
-    for (InputPort<T>* reader : readers_) {
-      inserter.builder.Disconnect(*reader);
-      inserter.builder.Connect(block.y, *reader);
+               .rate = rate,
+               .unit = output.spec().units,
+               .elements = output.spec().elements});
+    try {
+      inserter.builder.Insert(output, block.u, block.y, aside_);
+    } catch (const BuildError&) {
+      internal::ThrowUnread(&output, hint_);
     }
     output_ = &block.y;
     inserter.signals.insert(inserter.signals.end(), {&block.acting, &block.y});
   }
 
  private:
-  const char* reason_ = "";
+  const char* hint_;
   const OutputPort<T>* output_ = nullptr;
-  std::vector<InputPort<T>*> readers_;
-  Rate rate_ = Hz(1000);
+  const Source* clock_ = nullptr;
+  std::vector<const Source*> aside_;
   T initial_ = internal::Zeroed<T>();
 };
 

@@ -1,6 +1,7 @@
+#include <tenon/diagrams/evaluation/tracking_error.h>
+#include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/diagrams/faults/legged_faults.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
-#include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/plants/legged/joint_lock.h>
@@ -28,48 +29,31 @@ struct Places {
   FaultPoint<WrenchEstimate> wrench{kOnlyWalks};
   FaultPoint<CableVector> rope{kNoRopes};
   FaultPoint<bool> obstacle{kOnlyGuideDogs};
-  FaultChain<JointLocks> locks{world->plant.locks};
 };
 
-/// The places of a walk. A guide dog has further readers of state and wrench beside locomotion and observer.
-Places PlacesOfWalk(QuadrupedWalk& loop, std::vector<InputPort<LeggedState>*> state_readers,
-                    std::vector<InputPort<WrenchEstimate>*> wrench_readers) {
+/// The places of a walk. The blocks `beside` simulate the surroundings and read the true state.
+Places PlacesOfWalk(QuadrupedWalk& loop, std::vector<const Source*> beside = {}) {
   QuadrupedWorld& world = loop.world;
-  const Rate rate = loop.locomotion.whole_body.params.rate;
-  FaultPoint<JointMotion> encoders(kNoEstimator);
-  std::vector<InputPort<ImuMeasurement>*> imu_readers{&loop.observer.imu};
-  if (loop.estimator != nullptr) {
-    encoders = {world.joints, {&loop.estimator->joints}, world.encoders.params.rate};
-    imu_readers = {&loop.estimator->imu};
+  const Source& clock = loop.locomotion.torque;
+  beside.insert(beside.end(), {&loop.errors.state, &loop.errors.told, &loop.view.state});
+  if (loop.map != nullptr) beside.push_back(&loop.map->state);
+  Places places{.world = &world,
+                .torque = {loop.locomotion.torque, clock},
+                .encoders = {world.joints, world.joints, kNoEstimator},
+                .torque_sensor = {world.measured_torque, world.measured_torque},
+                .foot_force = {world.foot_forces, world.foot_forces, kNoFootSensors},
+                .imu = {world.inertial, world.inertial},
+                .wrench = {loop.observer.wrench, clock, internal::kReadIt, {&loop.view.wrench}}};
+  if (loop.ropes != nullptr) {
+    beside.push_back(&loop.ropes->robot);
+    places.rope = {loop.winches->y,
+                   clock,
+                   kNoRopes,
+                   {},
+                   CurrentAs<LeafSystem<HeldLagParams<CableVector>>>(*loop.winches).params.initial};
   }
-  std::vector<InputPort<Vec<12>>*> torque_readers{&loop.observer.torque};
-  FaultPoint<FootForces> foot_force(kNoFootSensors);
-  if (loop.foot_forces_of_legs != nullptr) {
-    torque_readers.push_back(&loop.foot_forces_of_legs->torque);
-    state_readers.push_back(&loop.foot_forces_of_legs->state);
-  } else {
-    std::vector<InputPort<FootForces>*> readers{&loop.locomotion.foot_forces, &loop.observer.foot_forces};
-    if (loop.foot_force_estimate != nullptr) {
-      readers = {&loop.foot_force_estimate->shank};
-      state_readers.push_back(&loop.foot_force_estimate->state);
-    }
-    foot_force = {world.foot_forces, std::move(readers), world.foot_sensor.params.rate};
-  }
-  FaultPoint<CableVector> rope(kNoRopes);
-  if (loop.ropes != nullptr)
-    rope = {loop.winches->y, {&loop.ropes->command}, rate, loop.winches->params.initial};
-  state_readers.insert(state_readers.begin(), {&loop.locomotion.state, &loop.observer.state});
-  wrench_readers.insert(wrench_readers.begin(), &loop.locomotion.wrench);
-  return {
-      .world = &world,
-      .torque = {loop.locomotion.torque, {&world.torque}, rate},
-      .encoders = std::move(encoders),
-      .torque_sensor = {world.measured_torque, std::move(torque_readers), world.torque_sensor.params.rate},
-      .foot_force = std::move(foot_force),
-      .imu = {world.inertial, std::move(imu_readers), world.imu.params.rate},
-      .state = {loop.state, std::move(state_readers), rate},
-      .wrench = {loop.observer.wrench, std::move(wrench_readers), rate},
-      .rope = std::move(rope)};
+  places.state = {loop.state, clock, internal::kReadIt, std::move(beside)};
+  return places;
 }
 
 bool BreaksJoint(const LeggedFault& fault) {
@@ -85,7 +69,7 @@ void InsertJointLock(FaultInserter& inserter, const Fault& fault, const std::str
   auto& lock = inserter.builder.Add<JointLock>(
       name, {.joints = JointsOf(fault, places), .schedule = fault.schedule()});
   inserter.builder.Connect(places.world->state, lock.state);
-  places.locks.Append(inserter.builder, lock.locks, lock.others);
+  inserter.builder.InsertBefore(places.world->plant.locks, lock.others, lock.locks);
   inserter.signals.push_back(&lock.acting);
 }
 
@@ -152,23 +136,21 @@ std::vector<const Source*> Insert(DiagramBuilder& builder, Places places,
 std::vector<const Source*> InsertFaults(DiagramBuilder& builder, QuadrupedStand& loop,
                                         const std::vector<LeggedFault>& faults) {
   QuadrupedWorld& world = loop.world;
-  return Insert(builder,
-                {.world = &world,
-                 .torque = {loop.pd.torque, {&world.torque}, loop.pd.params.rate},
-                 .encoders = {world.joints, {&loop.pd.joints}, world.encoders.params.rate}},
-                faults);
+  return Insert(
+      builder,
+      {.world = &world, .torque = {loop.pd.torque, loop.pd.torque}, .encoders = {world.joints, world.joints}},
+      faults);
 }
 
 std::vector<const Source*> InsertFaults(DiagramBuilder& builder, QuadrupedWalk& loop,
                                         const std::vector<LeggedFault>& faults) {
-  return Insert(builder, PlacesOfWalk(loop, {}, {}), faults);
+  return Insert(builder, PlacesOfWalk(loop), faults);
 }
 
 std::vector<const Source*> InsertFaults(DiagramBuilder& builder, GuideDog& loop,
                                         const std::vector<LeggedFault>& faults) {
-  Places places = PlacesOfWalk(loop, {&loop.supervisor.state, &loop.admittance.state},
-                               {&loop.supervisor.wrench, &loop.admittance.wrench});
-  places.obstacle = {loop.obstacles.obstacle, {&loop.supervisor.obstacle}, loop.supervisor.params.rate};
+  Places places = PlacesOfWalk(loop, {&loop.obstacles.state, &loop.leash.robot});
+  places.obstacle = {loop.obstacles.obstacle, loop.supervisor.walk};
   return Insert(builder, std::move(places), faults);
 }
 

@@ -7,6 +7,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 namespace tenon {
 
 QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedWorldParams& world, const QuadrupedDescription& model,
@@ -22,6 +24,26 @@ QuadrupedWalkParams MakeQuadrupedWalk(const QuadrupedDescription& robot) {
   const RobotScale scale = ScaleOf(robot);
   return MakeQuadrupedWalk(MakeQuadrupedWorld(robot), robot, LoadLocomotionProfile({"standard"}, scale),
                            LoadGaits({"standard"}, scale));
+}
+
+/// Throws ParameterError unless the initial tensions leave the feet on `ground` a force within their friction
+/// or, if the robot hangs, little of its weight; it may then swing.
+static void DemandHold(const QuadrupedRopesParams& ropes, const QuadrupedDescription& robot,
+                       const LeggedState& initial, const Terrain::Surface& ground, bool hangs) {
+  const double part = hangs ? 0.1 : 0.001;  // tolerance, as a part of the weight
+  const double weight = robot.mass() * kGravity;
+  Eigen::Vector3d rest = weight * Eigen::Vector3d::UnitZ();
+  for (std::size_t i = 0; i < ropes.ropes.size(); ++i)
+    rest -= ropes.initial_tension[static_cast<Eigen::Index>(i)] * LineOf(ropes.ropes[i], initial).direction_W;
+  const double along_normal = rest.dot(ground.normal_W);
+  const double slip = (rest - along_normal * ground.normal_W).norm() - ground.friction * along_normal;
+  const double missing = hangs ? rest[2] : std::max(slip, -along_normal);
+  Demand(missing <= part * weight,
+         fmt::format(
+             "the ropes cannot hold the robot at the start: within their tensions, {:.3g} N of its "
+             "weight of {:.3g} N are left, which {}; move anchors or attachments, raise tension_max_N, "
+             "or add a rope",
+             missing, weight, hangs ? "nothing carries while it hangs" : "exceed the friction of its feet"));
 }
 
 void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params, double height) {
@@ -42,6 +64,7 @@ void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params, doubl
     for (LegContact& leg : schedule.legs) leg.state = ContactState::kSearching;
   const RopeTensions tensions({.robot = params->locomotion.whole_body.robot, .ropes = ropes});
   params->ropes = {.ropes = ropes, .initial_tension = tensions.CommandAt(plant.initial, plane, schedule)};
+  DemandHold(*params->ropes, params->locomotion.whole_body.robot, plant.initial, ground, height > 0);
 }
 
 QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)

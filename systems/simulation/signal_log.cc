@@ -137,8 +137,9 @@ SignalLog::SignalLog(Context& context, std::vector<const Source*> signals,
       signals_(std::move(signals)),
       sinks_(std::move(sinks)),
       ops_(context.diagram().program().Evaluation(signals_)) {
-  for (const Source* signal : signals_) {
+  for (const Source*& signal : signals_) {
     context_.CheckReadable(*signal);
+    signal = &signal->Current();
     using enum internal::TypeInfo::Kind;
     if (const auto kind = signal->type_->kind; kind != kText && kind != kOpaque) continue;
     throw ParameterError(

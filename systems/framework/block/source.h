@@ -38,9 +38,6 @@ class Declared {
   ~Declared();
 };
 
-/// Says which block replaced the source's block, and what to do; empty if the block was not replaced.
-std::string DescribeReplacement(const Source& source);
-
 [[noreturn]] void ThrowUndeclared(const std::string& user, const std::string& used);
 
 /// Returns `member`; throws BuildError if it does not exist yet. `user` names the user of the member.

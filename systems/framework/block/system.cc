@@ -55,17 +55,6 @@ bool Declared::IsDeclared(const Declared& member) {
   return registry.members.contains(&member);
 }
 
-std::string DescribeReplacement(const Source& source) {
-  for (const System* block = &source.owner(); block != nullptr; block = block->parent()) {
-    if (block->replaced_by() == nullptr) continue;
-    return fmt::format(
-        "'{}' belongs to a block that was replaced: use the port of the new block at '{}', which Replace "
-        "returned",
-        source.path(), block->replaced_by()->path());
-  }
-  return "";
-}
-
 void ThrowUndeclared(const std::string& user, const std::string& used) {
   throw BuildError(fmt::format(
       "{} uses {}, which is declared below it and does not exist yet: move that declaration above it", user,

@@ -90,8 +90,7 @@ Context::Context(const Context& other, const internal::Program& program)
 }
 
 void Context::CheckOwned(const Source& source) const {
-  if (const std::string fault = internal::DescribeReplacement(source); !fault.empty()) throw RunError(fault);
-  const System* top = &source.owner();
+  const System* top = &source.Current().owner();
   while (top->parent() != nullptr) top = top->parent();
   for (const auto& block : diagram_->blocks()) {
     if (block.get() == top) return;
@@ -209,9 +208,11 @@ void Context::Assign(const Assignment& assignment) {
   PackStates();
 }
 
-void Context::AssignParameters(std::span<const Assignment> list) {
-  for (const Assignment& each : list) {
+void Context::AssignParameters(std::span<const Assignment> given) {
+  std::vector<Assignment> list(given.begin(), given.end());
+  for (Assignment& each : list) {
     CheckOwned(*each.source);
+    each.source = &each.source->Current();  // its block has the limits
     if (internal::FinitenessOf(*each.source->type_, each.value) == internal::Finiteness::kNan) {
       throw ParameterError(fmt::format("parameter '{}' cannot be set to NaN", each.source->path()));
     }

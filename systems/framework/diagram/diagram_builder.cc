@@ -19,12 +19,20 @@ void Assembly::CheckNotBuilt(const char* call, const std::string& subject) const
       self_ == nullptr ? "this builder has" : fmt::format("the diagram with '{}' is", self_->path())));
 }
 
-void Assembly::MarkBuilt() {
+void Assembly::MarkBuilt(bool replaced) {
   built_ = true;
   for (const auto* blocks : {&blocks_, &replaced_}) {
+    const bool gone = replaced || blocks == &replaced_;
     for (const auto& block : *blocks) {
       if (self_ == nullptr) block->holder_ = nullptr;  // another builder may be created at this address
-      if (auto* nested = dynamic_cast<Subdiagram*>(block.get())) nested->MarkBuilt();
+      for (Source* source : block->sources_) {
+        const Source* now = gone ? FindCurrent(*source) : nullptr;
+        if (now == nullptr) continue;
+        source->SetDriver(*now);
+        source->offset_ = now->offset_;
+        source->calculation_ = now->calculation_;
+      }
+      if (auto* nested = dynamic_cast<Subdiagram*>(block.get())) nested->MarkBuilt(gone);
     }
   }
 }
@@ -81,17 +89,18 @@ void Assembly::CheckBelow(const System& block) const {
         "already built; replace blocks before Build",
         block.path()));
   }
-  if (!block.sources_.empty()) CheckStands(*block.sources_.front());
 }
 
-void Assembly::CheckStands(const Source& port) const {
-  if (const std::string fault = DescribeReplacement(port); !fault.empty()) throw BuildError(fault);
-  if (&port.owner() != self_ && !IsBelow(port.owner())) {
+/// Returns the port in the place of `port`. Throws BuildError unless it can be connected here.
+Source& Assembly::Standing(const Source& port) const {
+  const Source& now = port.Current();
+  if (&now.owner() != self_ && !IsBelow(now.owner())) {
     throw BuildError(fmt::format(
         "port '{}' does not belong to a block of this builder: change connections before Build, through the "
         "builder that contains both blocks",
         port.path()));
   }
+  return const_cast<Source&>(now);  // a port of a block that this builder owns
 }
 
 void Assembly::AppendSources(std::vector<Source*>& sources) {
@@ -113,7 +122,14 @@ std::vector<Source*> Assembly::AllSources() {
   return sources;
 }
 
-System& Assembly::Exchange(const System& old, std::unique_ptr<System> made) {
+System& Assembly::Exchange(const System& former, std::unique_ptr<System> made) {
+  const System* const stands = CurrentBlock(former);
+  if (stands == nullptr)
+    throw BuildError(fmt::format(
+        "block '{}' cannot be replaced: a diagram around it was replaced by one that has no block "
+        "of this name; replace a block of the new one",
+        former.path()));
+  const System& old = *stands;
   std::vector<std::unique_ptr<System>>& siblings = old.holder_->blocks_;
   const auto place =
       std::find_if(siblings.begin(), siblings.end(), [&](const auto& block) { return block.get() == &old; });
@@ -159,9 +175,11 @@ System& Assembly::Exchange(const System& old, std::unique_ptr<System> made) {
   return block;
 }
 
-void Assembly::Splice(const Source& output, Source& in, const Source& out) {
-  CheckNotBuilt("Insert", in.path());
-  for (const Source* port : {&output, static_cast<const Source*>(&in), &out}) CheckStands(*port);
+void Assembly::Splice(const Source& former_output, Source& former_in, const Source& former_out,
+                      const std::vector<const Source*>& except) {
+  CheckNotBuilt("Insert", former_in.path());
+  const Source &output = Standing(former_output), &out = Standing(former_out);
+  Source& in = Standing(former_in);
   if (in.kind() != SourceKind::kInput || out.kind() != SourceKind::kOutput) {
     throw BuildError(
         fmt::format("cannot insert from '{}' to '{}': give an input and an output of a block, in this order",
@@ -171,9 +189,12 @@ void Assembly::Splice(const Source& output, Source& in, const Source& out) {
     throw BuildError(fmt::format("'{}' cannot be inserted behind '{}': it is already connected to '{}'",
                                  in.path(), output.path(), in.driver_->path()));
   }
+  const auto excepted = [&](const Source* reader) {
+    return std::ranges::any_of(except, [&](const Source* each) { return FindCurrent(*each) == reader; });
+  };
   bool read = false;
   for (Source* source : AllSources()) {
-    if (source->driver_ != &output || source == &in) continue;
+    if (source->driver_ != &output || source == &in || excepted(source)) continue;
     source->SetDriver(out);
     read = true;
   }
@@ -185,9 +206,18 @@ void Assembly::Splice(const Source& output, Source& in, const Source& out) {
   in.SetDriver(output);
 }
 
-void Assembly::Disconnect(Source& input) {
-  CheckNotBuilt("Disconnect", input.path());
-  CheckStands(input);
+void Assembly::SpliceBefore(Source& former, Source& in, const Source& out) {
+  CheckNotBuilt("InsertBefore", former.path());
+  Source& input = Standing(former);
+  const Source* const driver = input.driver_;
+  input.driver_ = nullptr;
+  Join(out, input);
+  if (driver != nullptr) Join(*driver, in);
+}
+
+void Assembly::Disconnect(Source& former) {
+  CheckNotBuilt("Disconnect", former.path());
+  Source& input = Standing(former);
   const bool port =
       input.kind() == SourceKind::kInput || (input.kind() == SourceKind::kOutput && input.run_ == nullptr &&
                                              dynamic_cast<const Subdiagram*>(&input.owner()) != nullptr);
@@ -198,11 +228,10 @@ void Assembly::Disconnect(Source& input) {
   input.ignores_units_ = false;
 }
 
-void Assembly::Join(const Source& from, Source& to) {
-  CheckNotBuilt("Connect", to.path());
-  for (const Source* port : {&from, static_cast<const Source*>(&to)}) {
-    if (const std::string fault = DescribeReplacement(*port); !fault.empty()) throw BuildError(fault);
-  }
+void Assembly::Join(const Source& former_from, Source& former_to) {
+  CheckNotBuilt("Connect", former_to.path());
+  const Source& from = former_from.Current();
+  Source& to = const_cast<Source&>(former_to.Current());
   const auto is_here = [&](const Source& port, SourceKind child, SourceKind own) {
     const System& owner = port.owner();
     if (&owner == self_ && self_ != nullptr) return port.kind() == own;
@@ -227,48 +256,47 @@ void Assembly::Join(const Source& from, Source& to) {
 }
 
 void Assembly::IgnoreUnitsOf(Source& to) {
-  to.ignores_units_ = true;
+  const_cast<Source&>(to.Current()).ignores_units_ = true;
 }
 
 }  // namespace internal
 
-const Source& Source::Current() const {
+const System* CurrentBlock(const System& block) {
   const System* replaced = nullptr;  // the outermost replaced block
-  for (const System* block = owner_; block != nullptr; block = block->parent()) {
-    if (block->replaced_by() != nullptr) replaced = block;
-  }
-  if (replaced == nullptr) return *this;
+  for (const System* each = &block; each != nullptr; each = each->parent())
+    if (each->replaced_by() != nullptr) replaced = each;
+  if (replaced == nullptr) return &block;
   std::vector<std::string> names;  // names from the inside out
-  for (const System* block = owner_; block != replaced; block = block->parent())
-    names.push_back(block->name());
+  for (const System* each = &block; each != replaced; each = each->parent()) names.push_back(each->name());
   const System* now = replaced;
   while (now->replaced_by() != nullptr) now = now->replaced_by();
   for (; now != nullptr && !names.empty(); names.pop_back()) {
     const auto* nested = dynamic_cast<const Subdiagram*>(now);
     now = nullptr;
     if (nested == nullptr) break;
-    for (const auto& block : nested->blocks()) {
-      if (block->name() == names.back()) now = block.get();
-    }
+    for (const auto& each : nested->blocks())
+      if (each->name() == names.back()) now = each.get();
   }
-  if (now != nullptr) {
-    for (const Source* source : now->sources()) {
-      if (source->kind() == kind_ && source->name() == name() && *source->type_->id == *type_->id)
-        return *source;
-    }
-  }
-  throw BuildError(fmt::format(
-      "'{}' is needed, but the block that replaced '{}' has no '{}' ({}): add it to that block, or remove "
-      "its readers",
-      path(), replaced->path(), name(), type_name()));
+  return now;
 }
 
 const Source* FindCurrent(const Source& source) {
-  try {
-    return &source.Current();
-  } catch (const BuildError&) {
-    return nullptr;
-  }
+  const System* const block = CurrentBlock(source.owner());
+  if (block == &source.owner()) return &source;
+  if (block == nullptr) return nullptr;
+  for (const Source* each : block->sources())
+    if (each->kind() == source.kind() && each->name() == source.name() &&
+        *each->type().id == *source.type().id)
+      return each;
+  return nullptr;
+}
+
+const Source& Source::Current() const {
+  if (const Source* const now = FindCurrent(*this)) return *now;
+  throw BuildError(fmt::format(
+      "'{}' is needed, but the block that replaced '{}' has no '{}' ({}): add it to that block, or remove "
+      "its readers",
+      path(), owner_->path(), name(), type_name()));
 }
 
 std::shared_ptr<const Diagram> DiagramBuilder::Compile(const char* call, bool open_inputs) {

@@ -62,7 +62,9 @@ class Assembly {
   /// position, and the connections of ports with the same name and type. Connect all other ports yourself;
   /// Build reports those that remain: outputs that are read but missing in the new block, and its unconnected
   /// inputs. Connections to inputs that the new block lacks are removed. The old block stays alive at no
-  /// run-time cost, but is not part of the diagram: every use of its ports is an error.
+  /// run-time cost, but is not part of the diagram: wherever one of its ports is used, in a builder, a
+  /// context or a log, the port of the new block with the same name and type is meant, and without one that
+  /// is an error. Likewise, replacing a replaced block replaces the one in its place.
   template <class Block, class... Args>
   Block& Replace(const System& old, Args&&... args) {
     CheckBelow(old);
@@ -81,14 +83,20 @@ class Assembly {
   ///     builder.Insert(loop.locomotion.torque, delay.u, delay.y);
   ///
   /// All three ports may be at any depth below. Ports of nested diagrams that are connected to the output
-  /// count as readers; logs of the output itself show its unmodified value. Throws BuildError if the output
-  /// has no reader, or `in` is already connected.
+  /// count as readers, those in `except` do not; logs of the output itself show its unmodified value. Throws
+  /// BuildError if the output has no reader, or `in` is already connected.
   template <class From, class In, class Out>
-  void Insert(const From& output, In& in, const Out& out) {
+  void Insert(const From& output, In& in, const Out& out, const std::vector<const Source*>& except = {}) {
     static_assert(std::is_same_v<typename From::Value, typename In::Value> &&
                       std::is_same_v<typename From::Value, typename Out::Value>,
                   "Insert: the three ports have different types.");
-    Splice(output, in, out);
+    Splice(output, in, out, except);
+  }
+  /// Inserts a block in front of one input, at any depth below: `in` takes over the connection of `input`, if
+  /// it has one, and `input` is connected to `out`.
+  template <class T>
+  void InsertBefore(InputPort<T>& input, InputPort<T>& in, const OutputPort<T>& out) {
+    SpliceBefore(input, in, out);
   }
 
   /// Removes the connection of an input, or the inner connection of an output of a nested diagram, at any
@@ -145,8 +153,9 @@ class Assembly {
   std::vector<std::unique_ptr<System>> TakeBlocks() { return std::move(blocks_); }
   std::vector<std::unique_ptr<System>> TakeReplaced() { return std::move(replaced_); }
   void CheckNotBuilt(const char* call, const std::string& subject) const;
-  /// After this call, changing this assembly or a diagram nested in it throws BuildError.
-  void MarkBuilt();
+  /// After this call, changing this assembly or a diagram nested in it throws BuildError, and members of
+  /// replaced blocks have the values of those in their places. If `replaced`, all blocks are replaced ones.
+  void MarkBuilt(bool replaced = false);
 
  private:
   friend class Compiler;
@@ -172,9 +181,10 @@ class Assembly {
   void CheckName(const std::string& name) const;
   bool IsBelow(const System& block) const;
   void CheckBelow(const System& block) const;
-  void CheckStands(const Source& port) const;
+  Source& Standing(const Source& port) const;
   System& Exchange(const System& old, std::unique_ptr<System> block);
-  void Splice(const Source& output, Source& in, const Source& out);
+  void Splice(const Source& output, Source& in, const Source& out, const std::vector<const Source*>& except);
+  void SpliceBefore(Source& input, Source& in, const Source& out);
   /// The sources of all blocks of the diagram, as far as this assembly knows it.
   std::vector<Source*> AllSources();
   void AppendSources(std::vector<Source*>& sources);
@@ -208,7 +218,7 @@ class FunctionInputs {
       return owner->time.AppendTo(uses.slots);
     }
     using Input = InputPort<std::remove_cvref_t<Argument>>;
-    const Spec& spec = used.source->spec();
+    const Spec& spec = used.source->Current().spec();
     const auto input = std::make_shared<Input>(
         owner, Spec("input_" + std::to_string(inputs.size()), spec.units, spec.elements));
     inputs.push_back(input.get());
@@ -270,6 +280,24 @@ class Subdiagram : public System, public internal::Assembly {
  public:
   Subdiagram() : Assembly(this) {}
 };
+
+/// Returns the block that now stands where `block` stood in its diagram: itself, the block that replaced it,
+/// or, if a diagram around it was replaced, the block with its path in the new one. Null if there is none.
+const System* CurrentBlock(const System& block);
+
+/// Returns the block that stands in the place of `block` as a B, for its parameters and other members. B is
+/// the class of `block`, or `LeafSystem<P>` for any block with parameters of type P. If the block in its
+/// place is of another class, that is the last block there that was a B.
+template <class B>
+const B& CurrentAs(const B& block) {
+  const B* last = &block;
+  const auto take = [&](const System* each) {
+    if (const auto* same = dynamic_cast<const B*>(each)) last = same;
+  };
+  for (const System* each = block.replaced_by(); each != nullptr; each = each->replaced_by()) take(each);
+  take(CurrentBlock(block));
+  return *last;
+}
 
 template <class T>
 OutputPort<T>::OutputPort(Subdiagram* owner, Spec spec)

@@ -3,13 +3,35 @@
 #include <tenon/apps/cdpr/cdpr_app.h>
 #include <tenon/apps/guide_dog/guide_dog_app.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
+#include <tenon/plants/attached_bodies.h>
+#include <tenon/plants/model/quadruped_model.h>
+#include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/tests/apps/run_app.h>
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <iterator>
 
+// The shipped examples, called by their main functions.
 namespace tenon::customisation_test {
+#define main Main
+namespace observer {
+#include "../../../docs/examples/tutorial/main.cc"
+}
+namespace planner {
+#include "../../../docs/examples/own_block/own_planner_app.cc"
+}
+namespace supervisor {
+#include "../../../docs/examples/own_block/own_supervisor_app.cc"
+}
+namespace controller {
+#include "../../../docs/examples/own_block/own_controller_app.cc"
+}
+#undef main
+
 namespace {
 
 using apps::CdprApp;
@@ -31,14 +53,19 @@ struct Keys {
 class CustomisationTest : public test::AppTest {
  protected:
   /// Runs an app with the scenario and options, and returns its exit code.
-  int RunIn(const std::string& name, const auto& app, std::vector<std::string> arguments) const {
+  int RunIn(const std::string& name, const auto& app, const std::vector<std::string>& arguments) const {
+    return CallIn(
+        name, [&](int argc, char** argv) { return app.Run(argc, argv); }, arguments);
+  }
+  /// The same for a main function.
+  int CallIn(const std::string& name, const auto& main, std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), "my_app");
     arguments.insert(arguments.end(), {"--out", (out / name).string()});
     std::vector<char*> words;
     for (std::string& argument : arguments) words.push_back(argument.data());
     ::testing::internal::CaptureStdout();
     ::testing::internal::CaptureStderr();
-    const int code = app.Run(static_cast<int>(words.size()), words.data());
+    const int code = main(static_cast<int>(words.size()), words.data());
     text_ = ::testing::internal::GetCapturedStdout() + ::testing::internal::GetCapturedStderr();
     return code;
   }
@@ -165,6 +192,221 @@ TEST_F(CustomisationTest, ReplacesTheSupervisorOfAGuideDogAndTheControllerOfACab
   EXPECT_NE(Read(out / "cables/signals.csv"), Read(out / "shipped/signals.csv"));
 }
 
+/// A shipped example, the shipped app that it extends, and a fault at each place that its blocks read.
+struct Example {
+  const char* name;
+  int (*main)(int, char**);
+  std::function<int(int, char**)> shipped;
+  std::vector<std::string> scenario;
+  std::vector<std::string> places;
+  std::vector<std::string> parts;  ///< mechanical faults
+  friend void PrintTo(const Example& example, std::ostream* out) { *out << example.name; }
+};
+std::vector<Example> Examples() {
+  const auto walk = [](int argc, char** argv) { return QuadrupedApp().Run(argc, argv); };
+  const auto dog = [](int argc, char** argv) { return GuideDogApp().Run(argc, argv); };
+  const auto cables = [](int argc, char** argv) { return CdprApp().Run(argc, argv); };
+  const std::vector<std::string> joint{"at: joint, kind: stuck, elements: [front_left_knee]"},
+      of_cables{"at: winch, kind: stuck, elements: [0]"},
+      all{"torque", "torque_sensor", "foot_force", "imu", "state", "wrench"};
+  return {{"observer", observer::Main, walk, {"A1"}, {"torque", "foot_force", "state", "wrench"}, joint},
+          {"estimated",
+           observer::Main,
+           walk,
+           {"estimated"},
+           {"torque", "foot_force", "encoders", "imu", "state", "wrench"},
+           joint},
+          {"planner", planner::Main, walk, {"A1"}, all, joint},
+          {"supervisor", supervisor::Main, dog, {"C1"}, all, joint},
+          {"controller",
+           controller::Main,
+           cables,
+           {"D1", "--set", "controller=pd_offset_free"},
+           {"command", "lengths", "reference", "pose", "imu", "estimate"},
+           of_cables}};
+}
+
+class ExampleTest : public CustomisationTest, public ::testing::WithParamInterface<Example> {
+ protected:
+  std::vector<std::string> For(const std::vector<std::string>& faults, const char* duration) const {
+    std::string list;
+    for (const std::string& fault : faults) list += "{" + fault + ", start_s: 0.01}, ";
+    std::vector<std::string> arguments =
+        With(GetParam().scenario, {"--duration", duration, "--set", "faults=[" + list + "]"});
+    if (GetParam().scenario[0] != "D1") arguments = With(arguments, {"--set", "walk.judged_from_s=0"});
+    return arguments;
+  }
+  std::vector<std::string> AllFaults() const {
+    std::vector<std::string> faults;
+    for (const std::string& place : GetParam().places)
+      faults.push_back("at: " + place + ", kind: late, samples: 2");
+    return With(faults, GetParam().parts);
+  }
+};
+
+// A live run is repeated by its recording, so both write the same file.
+TEST_P(ExampleTest, MeetsAllFaultsAloneAndLive) {
+  const Example& example = GetParam();
+  ASSERT_EQ(CallIn("live", example.main, With(For(AllFaults(), "0.05"), {"--live"})), 0) << text_;
+  ASSERT_EQ(CallIn("replay", example.main,
+                   With(For(AllFaults(), "0.05"), {"--replay", (out / "live/live.jsonl").string()})),
+            0)
+      << text_;
+  EXPECT_EQ(Read(out / "live/signals.csv"), Read(out / "replay/signals.csv"));
+  for (std::size_t i = 0; i < AllFaults().size(); ++i)
+    EXPECT_EQ(test::Column(out / "live", "fault_" + std::to_string(i) + ".acting").back(), 1) << i;
+  // Nothing of the example acts on the shipped blocks.
+  const std::vector<std::string> run = For({}, "0.02");
+  ASSERT_EQ(CallIn("shipped", example.shipped, run), 0) << text_;
+  ASSERT_EQ(CallIn("as_shipped", example.main, With(run, {"--set", "custom.blocks=shipped"})), 0) << text_;
+  EXPECT_EQ(Read(out / "shipped/signals.csv"), Read(out / "as_shipped/signals.csv"));
+  EXPECT_THAT(Read(out / "as_shipped/scenario.yaml"), HasSubstr("blocks: shipped"));
+}
+INSTANTIATE_TEST_SUITE_P(Examples, ExampleTest, ::testing::ValuesIn(Examples()),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+class LongExampleTest : public ExampleTest {};
+
+// Each kind of fault at each place, which changes the run or ends it with a reason.
+TEST_P(LongExampleTest, MeetsEachFault) {
+  const Example& example = GetParam();
+  CallIn("none", example.main, For({}, "0.3"));
+  const std::string undisturbed = Read(out / "none/signals.csv");
+  for (const std::string& place : example.places) {
+    for (const char* kind :
+         {"drop_out", "stuck", "loss, size: 0.5", "late, samples: 20", "lost, probability: 0.9"}) {
+      const std::string fault = "at: " + place + ", kind: " + kind;
+      const int code = CallIn("run", example.main, For({fault}, "0.3"));
+      EXPECT_THAT(code, ::testing::AnyOf(0, 3, 4)) << fault << text_;
+      EXPECT_NE(Read(out / "run/signals.csv"), undisturbed) << fault;
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Examples, LongExampleTest, ::testing::ValuesIn(Examples()),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST_F(CustomisationTest, AFaultThatNoBlockReadsNamesThePortAndTheRemedy) {
+  for (const auto& [place, port] : {std::pair{"imu", "'loop.world.inertial' (ImuMeasurement)"},
+                                    {"torque_sensor", "'loop.world.measured_torque'"}}) {
+    EXPECT_EQ(CallIn("no", observer::Main,
+                     {"A1", "--set", std::string("faults=[{at: ") + place + ", kind: stuck}]"}),
+              2);
+    EXPECT_THAT(text_, AllOf(HasSubstr("faults.0.at: "), HasSubstr(port), HasSubstr("input of your block")))
+        << place;
+  }
+}
+
+TEST_F(CustomisationTest, InputsThatTheBlockLacksAreNamedOnce) {
+  const test::Result result =
+      test::RunCommand(std::string(MY_OBSERVER) + " A1 --compare --duration 0.02 --set compare=[none] " +
+                       "--set walk.judged_from_s=0" + Out());
+  EXPECT_EQ(result.exit_code, 0) << result.text;
+  const std::size_t first = result.text.find("'loop.observer' has no input");
+  ASSERT_NE(first, std::string::npos) << result.text;
+  EXPECT_THAT(result.text.substr(first), AllOf(HasSubstr("'imu' (ImuMeasurement)"), HasSubstr("'torque'")));
+  EXPECT_EQ(result.text.find("has no input", first + 20), std::string::npos);
+}
+
+TEST_F(CustomisationTest, AnObserverThatActsNoLongerIsRefused) {
+  for (const std::vector<std::string>& chosen :
+       {std::vector<std::string>{"--observer", "legs"}, {"--set", "observer=none"}}) {
+    EXPECT_EQ(CallIn("no", observer::Main, With({"A1"}, chosen)), 2);
+    EXPECT_THAT(text_, AllOf(HasSubstr("observer"), HasSubstr("'loop.observer'"), HasSubstr("custom.blocks")))
+        << chosen[1];
+    EXPECT_EQ(CallIn("yes", observer::Main, With(With(kShort, chosen), {"--set", "custom.blocks=shipped"})),
+              0)
+        << text_;
+  }
+  EXPECT_EQ(SummaryOf("yes")["observer"], "none");
+}
+
+// The oracle of a plant with other parameters is a scenario with these parameters.
+TEST_F(CustomisationTest, FiguresAndLimitsAreThoseOfThePlantThatRuns) {
+  const std::string body =
+      "attached=[{name: tail, position_m: [-0.3, 0, 0.1], mass_kg: 1.5, centre_m: [-0.1, 0, 0], radius_m: "
+      "0.05}]";
+  AttachedBody tail{.name = "tail",
+                    .on = "",
+                    .position = {-0.3, 0, 0.1},
+                    .mass = 1.5,
+                    .centre = {-0.1, 0, 0},
+                    .radius = 0.05};
+  QuadrupedApp walk;
+  walk.Customise([&](DiagramBuilder& builder, QuadrupedWalk& walk) {
+    QuadrupedPlantParams params = walk.world.plant.params;
+    params.extend = Attach({tail});
+    builder.Replace<QuadrupedPlant>(walk.world.plant, params);
+  });
+  CdprApp fly;
+  fly.Customise([&](DiagramBuilder& builder, CdprLoop& loop) {
+    CdprPlantParams params = loop.world.plant.params;
+    params.extend = AttachToPlatform({tail});
+    builder.Replace<CdprPlant>(loop.world.plant, params);
+  });
+  const auto figures = [&](const std::string& name) {
+    nlohmann::json summary = SummaryOf(name);
+    for (const char* wall : {"wall_s", "real_time_factor", "qp_time_median_us", "qp_time_p99_us",
+                             "mpc_time_median_us", "mpc_time_p99_us"})
+      summary.erase(wall);
+    return summary;
+  };
+  const auto compare = [&](const auto& mine, const auto& shipped, const std::vector<std::string>& run) {
+    ASSERT_EQ(RunIn("mine", mine, run), 0) << text_;
+    ASSERT_EQ(RunIn("shipped", shipped, With(run, {"--set", body})), 0) << text_;
+    EXPECT_EQ(figures("mine"), figures("shipped"));
+    EXPECT_TRUE(figures("mine").dump().find("clearance_min_m") != std::string::npos);
+    EXPECT_EQ(Read(out / "mine/signals.csv"), Read(out / "shipped/signals.csv"));
+    ASSERT_EQ(RunIn("live", mine, With(run, {"--live"})), 0) << text_;
+  };
+  compare(walk, QuadrupedApp(), kShort);
+  compare(fly, CdprApp(), {"D1", "--duration", "0.05"});
+}
+
+TEST_F(CustomisationTest, ABodyThatEntersTheGroundEndsTheVerdict) {
+  const char* low =
+      "attached=[{name: anvil, joint: weld, position_m: [0, 0, -0.6], mass_kg: 0.1, radius_m: 0.1}]";
+  EXPECT_EQ(RunIn("run", QuadrupedApp(), With(kShort, {"--set", low})), 3);
+  EXPECT_THAT(SummaryOf("run")["end_reason"].get<std::string>(),
+              AllOf(HasSubstr("ground"), HasSubstr("anvil")));
+  EXPECT_LT(SummaryOf("run")["added_clearance_min_m"], -0.005);
+  const char* deep =
+      "attached=[{name: anvil, joint: weld, position_m: [0, 0, -5], mass_kg: 0.1, radius_m: 0.1}]";
+  EXPECT_EQ(RunIn("run", CdprApp(), {"D1", "--duration", "0.02", "--set", deep}), 3);
+  EXPECT_THAT(SummaryOf("run")["end_reason"].get<std::string>(),
+              AllOf(HasSubstr("floor"), HasSubstr("anvil")));
+}
+
+TEST_F(CustomisationTest, RopesThatCannotHoldTheRobotAreRefused) {
+  const std::vector<std::string> weak{"E1", "--set", "ropes.0.tension_max_N=30", "--set",
+                                      "ropes.1.tension_max_N=30"};
+  EXPECT_EQ(RunIn("no", QuadrupedApp(), weak), 2);
+  EXPECT_THAT(text_, AllOf(HasSubstr("ropes: "), HasSubstr("tension_max_N")));
+  EXPECT_EQ(RunIn("no", QuadrupedApp(), With(weak, {"--set", "start_height_m=0.1"})), 2);
+  EXPECT_THAT(text_, HasSubstr("hangs"));
+}
+
+// A run that ends before the event is due is not judged by it.
+TEST_F(CustomisationTest, ACaseWhosePointDidNotHappenIsNotFinished) {
+  struct Missed {
+    std::string phase, why, key;
+  };
+  for (const Missed& missed :
+       {Missed{"activity: follow, speed_m_per_s: 0.1", "the leash never tightened", "leash_tight_at_s"},
+        Missed{"activity: pull, force_N: 5", "never gave a direction", "direction_given_at_s"}}) {
+    const auto run = [&](const char* duration) {
+      return RunIn("dog", GuideDogApp(),
+                   {"C1", "--duration", duration, "--set", "walk.judged_from_s=0", "--set",
+                    std::string("person.phases=[{duration_s: 0.03, ") + missed.phase + "}]"});
+    };
+    EXPECT_EQ(run("0.02"), 0) << text_;
+    EXPECT_EQ(run("0.05"), 3) << text_;
+    const nlohmann::json summary = SummaryOf("dog");
+    EXPECT_FALSE(summary["finished"].get<bool>());
+    EXPECT_THAT(summary["end_reason"].get<std::string>(), AllOf(HasSubstr(missed.why), HasSubstr("0.03 s")));
+    EXPECT_TRUE(summary[missed.key].is_null());
+  }
+}
+
 // The tutorial's program in a campaign, which runs it in one process per run.
 TEST_F(CustomisationTest, CampaignsRunIt) {
   const std::string file =
@@ -179,6 +421,28 @@ TEST_F(CustomisationTest, CampaignsRunIt) {
   EXPECT_THAT(Read(out / "runs/runs.csv"),
               AllOf(HasSubstr("custom.bandwidth_rad_per_s"), HasSubstr("\n0,1,5,A1,true,false,"),
                     HasSubstr("\n1,1,50,A1,true,false,")));
+}
+
+// A campaign compares the program's block with the shipped one, and refuses a key that does not act.
+TEST_F(CustomisationTest, CampaignsVaryTheBlocks) {
+  const auto run = [&](const std::string& vary) {
+    const std::string file = Write(
+        "blocks.yaml", std::string("app: ") + MY_OBSERVER +
+                           "\nscenario: A1\nduration_s: 0.05\n"
+                           "set: {walk.judged_from_s: 0, faults: [{at: state, kind: late, samples: 2}]}\n"
+                           "vary: {" +
+                           vary + "}\n");
+    return test::RunCommand(std::string(TENON_CAMPAIGN) + " " + file + " --jobs 1 --out " +
+                            (out / "runs").string());
+  };
+  const test::Result refused = run("observer: {list: [legs, none]}");
+  EXPECT_EQ(refused.exit_code, 2) << refused.text;
+  EXPECT_THAT(refused.text, AllOf(HasSubstr("observer"), HasSubstr("custom.blocks")));
+  const test::Result result = run("custom.blocks: {list: [shipped, mine]}");
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  EXPECT_THAT(Read(out / "runs/runs.csv"),
+              AllOf(HasSubstr("custom.blocks"), HasSubstr("\n0,1,shipped,"), HasSubstr("\n1,1,mine,"),
+                    HasSubstr(",dogbot,hybrid,"), HasSubstr(",dogbot,mine,")));
 }
 
 }  // namespace

@@ -126,31 +126,79 @@ TEST_F(ComposeTest, PortsThatDifferAreListedInOneError) {
   EXPECT_EQ(ForceAt(*builder.Build(), loop.cart, 0), 3);
 }
 
-TEST_F(ComposeTest, PortsOfAReplacedBlockAreRefusedEverywhere) {
-  builder.Replace<Bang>(loop.servo.pd, 5.0);
+TEST_F(ComposeTest, PortsOfAReplacedBlockMeanThoseOfTheBlockInItsPlace) {
+  const OutputPort<double>& u = loop.servo.pd.u;
+  auto& first = builder.Replace<Bang>(loop.servo.pd, 4.0);
+  auto& bang = builder.Replace<Bang>(loop.servo.pd, 5.0);  // replaces the first one
+  EXPECT_EQ(first.replaced_by(), &bang);
+  EXPECT_EQ(&Current(u), &bang.u);
+  EXPECT_EQ(CurrentBlock(loop.servo.pd), &bang);
   auto& delay = AddDelay(builder);
-  const char *replaced = "was replaced", *where = "'loop.servo.pd'";
-  EXPECT_TRUE(Throws<BuildError>([&] { builder.Connect(loop.servo.pd.u, delay.u); }, replaced, where));
-  EXPECT_TRUE(
-      Throws<BuildError>([&] { builder.Insert(loop.servo.pd.u, delay.u, delay.y); }, replaced, where));
-  EXPECT_TRUE(Throws<BuildError>([&] { builder.Disconnect(loop.servo.pd.x); }, replaced, where));
-  EXPECT_TRUE(Throws<BuildError>([&] { builder.Replace<Bang>(loop.servo.pd, 6.0); }, replaced, where));
-  builder.Connect(loop.servo.u, delay.u);
+  builder.Insert(u, delay.u, delay.y);
+  auto& twice = builder.AddFunction({"twice", "N"}, Uses(u), [](double force) { return 2 * force; });
+  builder.Disconnect(loop.servo.pd.x);
+  builder.Connect(loop.servo.x, loop.servo.pd.x);
   Simulator simulator(builder.Build());
-  EXPECT_TRUE(Throws<RunError>([&] { simulator.context().Eval(loop.servo.pd.u); }, replaced, where));
-  EXPECT_TRUE(Throws<RunError>([&] { simulator.AddLog(Hz(10), {&loop.servo.pd.u}); }, replaced, where));
+  simulator.context().Set(loop.cart.x, {1, 0});
+  const auto log = simulator.AddLog(Hz(1000), {&u});
+  simulator.RunTo(0.002);
+  EXPECT_EQ(simulator.context().Eval(loop.cart.force), 0) << "behind the delay";
+  EXPECT_EQ(simulator.context().Eval(u), -5);
+  EXPECT_EQ(simulator.context().EvalDoubles(first.u), std::vector<double>{-5});
+  EXPECT_EQ(simulator.context().Eval(twice), -10);
+  EXPECT_EQ(log->column("loop.servo.pd.u").back(), -5);
 }
 
-TEST_F(ComposeTest, FiguresFindWhatStandsWhereAPortWas) {
+TEST_F(ComposeTest, APortThatTheBlockInThePlaceLacksIsNamedWithTheRemedy) {
   const OutputPort<double>& u = loop.servo.pd.u;
-  EXPECT_EQ(&Current(u), &u);
-  auto& bang = builder.Replace<Bang>(loop.servo.pd, 5.0);
-  EXPECT_EQ(&Current(u), &bang.u);
-  auto& odd = builder.Replace<Odd>(bang);
-  EXPECT_TRUE(Throws<BuildError>([&] { Current(u); }, "'loop.servo.pd.u'", "'u'"));
-  static_cast<void>(odd);
+  builder.Replace<Odd>(loop.servo.pd);
+  auto& delay = AddDelay(builder);
+  const auto refused = [&](auto call) {
+    return Throws<BuildError>(call, "'loop.servo.pd.u'", "'u'", "double", "add it");
+  };
+  EXPECT_TRUE(refused([&] { builder.Connect(u, delay.u); }));
+  EXPECT_TRUE(refused([&] { builder.Insert(u, delay.u, delay.y); }));
+  EXPECT_TRUE(refused([&] { builder.AddFunction("f", Uses(u), [](double x) { return x; }); }));
+  EXPECT_TRUE(refused([&] { Current(u); }));
+  EXPECT_EQ(FindCurrent(u), nullptr);
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Disconnect(loop.servo.pd.x); }, "'loop.servo.pd.x'"));
   auto& servo = builder.Replace<Servo>(loop.servo, {.kp = 20});
   EXPECT_EQ(&Current(u), &servo.pd.u) << "inside of what was exchanged";
+  builder.Replace<Odd>(loop.servo);
+  EXPECT_TRUE(Throws<BuildError>([&] { builder.Replace<Bang>(loop.servo.pd, 5.0); }, "'loop.servo.pd'"));
+}
+
+TEST_F(ComposeTest, ParametersAreThoseOfTheBlockInThePlace) {
+  const Pd& pd = loop.servo.pd;
+  EXPECT_EQ(&CurrentAs(pd), &pd);
+  const Pd& stiff = builder.Replace<Pd>(pd, {.kp = 20});
+  EXPECT_EQ(CurrentAs(pd).params.kp, 20);
+  const Bang& bang = builder.Replace<Bang>(pd, 5.0);
+  EXPECT_EQ(&CurrentAs(pd), &stiff) << "a Bang has no such parameters";
+  builder.Replace<Bang>(bang, 6.0);
+  EXPECT_EQ(CurrentAs<LeafSystem<double>>(bang).params, 6);
+  builder.Replace<Servo>(loop.servo, {.kp = 30});
+  EXPECT_EQ(CurrentAs(pd).params.kp, 30) << "inside of what was exchanged";
+}
+
+TEST_F(ComposeTest, InsertExceptsReadersAndGoesInFrontOfOneInput) {
+  auto& seen = builder.Add<SampleDelay<double>>("seen", {.samples = 1, .unit = "N"});
+  builder.Connect(loop.servo.u, seen.u);
+  auto& delay = AddDelay(builder);
+  builder.Insert(loop.servo.u, delay.u, delay.y, {&seen.u});
+  auto& last = builder.Add<SampleDelay<double>>("last", {.samples = 1, .unit = "N"});
+  builder.InsertBefore(loop.cart.force, last.u, last.y);
+  EXPECT_EQ(seen.u.driver(), &loop.servo.u);
+  EXPECT_EQ(last.u.driver(), &delay.y);
+  EXPECT_EQ(loop.cart.force.driver(), &last.y);
+  EXPECT_TRUE(
+      Throws<BuildError>([&] { builder.Insert(last.y, last.u, last.y, {&loop.cart.force}); }, "'last"));
+  // An input without a connection leaves the inserted block without one.
+  auto& alone = builder.Add<SampleDelay<double>>("alone", {.samples = 1, .unit = "N"});
+  auto& before = builder.Add<SampleDelay<double>>("before", {.samples = 1, .unit = "N"});
+  builder.InsertBefore(alone.u, before.u, before.y);
+  EXPECT_EQ(before.u.driver(), nullptr);
+  EXPECT_EQ(alone.u.driver(), &before.y);
 }
 
 TEST(ComposeBuilderTest, WhatIsReplacedMustBeInTheBuilder) {
