@@ -28,7 +28,7 @@ DisturbanceObserver::DisturbanceObserver(const DisturbanceObserverParams& params
   if (kind == ObserverKind::kCom || kind == ObserverKind::kHybrid || kind == ObserverKind::kFocchi ||
       kind == ObserverKind::kNdoHybrid) {
     ComObserverParams of_kind = params.com;
-    if (kind == ObserverKind::kFocchi) of_kind.gains = CentroidalMomentumObserver();
+    if (kind == ObserverKind::kFocchi) of_kind.gains = params.focchi;
     com = &Add<ComObserver>("com", of_kind);
     Connect(state, com->state);
     Connect(foot_forces, com->foot_forces);

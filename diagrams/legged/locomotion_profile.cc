@@ -151,6 +151,7 @@ DisturbanceObserverParams MakeObserver(const QuadrupedDescription& robot, const 
   params.kind = gains.kind;
   params.legs = {robot, gains.legs};
   params.com = {robot, gains.com};
+  params.focchi = gains.focchi;
   params.ndo.robot = robot;
   params.ndo.gain = gains.ndo_gain;
   params.ndo.min_singular_value = gains.legs.min_singular_value;

@@ -42,12 +42,13 @@ constexpr auto EnumNames(ObserverKind) {
                     Named{ObserverKind::kNdoHybrid, "ndo_hybrid"}};
 }
 
-/// Parameters of a DisturbanceObserver. `kind` selects the blocks that are made. For kFocchi the gains of
-/// `com` are replaced by CentroidalMomentumObserver(); `ndo.reading` follows from the kind.
+/// Parameters of a DisturbanceObserver. `kind` selects the blocks that are made. For kFocchi `focchi`
+/// replaces the gains of `com`; `ndo.reading` follows from the kind.
 struct DisturbanceObserverParams {
   ObserverKind kind = ObserverKind::kHybrid;
   LegMomentumObserverParams legs;
   ComObserverParams com;
+  ComObserverGains focchi = CentroidalMomentumObserver();
   NonlinearDisturbanceObserverParams ndo;
 };
 
@@ -69,11 +70,15 @@ struct ObserverProfile {
   ObserverKind kind = ObserverKind::kHybrid;
   LegObserverGains legs;
   ComObserverGains com;
-  double ndo_gain = 10;  ///< gain X of NonlinearDisturbanceObserver
+  ComObserverGains focchi = CentroidalMomentumObserver();  ///< gains of the kind `focchi`
+  double ndo_gain = 10;                                    ///< gain X of NonlinearDisturbanceObserver
 
   static FieldList Fields() {
-    return {Required("kind", &ObserverProfile::kind), Required("legs", &ObserverProfile::legs),
-            Required("com", &ObserverProfile::com), Required("ndo_gain", &ObserverProfile::ndo_gain)};
+    return {Required("kind", &ObserverProfile::kind),
+            Required("legs", &ObserverProfile::legs),
+            Required("com", &ObserverProfile::com),
+            {"focchi", &ObserverProfile::focchi},
+            Required("ndo_gain", &ObserverProfile::ndo_gain)};
   }
 };
 

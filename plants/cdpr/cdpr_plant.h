@@ -57,7 +57,7 @@ struct CdprPlantParams {
 ///                reel_speed     of the drum in torque mode, dl0/dt on the start's radius; else unused [m/s]
 ///                added_q, added_u, added_z  of the additions
 ///
-/// **Platform** (Morlando 2023, eqs. (3.7) and (3.8), there for constant L):
+/// **Platform** (Morlando 2023, eqs. (3.7) and (3.8), there in terms of L):
 ///
 ///     m a = sum_i T_i e_i + m g + f_ext,   I alpha + w x I w = sum_i (R_WB r_i) x T_i e_i + tau_ext,
 ///

@@ -82,14 +82,14 @@ TEST_F(ResultsTest, ConfirmsRunsWhoseSourcesHaveChangedIfTheyRepeat) {
 }
 
 TEST_F(ResultsTest, JudgesFinishedCampaigns) {
-  const std::string figures = ",0.002,0.0035,1.5";
+  const std::string figures = ",0.002,0.0035,1.5,0.004,0.011";
   Pretend("cases_fixed",
           "run,seed,name,variant,finished,fell,simulated_s,com_error_max_m,foot_error_max_m.front_left,"
-          "foot_error_max_m.rear_right,grf_error_mean_N",
+          "foot_error_max_m.rear_right,grf_error_mean_N,slip_max_m.front_left,slip_max_m.rear_right",
           {"0,1,A1,ours,true,false,12.34,0.002" + figures, "1,1,A1,none,false,true,12.34,0.5" + figures});
   Pretend("cases_random",
           "run,seed,name,variant,finished,fell,simulated_s,com_error_max_m,foot_error_max_m.front_left,"
-          "foot_error_max_m.rear_right,grf_error_mean_N",
+          "foot_error_max_m.rear_right,grf_error_mean_N,slip_max_m.front_left,slip_max_m.rear_right",
           {"0,1,A4,ours,true,false,12.34,0.004" + figures, "1,2,A4,ours,true,false,12.34,0.009" + figures,
            "2,3,A4,ours,false,true,12.34,0.3" + figures});
   Pretend("cases_pushes", "run,seed,name,variant", {});
@@ -97,7 +97,7 @@ TEST_F(ResultsTest, JudgesFinishedCampaigns) {
   EXPECT_THAT(
       Page(),
       AllOf(HasSubstr("*Commit abcdef0, 2026-01-02, a machine. **Stale**: "),
-            HasSubstr("| yes | 2.0 | 3.5 | 1.5 | CoM ≤ 3 mm; foot ≤ 4 mm; GRF ≤ 2 N | yes |"),
+            HasSubstr("| yes | 2.0 | 3.5 | 11.0 | 1.5 | CoM ≤ 3 mm; foot ≤ 4 mm; GRF ≤ 2 N | yes |"),
             HasSubstr("| A1 | none | **falls at 12.3 s** | 500.0 | 250.00 | 3.5 | 1.00 |"),
             HasSubstr("| **2 of 3** (first falls at 12.3 s) | 9.0 / 300.0 | 3.5 / 3.5 |"),
             HasSubstr(

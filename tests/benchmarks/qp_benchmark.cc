@@ -17,7 +17,7 @@
 //
 //     whole_body_qp             12 variables, includes making the problem from the dynamics
 //     qp/alglib_ipm             30 variables, dense interior-point method of ALGLIB
-//     qp/alglib_aul             augmented Lagrangian method of ALGLIB, used in Morlando 2023. Both have a
+//     qp/alglib_aul             its augmented Lagrangian method. Morlando 2023 uses ALGLIB. Both have a
 //                               tolerance of 1e-6: smaller ones take longer at hardly better precision
 //
 // Counters: median_ns and p99_ns over the problems, each with its least time over all iterations, so that

@@ -17,6 +17,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 
 namespace tenon::disturbance_observer_test {
@@ -40,7 +41,8 @@ PulseForceParams Push(const ExternalForce& where, const Vec<3>& force) {
 
 /// A robot without joint friction that stands by joint PD, and an observer.
 struct Cell {
-  explicit Cell(ObserverKind kind, const PulseForceParams& pulse) {
+  Cell(ObserverKind kind, const PulseForceParams& pulse) : Cell(Params(kind), pulse) {}
+  Cell(const DisturbanceObserverParams& params, const PulseForceParams& pulse) {
     QuadrupedPlantParams plant_params;
     plant_params.robot = DogBot();
     plant_params.robot.drive.friction = plant_params.robot.drive.damping = 0;
@@ -54,7 +56,7 @@ struct Cell {
     auto& imu = builder.Add<TrunkImu>("imu", imu_params);
     auto& push = builder.Add<PulseForce>("push", pulse);
     auto& forces = builder.Add<ForceBundle>("forces", ForceBundleParams{1});
-    observer = &builder.Add<DisturbanceObserver>("observer", Params(kind));
+    observer = &builder.Add<DisturbanceObserver>("observer", params);
     builder.Connect(push.force, forces.force[0]);
     builder.Connect(forces.forces, plant->external);
     builder.Connect(plant->state, encoders.state);
@@ -160,6 +162,18 @@ TEST(DisturbanceObserverTest, EveryKindEstimatesItsPart) {
     EXPECT_THAT(cell.legs().foot_force.front_right,
                 IsNear(legs ? force : Vec<3>(Vec<3>::Zero()), legs ? 0.3 : 0))
         << name;
+  }
+}
+
+// The observer of Focchi et al. has first-order gains of its own: a step is known to 1 - exp(-K t) after t.
+TEST(DisturbanceObserverTest, GainsOfFocchi) {
+  const Vec<3> force(12, 16, -5);
+  for (const double bandwidth : {25., 5.}) {
+    DisturbanceObserverParams params = Params(ObserverKind::kFocchi);
+    params.focchi.force_bandwidth = bandwidth;
+    Cell cell(params, Push(ExternalForce{}, force));
+    cell.simulator->RunTo(0.4);
+    EXPECT_THAT(cell.wrench().force_W, IsNear((1 - std::exp(-bandwidth * 0.1)) * force, 0.5)) << bandwidth;
   }
 }
 

@@ -65,6 +65,30 @@ TEST(LocomotionProfileTest, RobotsOfAllSizesAreAlike) {
               8 * LoadGaits({"standard"}, small).touchdown_force, 1e-9);
 }
 
+// Without its key, the observer of Focchi et al. has the published gains; a profile changes each alone.
+TEST(LocomotionProfileTest, GainsOfTheObserverOfFocchi) {
+  const auto load = [](const char* profile) {
+    const LocomotionProfile loaded = LoadLocomotionProfile(YamlFile{profile}, ScaleOf(test::DogBot()));
+    return MakeObserver(test::DogBot(), loaded).focchi;
+  };
+  const ComObserverGains published = load("standard");
+  EXPECT_EQ(published.force_bandwidth, 25);
+  EXPECT_EQ(published.torque_bandwidth, 10);
+  EXPECT_EQ(published.force_source, ForceSource::kMomentum);
+  const ComObserverGains faster =
+      load("{file: standard, observer: {focchi: {force_bandwidth_rad_per_s: 60}}}");
+  EXPECT_EQ(faster.force_bandwidth, 60);
+  EXPECT_EQ(faster.torque_bandwidth, 10);
+  EXPECT_EQ(faster.force_source, ForceSource::kMomentum);
+}
+
+// The published code of the thesis's author: 2500 N/m, 50 N s/m for DogBot.
+TEST(LocomotionProfileTest, CodeOfTheThesisIsRoundForDogBot) {
+  const LocomotionProfile code = LoadLocomotionProfile({"thesis_code"}, ScaleOf(test::DogBot()));
+  EXPECT_NEAR(code.whole_body.com_stiffness / 2500, 1, 1e-7);
+  EXPECT_NEAR(code.whole_body.com_damping / 50, 1, 1e-7);
+}
+
 TEST(LocomotionProfileTest, RefusesGainsOfOneRobot) {
   const auto load = [](const char* profile) {
     LoadLocomotionProfile(YamlFile{profile}, ScaleOf(test::DogBot()));
