@@ -173,15 +173,14 @@ void Simulator::AddLog(Rate rate, std::vector<const Source*> signals,
                        std::vector<std::shared_ptr<LogSink>> sinks) {
   if (std::count(signals.begin(), signals.end(), nullptr) > 0)
     throw ParameterError("AddLog: a signal is null: give a port or a state");
-  if (std::count(sinks.begin(), sinks.end(), nullptr) > 0)
-    throw ParameterError("AddLog: a sink is null: give a LogSink");
+  auto log = std::make_unique<SignalLog>(*context_, std::move(signals), std::move(sinks));
   auto same = std::find_if(logs_.begin(), logs_.end(), [&](const RatedLog& log) { return log.rate == rate; });
   if (same == logs_.end()) {
     logs_.push_back({rate, {}});
     RebuildSchedule();
     same = logs_.end() - 1;
   }
-  same->logs.push_back(std::make_unique<SignalLog>(*context_, std::move(signals), std::move(sinks)));
+  same->logs.push_back(std::move(log));
 }
 
 std::shared_ptr<MemoryLog> Simulator::AddLog(Rate rate, std::vector<const Source*> signals) {
