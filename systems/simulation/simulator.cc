@@ -501,7 +501,7 @@ void Simulator::Tick(bool first) {
 void Simulator::CheckSamples(const TickPlan& plan) const {
   // Infinite bounds are legitimate.
   if (!options_.check_values ||
-      (internal::AllFinite(context_->memory_.get(), plan.doubles) && plan.movable.empty()))
+      (internal::AllFinite(context_->memory_.get(), plan.doubles) && plan.inspected.empty()))
     return;
   for (const Source* source : plan.due) {
     if (internal::FinitenessOf(*source->type_, context_->Address(*source)) != internal::Finiteness::kNan)
