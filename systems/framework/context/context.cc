@@ -206,10 +206,24 @@ void Context::Assign(const Assignment& assignment) {
     }
   }
   source.type_->assign(MutableAddress(source), assignment.value);
+  CheckDeclaredSize(source, assignment.value);
   PackStates();
 }
 
 void Context::AssignParameters(std::span<const Assignment> list) {
+/// Throws RunError if a matrix of run-time size has another size than its source, or a port that reads it,
+/// declares.
+void Context::CheckDeclaredSize(const Source& source, const void* value) const {
+  const Source* declares = source.Resolve().declares_size_;
+  if (declares == nullptr || source.kind() == SourceKind::kContinuous) return;
+  std::size_t rows = 0, cols = 0, given_rows = 0, given_cols = 0;
+  declares->type_->shape(declares->model_, &rows, &cols);
+  declares->type_->shape(value, &given_rows, &given_cols);
+  if (rows == given_rows && cols == given_cols) return;
+  throw RunError(fmt::format("'{}' cannot be set to {} x {} elements, because '{}' is declared with {} x {}",
+                             source.path(), given_rows, given_cols, declares->path(), rows, cols));
+}
+
   for (const Assignment& each : list) {
     CheckOwned(*each.source);
     if (internal::FinitenessOf(*each.source->type_, each.value) == internal::Finiteness::kNan) {

@@ -139,6 +139,7 @@ class Context {
   }
   void Assign(const Assignment& assignment);
   void AssignParameters(std::span<const Assignment> list);
+  void CheckDeclaredSize(const Source& source, const void* value) const;
 
   const void* EvalAddress(const Source& source);
   bool IsKnown(const Source& source) const;
