@@ -78,7 +78,8 @@ std::vector<std::byte> Context::Save() const {
     const bool fresh = source.calculation_ < 0 || IsFresh(program.calculations[source.calculation_].op);
     internal::Save(fresh, archive);
     try {
-      internal::Save(*source.type_, memory_.get() + cell.offset, archive);
+      const bool whole = source.kind() == SourceKind::kScratch || source.kind() == SourceKind::kDiscrete;
+      internal::Save(*source.type_, memory_.get() + cell.offset, archive, whole);
     } catch (const Error& error) {
       throw RunError(fmt::format("'{}' cannot be saved: {}", source.path(), error.what()));
     }
@@ -128,7 +129,11 @@ void Context::Load(std::span<const std::byte> bytes) {
   for (const Cell& cell : program.saved) {
     bool fresh = false;
     internal::Load(fresh, archive);
-    internal::Load(*cell.source->type_, memory_.get() + cell.offset, archive);
+    try {
+      internal::Load(*cell.source->type_, memory_.get() + cell.offset, archive);
+    } catch (const std::exception& error) {
+      throw RunError(fmt::format("'{}' cannot be restored: {}", cell.source->path(), error.what()));
+    }
     const int calculation = cell.source->calculation_;
     if (calculation < 0) continue;
     const std::uint64_t stamp = program.calculations[calculation].varies ? instant_ : 1;
