@@ -76,6 +76,7 @@ Context::Context(const Context& other, const internal::Program& program)
       fixed_(other.fixed_),
       progress_(other.progress_),
       failure_(other.failure_),
+      time_rest_(other.time_rest_),
       next_step_(other.next_step_),
       last_error_(other.last_error_),
       witness_memory_(other.witness_memory_),
@@ -205,12 +206,11 @@ void Context::Assign(const Assignment& assignment) {
                                  source.path(), size, given));
     }
   }
-  source.type_->assign(MutableAddress(source), assignment.value);
   CheckDeclaredSize(source, assignment.value);
+  source.type_->assign(MutableAddress(source), assignment.value);
   PackStates();
 }
 
-void Context::AssignParameters(std::span<const Assignment> list) {
 /// Throws RunError if a matrix of run-time size has another size than its source, or a port that reads it,
 /// declares.
 void Context::CheckDeclaredSize(const Source& source, const void* value) const {
@@ -224,6 +224,7 @@ void Context::CheckDeclaredSize(const Source& source, const void* value) const {
                              source.path(), given_rows, given_cols, declares->path(), rows, cols));
 }
 
+void Context::AssignParameters(std::span<const Assignment> list) {
   for (const Assignment& each : list) {
     CheckOwned(*each.source);
     if (internal::FinitenessOf(*each.source->type_, each.value) == internal::Finiteness::kNan) {
@@ -318,6 +319,7 @@ void Context::SetTime(double time) {
   if (!std::isfinite(time))
     throw RunError(fmt::format("cannot set the time to {} s: give a finite time", time));
   SetRunTime(time);
+  time_rest_ = 0;
   MarkAllStale();
 }
 
@@ -350,6 +352,7 @@ void Context::CalcTimeDerivatives(double t, const double* x, double* xdot) {
   ++edition_;
   step_start_.valid = false;
   witness_memory_.clear();
+  time_rest_ = 0;
   CalcRunDerivatives(t, x, xdot);
 }
 

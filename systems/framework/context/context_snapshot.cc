@@ -20,7 +20,7 @@ namespace {
 /// The beginning of a snapshot. The checksum covers all bytes that follow, so that every change is detected.
 struct Header {
   std::array<char, 8> magic = {'t', 'e', 'n', 'o', 'n', 's', 'n', 'p'};
-  std::uint64_t version = 4;
+  std::uint64_t version = 5;
   std::uint64_t size = 0;  ///< size of the payload [bytes]
   std::uint64_t checksum = 0;
 };
@@ -68,6 +68,7 @@ std::vector<std::byte> Context::Save() const {
   internal::Save(time(), archive);
   internal::Save(seed_, archive);
   internal::Save(progress_, archive);
+  internal::Save(time_rest_, archive);
   internal::Save(next_step_, archive);
   internal::Save(last_error_, archive);
   internal::Save(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
@@ -112,11 +113,14 @@ void Context::Load(std::span<const std::byte> bytes) {
   internal::Load(time, archive);
   internal::Load(seed_, archive);
   internal::Load(progress_, archive);
+  double time_rest = 0;
+  internal::Load(time_rest, archive);
   internal::Load(next_step_, archive);
   internal::Load(last_error_, archive);
   if (!std::isfinite(time) || progress_ > Progress::kTickDue)
     throw RunError("the snapshot is damaged: its time or its progress is invalid");
   SetTime(time);
+  time_rest_ = time_rest;
   failure_.clear();
   internal::Load(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
   internal::Load(step_start_.valid, archive);
