@@ -5,6 +5,7 @@
 #include <tenon/systems/text/excerpt.h>
 
 #include <fmt/core.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -96,6 +97,34 @@ std::mutex guard_mutex;
 int guards = 0;  ///< number of SignalGuards
 std::array<struct sigaction, kSignals.size()> actions_before{};
 
+constexpr unsigned kPatience = 800'000;  ///< time that a calculation has to end after a signal [us]
+std::atomic<int> running = 0;            ///< number of runs that Observe advances
+
+/// Ends the process with the exit code of a caught signal, because a calculation does not return.
+void GiveUp(int) {
+  constexpr char kText[] =
+      "a calculation does not end: the run is stopped inside of it, without its results\n";
+  static_cast<void>(::write(STDERR_FILENO, kText, sizeof(kText) - 1));
+  ::_exit(128 + caught_signal);
+}
+
+/// Sends SIGALRM after `time` [us]; 0 cancels it.
+void Alarm(unsigned time) {
+  const struct itimerval timer = {{}, {0, time}};
+  ::setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
+/// A run that a signal ends, even inside a calculation.
+class Run {
+ public:
+  Run() { ++running; }
+  ~Run() {
+    if (--running == 0 && caught_signal != 0) Alarm(0);
+  }
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+};
+
 std::string OutOfMemoryAt(const Context& context) {
   return fmt::format("{} in the run at t = {} s", kOutOfMemory, context.time());
 }
@@ -109,6 +138,10 @@ SignalGuard::SignalGuard() {
   struct sigaction note = {};
   note.sa_handler = [](int signal) {
     caught_signal = signal;
+    if (running > 0) {
+      std::signal(SIGALRM, GiveUp);
+      Alarm(kPatience);
+    }
     // Any second signal ends the process.
     for (const int each : kSignals) std::signal(each, SIG_DFL);
   };
@@ -146,7 +179,10 @@ RunOutcome Observe(Simulator& simulator, const std::function<RunStatus()>& advan
   const SignalGuard guard;
   const auto begin = std::chrono::steady_clock::now();
   try {
-    outcome.status = advance();
+    {
+      const Run run;
+      outcome.status = advance();
+    }
     if (outcome.status.ended) outcome.exit_code = kLimitBroken;
     if (outcome.status.reason == kInterrupted) outcome.exit_code = 128 + SIGINT;  // from a browser
   } catch (const OutputError& error) {

@@ -65,7 +65,9 @@ struct RunOutcome {
 };
 
 /// During its lifetime, the first SIGINT, SIGTERM or SIGHUP ends the runs of Advance in all threads, and the
-/// second one ends the process. An ignored SIGHUP stays ignored. Guards may be nested.
+/// second one ends the process. If a calculation of a run does not return within a second after the first
+/// one, the process ends with the signal's exit code; the rows logged so far are in their files. An ignored
+/// SIGHUP stays ignored. Guards may be nested.
 class SignalGuard {
  public:
   SignalGuard();

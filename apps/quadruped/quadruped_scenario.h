@@ -44,9 +44,9 @@ struct SweepScenario {
   int directions = 8;   ///< number of directions around the vertical
 
   static FieldList Fields() {
-    return {Field("phases", &SweepScenario::phases).AtLeast(1),
+    return {Field("phases", &SweepScenario::phases).Between(1, 1000),
             Required("period_s", &SweepScenario::period_s).Positive(),
-            Field("directions", &SweepScenario::directions).AtLeast(1)};
+            Field("directions", &SweepScenario::directions).Between(1, 1000)};
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -18,6 +20,19 @@ namespace {
 [[noreturn]] void Fail(const fs::path& file, int error) {
   throw OutputError(fmt::format("cannot write '{}': {}; free disk space, or choose another path",
                                 file.string(), std::strerror(error)));
+}
+
+/// Keeps other descriptors from locking a regular file, as long as this one is open.
+void Lock(int descriptor, const fs::path& file) {
+  struct ::stat status {};
+  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return;
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
+    return;  // some disks have no locks
+  ::close(descriptor);
+  throw OutputError(
+      fmt::format("cannot write '{}', because another log or program writes it: choose another "
+                  "path",
+                  file.string()));
 }
 
 /// Opens or creates a file, emptied unless `how` is 0. Errors name `wanted`.
@@ -56,7 +71,9 @@ void WriteFile(const fs::path& file, std::string_view text) {
 }
 
 GrowingFile::GrowingFile(fs::path path, Start start)
-    : path_(std::move(path)), descriptor_(Open(path_, path_, start == Start::kEmpty ? O_TRUNC : 0)) {
+    : path_(std::move(path)), descriptor_(Open(path_, path_, 0)) {
+  Lock(descriptor_, path_);
+  if (start == Start::kEmpty) static_cast<void>(::ftruncate(descriptor_, 0));  // fails for a pipe
   if (const ::off_t end = ::lseek(descriptor_, 0, SEEK_END); end > 0) size_ = static_cast<std::size_t>(end);
 }
 

@@ -24,7 +24,8 @@ void WriteFile(const std::filesystem::path& file, std::string_view text);
 class GrowingFile {
  public:
   enum class Start { kEmpty, kKeep };
-  /// Opens the file and keeps or discards its contents. Throws OutputError if it cannot be opened.
+  /// Opens the file and keeps or discards its contents. Throws OutputError if it cannot be opened, or another
+  /// GrowingFile of any process is open on it.
   explicit GrowingFile(std::filesystem::path path, Start start = Start::kEmpty);
   ~GrowingFile();
   GrowingFile(const GrowingFile&) = delete;

@@ -22,7 +22,7 @@ namespace {
 constexpr int kFormat = 1;  // version of the file; it changes whenever Read cannot read earlier files
 
 double FiniteTime(const Json& json, double least) {
-  constexpr double kLongest = 1e8;  // of a run, about three years [s]
+  constexpr double kLongest = 1e11;  // some 3000 years [s]
   const double time = json.get<double>();
   if (!(time >= least && time <= kLongest)) throw std::out_of_range("a time goes back");
   return time;

@@ -13,9 +13,10 @@ namespace tenon {
 namespace internal {
 namespace {
 
-/// Compares times of ticks on both sides, which differ only by rounding.
+/// Compares times of ticks on both sides, which differ only by rounding: by less than any period, also at
+/// large times.
 double Rounding(double time) {
-  return 1e-9 * (1 + std::abs(time));
+  return 1e-9 + 1e-15 * std::abs(time);
 }
 
 }  // namespace

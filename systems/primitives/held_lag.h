@@ -18,7 +18,11 @@ struct HeldLagParams {
   Rate rate = Hz(1000);               ///< rate at which u is sampled
   std::string unit = "";              ///< unit of input and output
   std::string elements = "";          ///< names of the elements
-  void Validate() const { Demand(internal::IsFinite(initial), "initial must be finite"); }
+  void Validate() const {
+    Demand(internal::IsFinite(initial), "initial must be finite");
+    if constexpr (internal::VectorOfRunTimeSize<T>)
+      Demand(initial.size() > 0, "initial must have the size of the signal");
+  }
 };
 
 /// Response of a HeldLag since its last tick, from one value to another.

@@ -18,6 +18,7 @@ struct SampleDelayParams {
   std::string elements = "";  ///< names of the elements
   void Validate() const {
     Demand(samples >= 1, "samples must be 1 or more: for a delay of 0, connect the ports directly");
+    Demand(samples <= 1'000'000, "samples must be at most 1,000,000: each tick copies that many values");
   }
 };
 

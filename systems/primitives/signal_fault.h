@@ -48,7 +48,8 @@ struct SignalFaultParams {
   void Validate() const {
     Demand(std::isfinite(period) && (period == 0 || period > rate.period() / 2),
            "period = " + std::to_string(period) + " must be 0 or at least the sample period, in seconds");
-    Demand(samples >= 1, "samples = " + std::to_string(samples) + " must be 1 or more");
+    Demand(samples >= 1 && samples <= 1'000'000,
+           "samples = " + std::to_string(samples) + " must be from 1 to 1,000,000");
     Demand(probability >= 0 && probability <= 1,
            "probability = " + std::to_string(probability) + " must be from 0 to 1");
   }

@@ -21,6 +21,8 @@ struct TransportDelayParams {
     Demand(delay >= rate.period() && std::isfinite(delay),
            "delay must be finite and not shorter than the period of rate: the input since the last sample is "
            "not known; use a higher rate");
+    Demand(delay / rate.period() <= 1'000'000,
+           "delay must not be longer than 1,000,000 periods of rate: each tick copies that many samples");
     Demand(internal::IsFinite(initial), "initial must be finite");
   }
 };

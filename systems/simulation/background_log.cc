@@ -29,10 +29,7 @@ BackgroundLog::~BackgroundLog() {
 }
 
 void BackgroundLog::Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) {
-  for (const auto& sink : sinks_) {
-    if (sink == nullptr) throw ParameterError("BackgroundLog: a sink is null: give a LogSink");
-    sink->Begin(names, units);
-  }
+  for (const auto& sink : sinks_) sink->Begin(names, units);
   columns_ = names.size();
   for (Block& block : blocks_) block.reserve(std::max(kBlockSize, columns_));
   try {

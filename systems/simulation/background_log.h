@@ -29,7 +29,10 @@ namespace tenon {
 /// further rows.
 class BackgroundLog final : public LogSink {
  public:
-  explicit BackgroundLog(std::vector<std::shared_ptr<LogSink>> sinks) : sinks_(std::move(sinks)) {}
+  /// Throws ParameterError for a sink that is null or belongs to another log.
+  explicit BackgroundLog(std::vector<std::shared_ptr<LogSink>> sinks) : sinks_(std::move(sinks)) {
+    Claim(sinks_, "BackgroundLog");
+  }
   ~BackgroundLog() override;
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;

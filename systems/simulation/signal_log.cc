@@ -18,6 +18,17 @@
 
 namespace tenon {
 
+void LogSink::Claim(const std::vector<std::shared_ptr<LogSink>>& sinks, const char* log) {
+  for (const auto& sink : sinks) {
+    if (sink == nullptr) throw ParameterError(fmt::format("{}: a sink is null: give a LogSink", log));
+    if (!std::exchange(sink->claimed_, true)) continue;
+    throw ParameterError(fmt::format(
+        "{}: a sink belongs to another log already, and their rows would mix: give each log a sink of "
+        "its own",
+        log));
+  }
+}
+
 void MemoryLog::Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) {
   names_ = names;
   units_ = units;
@@ -148,6 +159,7 @@ SignalLog::SignalLog(Context& context, std::vector<const Source*> signals,
                     signal->path(), signal->type_name()));
   }
   static_cast<void>(ListColumns());
+  LogSink::Claim(sinks_, "AddLog");
 }
 
 SignalLog::~SignalLog() = default;

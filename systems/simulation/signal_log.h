@@ -17,10 +17,10 @@ namespace tenon {
 
 /// Receives the rows of a log during the run. Time is the first column.
 ///
-/// A log holds one run. When the run continues after Context::Restore has set it back, each sink first drops
-/// the rows after the restored time, and the row at that time if its tick has not happened yet. Earlier rows
-/// stay, so time never decreases in MemoryLog, CsvLog and reports. A restored time that lies ahead leaves a
-/// gap. For sinks that cannot drop rows, use Simulator::HoldLogs.
+/// A sink belongs to one log, and a log holds one run. When the run continues after Context::Restore has set
+/// it back, each sink first drops the rows after the restored time, and the row at that time if its tick has
+/// not happened yet. Earlier rows stay, so time never decreases in MemoryLog, CsvLog and reports. A restored
+/// time that lies ahead leaves a gap. For sinks that cannot drop rows, use Simulator::HoldLogs.
 class LogSink {
  public:
   virtual ~LogSink() = default;
@@ -32,6 +32,13 @@ class LogSink {
   /// Drops the rows at `time` [s] and later or, if `after` is set, only later ones. A sink that does not
   /// override this keeps them and sees the time decrease.
   virtual void DropFrom(double time, bool after) { (void)time, (void)after; }
+
+ private:
+  friend class SignalLog;
+  friend class BackgroundLog;
+  /// Throws ParameterError for a null sink, and for one that another log has, because their rows would mix.
+  static void Claim(const std::vector<std::shared_ptr<LogSink>>& sinks, const char* log);
+  bool claimed_ = false;
 };
 
 /// Keeps a log in memory.
@@ -62,7 +69,7 @@ class MemoryLog final : public LogSink {
 /// interrupts a write. PlotJuggler opens the file. If the run is set back, the file is truncated.
 class CsvLog final : public LogSink {
  public:
-  /// Throws OutputError if the file cannot be opened.
+  /// Throws OutputError if the file cannot be opened, also because another CsvLog is open on it.
   explicit CsvLog(std::filesystem::path file) : file_(std::move(file)) {}
   ~CsvLog() override;
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
@@ -91,7 +98,8 @@ class CsvLog final : public LogSink {
 class SignalLog {
  public:
   /// Throws ParameterError for a signal without numbers and for two columns of the same name: a signal that
-  /// is given twice, or a state and the output that shows it under its name.
+  /// is given twice, or a state and the output that shows it under its name. Also throws it for a sink that
+  /// is null or belongs to another log.
   SignalLog(Context& context, std::vector<const Source*> signals,
             std::vector<std::shared_ptr<LogSink>> sinks);
   ~SignalLog();

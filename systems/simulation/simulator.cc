@@ -47,6 +47,13 @@ std::exception_ptr WithEachLog(const RatedLogs& logs, void (SignalLog::*act)()) 
 constexpr int kShrinking = 2;
 constexpr double kAccumulated = 2e-6;
 
+/// Times of the run are exact enough if their rounding is less than this part of the shortest period of ticks
+/// that restart the integrator, or of the longest step if there are none.
+constexpr double kExactTime = 1e-8;
+constexpr double kLongStep = 0.1;  ///< without a longest step [s]
+/// A time that misses a tick by less than this part of the distance to the tick beside it means the tick.
+constexpr double kMisses = 0.01;
+
 /// Returns a pointer that is not null.
 template <class Pointer>
 Pointer Given(Pointer pointer, const char* what) {
@@ -62,6 +69,23 @@ void DemandUnchanged(std::uint64_t edition, std::uint64_t known, double time) {
                   "change states "
                   "by an Update, or by Set between advances",
                   time));
+}
+
+/// Explains an error that arose after `end`, the end of the advance, where the caller expects no evaluation.
+/// Keeps the original exception nested.
+[[noreturn]] void RethrowAsLater(const RunError& error, double end) {
+  const RunError later(
+      fmt::format(
+          "{}. This is after t = {} s, to which the run advances, because integrator steps go past it. If "
+          "data end there, hold their last value, or declare their end by a NextJump",
+          error.what(), end),
+      error.block());
+  try {
+    std::rethrow_if_nested(error);
+  } catch (...) {
+    std::throw_with_nested(later);
+  }
+  throw later;
 }
 
 }  // namespace
@@ -173,15 +197,14 @@ void Simulator::AddLog(Rate rate, std::vector<const Source*> signals,
                        std::vector<std::shared_ptr<LogSink>> sinks) {
   if (std::count(signals.begin(), signals.end(), nullptr) > 0)
     throw ParameterError("AddLog: a signal is null: give a port or a state");
-  if (std::count(sinks.begin(), sinks.end(), nullptr) > 0)
-    throw ParameterError("AddLog: a sink is null: give a LogSink");
+  auto log = std::make_unique<SignalLog>(*context_, std::move(signals), std::move(sinks));
   auto same = std::find_if(logs_.begin(), logs_.end(), [&](const RatedLog& log) { return log.rate == rate; });
   if (same == logs_.end()) {
     logs_.push_back({rate, {}});
     RebuildSchedule();
     same = logs_.end() - 1;
   }
-  same->logs.push_back(std::make_unique<SignalLog>(*context_, std::move(signals), std::move(sinks)));
+  same->logs.push_back(std::move(log));
 }
 
 std::shared_ptr<MemoryLog> Simulator::AddLog(Rate rate, std::vector<const Source*> signals) {
@@ -245,10 +268,10 @@ RunStatus Simulator::AdvanceToBefore(double time) {
 
 RunStatus Simulator::Advance(double time, bool before_tick) {
   using Progress = Context::Progress;
-  const double rounding = TickRounding(time);
   if (!std::isfinite(time))
     throw RunError(fmt::format("cannot advance to t = {} s: give a finite time", time));
-  if (time < context_->time() - rounding) {
+  const double rounding = std::min(TickRounding(time), kMisses * schedule_->shortest_period());
+  if (time < context_->time() - std::max(rounding, 1e-15 * std::abs(time))) {
     throw RunError(
         fmt::format("cannot advance to t = {} s: the run is already at t = {} s", time, context_->time()));
   }
@@ -272,14 +295,22 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
       context_->Apply(program_.at_start);
       context_->progress_ = Progress::kStarted;
     }
-    const bool goes_on = !before_tick || time > context_->time() + rounding;
+    const bool at_next = MeansNextTick(time) && schedule_->next_time() == context_->time();
+    const bool goes_on = !before_tick || (time > context_->time() && !at_next);
     if (context_->progress_ == Progress::kStarted && goes_on) FirstTick();
     DemandUnchanged(context_->edition_, known_edition_, context_->time());
     while (!end_reason_) {
       const double next = schedule_->next_time();
-      const bool tick = before_tick ? next < time - rounding : next <= time + rounding;
-      if (!tick && context_->time() >= time - rounding) break;
-      IntegrateTo(next <= time + rounding ? next : time);
+      const bool meant = MeansNextTick(time);
+      const bool tick = meant ? !before_tick : next < time;
+      const double target = meant || tick ? next : time;
+      if (!tick && (context_->time() >= target || MeansLastTick(time))) break;
+      try {
+        IntegrateTo(target);
+      } catch (const RunError& error) {
+        if (context_->time() > time) RethrowAsLater(error, time);
+        throw;
+      }
       KeepPace(tick);
       if (tick && !end_reason_) Tick();
       DemandUnchanged(context_->edition_, known_edition_, context_->time());
@@ -300,6 +331,43 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
   return {context_->time(), end_reason_.has_value(), end_reason_.value_or(""), ended_by_};
 }
 
+/// Returns whether `time`, which may be a sum of periods, means the next tick.
+bool Simulator::MeansNextTick(double time) const {
+  const double tick = schedule_->next_time();
+  if (tick == time) return true;
+  const double miss = std::abs(tick - time);
+  return miss <= TickRounding(time) && miss <= kMisses * (tick - schedule_->previous_time()) &&
+         miss <= kMisses * (schedule_->following_time() - tick);
+}
+
+/// Returns whether `time`, which is later than the present time, means the tick that has just run.
+bool Simulator::MeansLastTick(double time) const {
+  const double tick = context_->time();
+  return time - tick <= TickRounding(time) && time - tick <= kMisses * (schedule_->next_time() - tick) &&
+         context_->progress_ == Context::Progress::kTickDone && tick == schedule_->previous_time();
+}
+
+/// Returns whether a double resolves times near `time` so coarsely that intervals need their own origin.
+bool Simulator::IsCoarse(double time) const {
+  double interval = schedule_->shortest_feeding_period();
+  if (interval == 0) interval = options_.max_step > 0 ? options_.max_step : kLongStep;
+  return !(Tiny(time) <= kExactTime * interval);
+}
+
+/// The exact time of the next tick minus its double; 0 for another time, and where it is negligible.
+double Simulator::RestOf(double time) const {
+  return IsCoarse(time) && time == schedule_->next_time() ? schedule_->next_rest() : 0;
+}
+
+/// Returns whether what remains until `target` + `rest` is rounding, as after an event, and cannot be
+/// integrated.
+bool Simulator::IsReached(double target, double rest) const {
+  const double remaining = target - context_->time();
+  if (!IsCoarse(target)) return remaining <= Tiny(target);
+  const double known = context_->time_rest_;
+  return remaining + (rest - known) <= 1e-14 * (remaining + std::abs(rest) + std::abs(known));
+}
+
 void Simulator::RunTo(double time) {
   const RunStatus status = AdvanceTo(time);
   if (status.ended) throw RunError(fmt::format("the run ended at t = {} s: {}", status.time, status.reason));
@@ -307,7 +375,10 @@ void Simulator::RunTo(double time) {
 
 void Simulator::FirstTick() {
   context_->progress_ = Context::Progress::kTickDone;
-  if (schedule_->next_time() == context_->time()) Tick(true);
+  if (schedule_->next_time() == context_->time()) {
+    context_->time_rest_ = RestOf(context_->time());
+    Tick(true);
+  }
   for (const internal::CalculationInfo& info : program_.calculations) {
     const bool output = info.source->kind() == SourceKind::kOutput;
     if (info.sampled && output) context_->CheckSample(info);  // or the run starts between its ticks
@@ -320,17 +391,19 @@ void Simulator::FirstTick() {
 /// Moves to `target`, which is not later than the next tick that affects a derivative. The integrator runs
 /// ahead, step by step if values are read inside; the actions after a step happen at its end.
 void Simulator::IntegrateTo(double target) {
+  const double rest = RestOf(target);
   if (program_.num_continuous == 0 && !watches_steps_) {
     context_->SetRunTime(target);
+    context_->time_rest_ = rest;
     return;
   }
   const Profiled integration(profiler_.get(), Profiler::kIntegrator);
   while (!end_reason_) {
-    // A remainder within rounding, as after an event, cannot be integrated.
-    if (!stop_is_due_ && target - context_->time() <= Tiny(target)) break;
+    if (!stop_is_due_ && IsReached(target, rest)) break;
     if (!integrator_->can_go_on()) StartIntegrator();
-    if (next_stop_ > target + Tiny(target)) {
-      integrator_->MoveContext(target);
+    const double to = integrator_->Local(target, rest), rounding = integrator_->rounding(to);
+    if (next_stop_ > to + rounding) {
+      integrator_->MoveContext(target, rest);
       return;
     }
     if (stop_is_due_) {
@@ -338,10 +411,12 @@ void Simulator::IntegrateTo(double target) {
       continue;
     }
     DemandUnchanged(context_->edition_, known_edition_, context_->time());  // or the integrator starts again
-    integrator_->Advance(watches_steps_ || horizon_ - target > Tiny(target));
+    integrator_->Advance(watches_steps_ || horizon_ - to > rounding);
     FindEvent(integrator_->begin());
   }
-  if (context_->time() < target && !end_reason_) {
+  if (end_reason_) return;
+  context_->time_rest_ = rest;
+  if (context_->time() < target) {
     context_->SetRunTime(target);
     HandleJumps();  // of witnesses that a declared jump moves across zero
   }
@@ -359,22 +434,26 @@ void Simulator::StartIntegrator() {
   context_->RunStale(program_.held);
   StartFinder();
   const double jump = NextJump(), tick = schedule_->next_feeding_time();
-  horizon_ = std::min(jump, tick);
-  ends_at_jump_ = jump <= tick && std::isfinite(jump);
-  const double time = context_->time();
-  const bool again = integrator_->Start(horizon_, ends_at_jump_);
+  SundialsIntegrator::Interval interval{.end = std::min(jump, tick)};
+  ends_at_jump_ = interval.jumps = jump <= tick && std::isfinite(jump);
+  interval.local = IsCoarse(std::isinf(interval.end) ? context_->time() : interval.end);
+  if (interval.local && tick <= jump) interval.end_rest = schedule_->next_feeding_rest();
+  const double time = context_->time(), rest = context_->time_rest_;
+  const bool again = integrator_->Start(interval);
+  const double now = integrator_->Local(time, rest);
+  horizon_ = integrator_->Local(interval.end, interval.end_rest);
   next_stop_ = integrator_->finish();
-  stop_is_due_ = next_stop_ > time;
+  stop_is_due_ = next_stop_ > now;
   is_event_ = false;
   if (!again || finder_->empty()) return;
   // The step was repeated, and with it the search for events; those already handled do not fire again.
   FindEvent(integrator_->begin());
-  while (is_event_ && next_stop_ <= time) {
+  while (is_event_ && next_stop_ <= now) {
     for (const std::size_t i : fired_) finder_->StartAgain(i, 0, true);
     FindEvent(next_stop_);
   }
-  stop_is_due_ = next_stop_ > time;
-  integrator_->MoveContext(time);
+  stop_is_due_ = next_stop_ > now;
+  integrator_->MoveContext(time, rest);
 }
 
 /// The next declared jump of a block that feeds the integrator [s].
@@ -421,7 +500,7 @@ void Simulator::EndStep() {
   const Profiled end(profiler_.get(), Profiler::kTicks);
   stop_is_due_ = false;
   integrator_->MoveContext(next_stop_);
-  const bool at_end = next_stop_ >= integrator_->finish() - Tiny(next_stop_);
+  const bool at_end = next_stop_ >= integrator_->finish() - integrator_->rounding(next_stop_);
   // An event inside a step ends the step if it restarts the integrator.
   if (watches_steps_ && (at_end || EventFeeds())) {
     Judge(program_.each_step_monitors, program_.each_step_verdicts);
@@ -502,7 +581,7 @@ void Simulator::Tick(bool first) {
 void Simulator::CheckSamples(const TickPlan& plan) const {
   // Infinite bounds are legitimate.
   if (!options_.check_values ||
-      (internal::AllFinite(context_->memory_.get(), plan.doubles) && plan.movable.empty()))
+      (internal::AllFinite(context_->memory_.get(), plan.doubles) && plan.inspected.empty()))
     return;
   for (const Source* source : plan.due) {
     if (internal::FinitenessOf(*source->type_, context_->Address(*source)) != internal::Finiteness::kNan)

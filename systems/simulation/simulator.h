@@ -68,13 +68,19 @@ class Simulator {
 
   /// Runs the AtStart updates and the tick at t = 0. AdvanceTo calls it if necessary.
   RunStatus Initialize();
-  /// Runs up to and including the tick at `time` [s]; a time that misses the tick by rounding errors counts
-  /// as the tick. The division of a run into advances does not affect it: the integrator steps past `time` by
-  /// at most max_step, and the states at `time` come from its dense output, with similar accuracy. Throws
-  /// RunError: an exception of a block (std::rethrow_if_nested gives the original), the first non-finite
-  /// value, a failure of the integrator with its worst state, an accumulation of events, or a tick missed
-  /// under LatePolicy::kStop. After an error, a tick may be incomplete, and the run cannot continue until a
-  /// snapshot is restored.
+  /// Runs up to and including the tick at `time` [s], and none after it; a time that misses a tick by
+  /// rounding errors, which are small against the distance between ticks, counts as the tick.
+  ///
+  /// The division of a run into advances does not affect it: the integrator steps past `time` by at most
+  /// max_step, up to the next tick or declared jump that changes a derivative, and the states at `time` come
+  /// from its dense output, with similar accuracy. So calculations that derivatives or witnesses depend on
+  /// are also evaluated at times after `time`. A source of your own whose data end there must hold its last
+  /// value, as Table and Trajectory do, or declare their end by a NextJump, where a step ends.
+  ///
+  /// Throws RunError: an exception of a block (std::rethrow_if_nested gives the original), the first
+  /// non-finite value, a failure of the integrator with its worst state, an accumulation of events, or a tick
+  /// missed under LatePolicy::kStop. After an error, a tick may be incomplete, and the run cannot continue
+  /// until a snapshot is restored.
   [[nodiscard]] RunStatus AdvanceTo(double time);
   /// Runs up to the tick at `time` [s] but not that tick, which happens when the run continues. Values that
   /// the tick reads can be set in between. Does nothing if that tick is already the next at the present time.
@@ -96,6 +102,11 @@ class Simulator {
 
  private:
   void Synchronize();
+  bool MeansNextTick(double time) const;
+  bool MeansLastTick(double time) const;
+  bool IsCoarse(double time) const;
+  double RestOf(double time) const;
+  bool IsReached(double target, double rest) const;
   void RebuildSchedule();
   void MoveSchedule();
   void MakeEventFinder();
@@ -132,12 +143,13 @@ class Simulator {
   std::vector<std::unique_ptr<internal::TickPlan>> plans_;  ///< plans for the combinations that have occurred
   std::vector<int> due_;                                    ///< groups due at a tick, without logs
   std::uint64_t known_edition_ = 0;  ///< edition of the context at the beginning of the last advance
-  double horizon_ = 0;               ///< time of the next change of the dynamics at the latest
-  bool ends_at_jump_ = false;        ///< the horizon is a declared jump
-  double next_stop_ = 0;             ///< the first event in the last step, or its end
-  bool stop_is_due_ = false;         ///< the actions at next_stop_ are still to come
-  bool is_event_ = false;            ///< next_stop_ is an event of witnesses or kinks
-  bool watches_steps_ = false;       ///< updates, monitors or witnesses need every integrator step
+  // Times of the integrator, see SundialsIntegrator.
+  double horizon_ = 0;          ///< time of the next change of the dynamics at the latest
+  bool ends_at_jump_ = false;   ///< the horizon is a declared jump
+  double next_stop_ = 0;        ///< the first event in the last step, or its end
+  bool stop_is_due_ = false;    ///< the actions at next_stop_ are still to come
+  bool is_event_ = false;       ///< next_stop_ is an event of witnesses or kinks
+  bool watches_steps_ = false;  ///< updates, monitors or witnesses need every integrator step
 
   struct RatedLog {
     Rate rate;

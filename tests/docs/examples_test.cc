@@ -43,6 +43,11 @@ TEST(ExamplesTest, TheProgramOfThePredictiveTutorialShips) {
               ::testing::HasSubstr("```cpp\n" + Read("docs/examples/compose/predictive_walk.cc") + "```"));
 }
 
+TEST(ExamplesTest, TheBlockOfForeignCodeShips) {
+  EXPECT_THAT(Read("docs/foreign_code.md"),
+              ::testing::HasSubstr("```cpp\n" + Read("docs/examples/foreign/foreign_filter.h") + "```"));
+}
+
 TEST(ExamplesTest, TheFilesOfTheRobotOnRopesShip) {
   const std::string page = Read("docs/limbs.md"), directory = "docs/examples/how_do_i/";
   EXPECT_THAT(page, ::testing::HasSubstr("```yaml\n" + Read(directory + "three_ropes.yaml") + "```"));

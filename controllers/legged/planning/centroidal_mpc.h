@@ -89,7 +89,7 @@ struct CentroidalMpcProperties {
             Field("edge_force_mg", &CentroidalMpcProperties::edge_force).Positive(),
             {"footholds", &CentroidalMpcProperties::footholds},
             Field("least_width", &CentroidalMpcProperties::least_width).Between(0, 1),
-            Field("max_iterations", &CentroidalMpcProperties::max_iterations).AtLeast(1),
+            Field("max_iterations", &CentroidalMpcProperties::max_iterations).Between(1, 100),
             Field("tolerance", &CentroidalMpcProperties::tolerance).AtLeast(0)};
   }
 };

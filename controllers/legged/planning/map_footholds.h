@@ -16,9 +16,9 @@ struct MapFootholdProperties {
   double search = 0.12;      ///< largest displacement of a foothold along x and y [m]
 
   static FieldList Fields() {
-    return {Field("radius_m", &MapFootholdProperties::radius).Positive(),
+    return {Field("radius_m", &MapFootholdProperties::radius).Above(0).AtMost(0.2),
             Field("roughness_m", &MapFootholdProperties::roughness).AtLeast(0),
-            Field("search_m", &MapFootholdProperties::search).AtLeast(0)};
+            Field("search_m", &MapFootholdProperties::search).Between(0, 0.5)};
   }
 };
 

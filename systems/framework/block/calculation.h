@@ -154,6 +154,14 @@ struct Published {
   static FieldList Fields() { return {{"muted", &Published::muted}}; }
 };
 
+template <class T>
+inline constexpr bool kHasRunTimeSize = false;
+template <EigenMatrix T>
+inline constexpr bool kHasRunTimeSize<T> = T::SizeAtCompileTime == Eigen::Dynamic;
+
+/// Throws RunError that names both sizes, and the port that declares the other one.
+[[noreturn]] void ThrowOtherSize(const Closure& closure, std::ptrdiff_t rows, std::ptrdiff_t cols);
+
 /// The code that a compiled diagram runs for one calculation. A function either returns the Target or, for
 /// large values, takes a `Target*` after its arguments and fills it in place. A function whose target is
 /// Published returns nothing.
@@ -213,6 +221,10 @@ struct Calculation {
           *target = Call(closure, LoadArgument<A>(closure, memory, row, I)...);
         } else {
           Call(closure, LoadArgument<A>(closure, memory, row, I)..., target);
+        }
+        if constexpr (kHasRunTimeSize<Target>) {
+          if (closure.rows >= 0 && (target->rows() != closure.rows || target->cols() != closure.cols))
+            ThrowOtherSize(closure, target->rows(), target->cols());
         }
       }
     };

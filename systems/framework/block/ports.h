@@ -16,6 +16,13 @@ template <class T>
 class DiscreteState;
 class Subdiagram;
 
+/// The size of a vector or matrix that an input must have, where the type leaves it to the run time:
+/// `InputPort<Eigen::VectorXd> u{this, "u", OfSize{6}}`.
+struct OfSize {
+  explicit OfSize(Eigen::Index rows, Eigen::Index cols = 1) : rows(rows), cols(cols) {}
+  Eigen::Index rows, cols;
+};
+
 /// A value that a block reads. It must be connected unless it has a default. `T` is any copyable type.
 template <class T>
 class InputPort : public Source {
@@ -29,6 +36,11 @@ class InputPort : public Source {
   InputPort(System* owner, Spec spec, T unconnected) : InputPort(owner, std::move(spec)) {
     model_ = std::move(unconnected);
     SetHasInitialValue();
+  }
+  /// An input that takes only values of one size: others are refused by Build, or when they are computed.
+  InputPort(System* owner, Spec spec, OfSize size) requires internal::kHasRunTimeSize<T>
+      : InputPort(owner, std::move(spec)) {
+    model_ = T::Zero(size.rows, size.cols);
   }
 
  private:
@@ -73,7 +85,8 @@ class Calculated : public Source {
 /// Without Sampled, the value is a function of time, states and inputs, computed on demand. With
 /// Sampled{rate} it is computed at its ticks and held between them. At a tick all due outputs run in dataflow
 /// order, so a chain of sampled blocks has no hidden delay. `initial` is the value before the first tick,
-/// needed if there is an offset; it also sets the size of values whose size is known only at run time.
+/// needed if there is an offset. For a vector or matrix of run-time size it declares the size, and an
+/// evaluation that gives another one is refused.
 template <class T>
 class OutputPort : public Calculated<T> {
  public:

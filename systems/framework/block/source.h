@@ -50,11 +50,13 @@ const Member& CheckDeclared(const Member& member, const char* user) {
 /// Offset of a value in a context's memory [bytes].
 using Offset = std::uint32_t;
 
-/// The data of a calculation: its block and its function.
+/// The data of a calculation: its block and its function, and the declared size of its result if that is a
+/// matrix of run-time size.
 struct Closure {
   const System* self;
   const Source* calculation;
   void (*destroy)(Closure* closure);
+  std::int32_t rows = -1, cols = -1;  ///< -1 if the size is not declared
 
   struct Delete {
     void operator()(Closure* closure) const { closure->destroy(closure); }
@@ -158,6 +160,9 @@ class Source : public internal::Declared {
   std::vector<const Source*> uses() const;
   /// The state of a derivative or an update; null for other sources.
   const Source* target() const { return target_; }
+  /// The source whose initial value has the size that the value of this one, a matrix of run-time size, must
+  /// have; null if none declares it. Known once the diagram is built.
+  const Source* declares_size() const { return declares_size_; }
   /// The source that this port is directly connected to; null if there is none.
   const Source* driver() const { return driver_; }
   void AppendTo(std::vector<internal::Slot>& slots) const {
@@ -232,6 +237,8 @@ class Source : public internal::Declared {
   // Set when the diagram is built.
   internal::Offset offset_ = 0;
   int calculation_ = -1;  ///< index among the diagram's calculations
+  const Source* declares_size_ =
+      nullptr;  ///< the source whose initial value has the size that this one needs
 };
 
 /// Returns the source that is now in the place of `source`, see Source::Current, or null if the new block has

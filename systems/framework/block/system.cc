@@ -170,6 +170,13 @@ UsesList<Reads> UsesAtRunTime(const std::vector<const Source*>& sources) {
   return uses;
 }
 
+void internal::ThrowOtherSize(const Closure& closure, std::ptrdiff_t rows, std::ptrdiff_t cols) {
+  const Source* declares = closure.calculation->declares_size();
+  throw RunError(
+      fmt::format("its value has {} x {} elements, but '{}' is declared with {} x {}: make them equal", rows,
+                  cols, declares->path(), closure.rows, closure.cols));
+}
+
 internal::Offset Reads::Find(const Source& source) const {
   // The calculation uses exactly this list: the first entry describes it, the others are its sources.
   const std::vector<internal::Slot>& slots = calculation_.arguments_;

@@ -76,6 +76,7 @@ Context::Context(const Context& other, const internal::Program& program)
       fixed_(other.fixed_),
       progress_(other.progress_),
       failure_(other.failure_),
+      time_rest_(other.time_rest_),
       next_step_(other.next_step_),
       last_error_(other.last_error_),
       witness_memory_(other.witness_memory_),
@@ -204,8 +205,22 @@ void Context::Assign(const Assignment& assignment) {
                                  source.path(), size, given));
     }
   }
+  CheckDeclaredSize(source, assignment.value);
   source.type_->assign(MutableAddress(source), assignment.value);
   PackStates();
+}
+
+/// Throws RunError if a matrix of run-time size has another size than its source, or a port that reads it,
+/// declares.
+void Context::CheckDeclaredSize(const Source& source, const void* value) const {
+  const Source* declares = source.Resolve().declares_size_;
+  if (declares == nullptr || source.kind() == SourceKind::kContinuous) return;
+  std::size_t rows = 0, cols = 0, given_rows = 0, given_cols = 0;
+  declares->type_->shape(declares->model_, &rows, &cols);
+  declares->type_->shape(value, &given_rows, &given_cols);
+  if (rows == given_rows && cols == given_cols) return;
+  throw RunError(fmt::format("'{}' cannot be set to {} x {} elements, because '{}' is declared with {} x {}",
+                             source.path(), given_rows, given_cols, declares->path(), rows, cols));
 }
 
 void Context::AssignParameters(std::span<const Assignment> given) {
@@ -305,6 +320,7 @@ void Context::SetTime(double time) {
   if (!std::isfinite(time))
     throw RunError(fmt::format("cannot set the time to {} s: give a finite time", time));
   SetRunTime(time);
+  time_rest_ = 0;
   MarkAllStale();
 }
 
@@ -337,6 +353,7 @@ void Context::CalcTimeDerivatives(double t, const double* x, double* xdot) {
   ++edition_;
   step_start_.valid = false;
   witness_memory_.clear();
+  time_rest_ = 0;
   CalcRunDerivatives(t, x, xdot);
 }
 

@@ -139,6 +139,7 @@ class Context {
   }
   void Assign(const Assignment& assignment);
   void AssignParameters(std::span<const Assignment> list);
+  void CheckDeclaredSize(const Source& source, const void* value) const;
 
   const void* EvalAddress(const Source& source);
   bool IsKnown(const Source& source) const;
@@ -210,7 +211,8 @@ class Context {
     kTickDue,   ///< a tick at the present time is still to come
   };
   Progress progress_ = Progress::kNew;
-  std::string failure_;  ///< why the run cannot continue
+  std::string failure_;   ///< why the run cannot continue
+  double time_rest_ = 0;  ///< the present instant minus time(), which rounds it [s]
   double next_step_ = 0;
   double last_error_ = 0;
   /// The side of zero of each witness, see internal::EventFinder; empty if it follows from the values.
@@ -219,13 +221,14 @@ class Context {
   /// its end: the states, the step size, and the memories of the step-size control and the witnesses.
   struct StepStart {
     bool valid = false;
-    double time = 0, size = 0, next_step = 0, last_error = 0;
+    double origin = 0, time = 0, size = 0, next_step = 0, last_error = 0;  ///< `time` counts from the origin
     std::vector<double> states = {}, witnesses = {};
     /// End of the integration interval [s] if it lies just before an event, else infinity.
     double end_before_event = std::numeric_limits<double>::infinity();
 
     static FieldList Fields() {
-      return {{"time", &StepStart::time},
+      return {{"origin", &StepStart::origin},
+              {"time", &StepStart::time},
               {"size", &StepStart::size},
               {"next_step", &StepStart::next_step},
               {"last_error", &StepStart::last_error},

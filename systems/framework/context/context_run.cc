@@ -186,7 +186,7 @@ void Context::ReadWitnesses(double* values) const {
 
 /// Throws RunError for a NaN in any new state, or an infinity in a continuous state.
 void Context::CheckUpdates(const internal::UpdatePlan& plan) const {
-  if (!checks_values_ || (internal::AllFinite(memory_.get(), plan.doubles) && plan.movable.empty())) return;
+  if (!checks_values_ || (internal::AllFinite(memory_.get(), plan.doubles) && plan.inspected.empty())) return;
   for (const internal::Commit& commit : plan.commits) {
     const Finiteness found = internal::FinitenessOf(*commit.next->type_, Address(*commit.next));
     const bool integrated = commit.state->kind() == SourceKind::kContinuous;

@@ -21,7 +21,7 @@ namespace {
 /// The beginning of a snapshot. The checksum covers all bytes that follow, so that every change is detected.
 struct Header {
   std::array<char, 8> magic = {'t', 'e', 'n', 'o', 'n', 's', 'n', 'p'};
-  std::uint64_t version = 4;
+  std::uint64_t version = 5;
   std::uint64_t size = 0;  ///< size of the payload [bytes]
   std::uint64_t checksum = 0;
 };
@@ -69,6 +69,7 @@ std::vector<std::byte> Context::Save() const {
   internal::Save(time(), archive);
   internal::Save(seed_, archive);
   internal::Save(progress_, archive);
+  internal::Save(time_rest_, archive);
   internal::Save(next_step_, archive);
   internal::Save(last_error_, archive);
   internal::Save(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
@@ -79,7 +80,8 @@ std::vector<std::byte> Context::Save() const {
     const bool fresh = source.calculation_ < 0 || IsFresh(program.calculations[source.calculation_].op);
     internal::Save(fresh, archive);
     try {
-      internal::Save(*source.type_, memory_.get() + cell.offset, archive);
+      const bool whole = source.kind() == SourceKind::kScratch || source.kind() == SourceKind::kDiscrete;
+      internal::Save(*source.type_, memory_.get() + cell.offset, archive, whole);
     } catch (const Error& error) {
       throw RunError(fmt::format("'{}' cannot be saved: {}", source.path(), error.what()));
     }
@@ -112,11 +114,14 @@ void Context::Load(std::span<const std::byte> bytes) {
   internal::Load(time, archive);
   internal::Load(seed_, archive);
   internal::Load(progress_, archive);
+  double time_rest = 0;
+  internal::Load(time_rest, archive);
   internal::Load(next_step_, archive);
   internal::Load(last_error_, archive);
   if (!std::isfinite(time) || progress_ > Progress::kTickDue)
     throw RunError("the snapshot is damaged: its time or its progress is invalid");
   SetTime(time);
+  time_rest_ = time_rest;
   failure_.clear();
   internal::Load(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
   internal::Load(step_start_.valid, archive);
@@ -129,7 +134,11 @@ void Context::Load(std::span<const std::byte> bytes) {
   for (const Cell& cell : program.saved) {
     bool fresh = false;
     internal::Load(fresh, archive);
-    internal::Load(*cell.source->type_, memory_.get() + cell.offset, archive);
+    try {
+      internal::Load(*cell.source->type_, memory_.get() + cell.offset, archive);
+    } catch (const std::exception& error) {
+      throw RunError(fmt::format("'{}' cannot be restored: {}", cell.source->path(), error.what()));
+    }
     const int calculation = cell.source->calculation_;
     if (calculation < 0) continue;
     const std::uint64_t stamp = program.calculations[calculation].varies ? instant_ : 1;

@@ -32,6 +32,10 @@ requires requires {
 struct ParamsOfBlock<Block> {
   using Type = typename Block::Params;
 };
+/// The value that AddFunction's function returns.
+template <class F, class... A>
+using ResultOf = std::remove_cvref_t<std::invoke_result_t<const F&, A...>>;
+
 /// The parameters of a block: LeafSystem<P> defines them, and a Subdiagram may by `using Params = …`.
 template <class Block>
 using ParamsOf = typename ParamsOfBlock<Block>::Type;
@@ -126,6 +130,13 @@ class Assembly {
   auto& AddFunction(Spec spec, UsesList<A...> uses, F function) {
     return MakeFunctionBlock(std::move(spec), uses, std::move(function)).output;
   }
+  /// Adds a function with a model of its value, which declares the size of a vector that is known only at run
+  /// time: `AddFunction("f", Eigen::VectorXd::Zero(6), Uses(plant.state), ForceOf)`.
+  template <class... A, class F>
+  auto& AddFunction(Spec spec, std::type_identity_t<ResultOf<F, A...>> model, UsesList<A...> uses,
+                    F function) {
+    return MakeFunctionBlock(std::move(spec), uses, std::move(function), std::move(model)).output;
+  }
   /// Adds a function that jumps or bends at known instants, see NextJump: integrator steps end exactly there.
   ///
   ///     builder.AddFunction({"force", "N"}, JumpsAt{{5, 6}}, Uses(builder.time),
@@ -141,6 +152,12 @@ class Assembly {
   template <class... A, class F>
   auto& AddFunction(Spec spec, Sampled sampled, UsesList<A...> uses, F function) {
     return MakeFunctionBlock(std::move(spec), uses, std::move(function), sampled).output;
+  }
+  /// Adds a function that is sampled, with its value before the first tick; see OutputPort.
+  template <class... A, class F>
+  auto& AddFunction(Spec spec, std::type_identity_t<ResultOf<F, A...>> initial, Sampled sampled,
+                    UsesList<A...> uses, F function) {
+    return MakeFunctionBlock(std::move(spec), uses, std::move(function), std::move(initial), sampled).output;
   }
 
   const std::vector<std::unique_ptr<System>>& blocks() const { return blocks_; }
@@ -235,7 +252,8 @@ class FunctionBlock final : public Leaf {
   template <class... When>
   FunctionBlock(Spec spec, const UsesList<A...>& used, F function, When... when)
       : in(this, used.slots),
-        output(this, Spec("output", spec.units, spec.elements), when..., in.uses, std::move(function)) {}
+        output(this, Spec("output", spec.units, spec.elements), std::move(when)..., in.uses,
+               std::move(function)) {}
 
   FunctionInputs<A...> in;
   OutputPort<R> output;
@@ -244,10 +262,11 @@ class FunctionBlock final : public Leaf {
 
 template <class... A, class F, class... When>
 auto& Assembly::MakeFunctionBlock(Spec spec, const UsesList<A...>& uses, F function, When... when) {
-  using R = std::remove_cvref_t<std::invoke_result_t<const F&, A...>>;
+  using R = ResultOf<F, A...>;
   CheckNotBuilt("AddFunction", spec.name);
   if (uses.undeclared > 0) ThrowUndeclared("the function '" + spec.name + "'", "a member");
-  auto& block = Add<FunctionBlock<R, F, A...>>(spec.name, spec, uses, std::move(function), when...);
+  auto& block =
+      Add<FunctionBlock<R, F, A...>>(spec.name, spec, uses, std::move(function), std::move(when)...);
   for (std::size_t i = 0; i < uses.slots.size(); ++i) {
     if (block.in.inputs[i] != nullptr) Join(*uses.slots[i].source, *block.in.inputs[i]);
   }

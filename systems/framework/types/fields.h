@@ -5,6 +5,9 @@
 #include <array>
 #include <concepts>
 #include <cstddef>
+#include <cstring>
+#include <memory>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -29,7 +32,42 @@ std::size_t OffsetOf(Member Struct::*member) {
 template <class Member>
 inline constexpr std::size_t kInitializers = sizeof(Member) / sizeof(std::remove_all_extents_t<Member>);
 
+/// True for a pointer to data that no run changes.
+template <class Member>
+inline constexpr bool kPointsToConstant = false;
+template <class T>
+inline constexpr bool kPointsToConstant<const T*> = true;
+template <class T>
+inline constexpr bool kPointsToConstant<std::shared_ptr<const T>> = true;
+
 }  // namespace internal
+
+/// Specialise it to tell snapshots how they contain a type that cannot have Fields(), such as the state of C
+/// code or of generated code, by a pair of functions:
+///
+///     template <>
+///     struct tenon::SnapshotOf<Engine> {
+///       static std::vector<std::byte> Save(const Engine& engine);
+///       static void Load(std::span<const std::byte> bytes, Engine& engine);  // throws if they are invalid
+///     };
+///
+/// A copy of the value must be independent of the original, because Clone copies it. See BytesOf.
+template <class T>
+struct SnapshotOf;
+
+/// The pair of functions for a plain struct without pointers, whose bytes are its state:
+/// `template <> struct tenon::SnapshotOf<model_DW> : tenon::BytesOf<model_DW> {};`
+template <class T>
+struct BytesOf {
+  static_assert(std::is_trivially_copyable_v<T>, "BytesOf: the bytes of this type are not its state.");
+  static std::vector<std::byte> Save(const T& value) {
+    const auto* bytes = reinterpret_cast<const std::byte*>(&value);
+    return {bytes, bytes + sizeof(T)};
+  }
+  static void Load(std::span<const std::byte> bytes, T& value) {
+    if (bytes.size() == sizeof(T)) std::memcpy(&value, bytes.data(), sizeof(T));
+  }
+};
 
 /// One member of a struct that describes itself: its name, its units, the names of its elements, and its
 /// offset.
@@ -69,7 +107,8 @@ class Field {
   explicit Field(Member Struct::*member)
       : offset(internal::OffsetOf(member)),
         size(sizeof(Member)),
-        initializers(internal::kInitializers<Member>) {}
+        initializers(internal::kInitializers<Member>),
+        constant(internal::kPointsToConstant<Member>) {}
 
   /// The range of the member's numbers, see Range.
   Field& In(const Range& given) { return range = given, *this; }
@@ -91,6 +130,7 @@ class Field {
   std::size_t initializers;   ///< number of initialisers of the member in the braces of its struct
   const internal::TypeInfo& (*type)() = nullptr;  ///< type of the member; null if it is not described
   bool required = false;
+  bool constant = false;  ///< a member without description that points to data that no run changes
   Range range = {};
 };
 
@@ -105,8 +145,9 @@ Field Required(const char* name, Member Struct::*member) {
   return field;
 }
 
-/// A member that logs, files and snapshots omit: a pointer to shared data, or a value computed from the other
-/// members. Clone copies it; Restore leaves it unchanged.
+/// A member that logs, files and snapshots omit: a pointer to constant data, or a value that does not change.
+/// Clone copies it; Restore leaves it unchanged. A DiscreteState or a Scratch may have only pointers to
+/// constant data as such members, or it cannot be saved: Restore would keep their values of the future.
 template <class Struct, class Member>
 Field Undescribed(Member Struct::*member) {
   return Field(member);

@@ -175,13 +175,22 @@ class DoubleReader final : public ValueVisitor {
   std::size_t count_ = 0;
 };
 
-[[noreturn]] void ThrowOpaque() {
-  throw Error("its type does not describe itself: give it a static Fields() to make it storable");
+[[noreturn]] void ThrowOpaque(const TypeInfo& type) {
+  throw Error(fmt::format(
+      "{} does not describe itself: give it a static Fields(), or specialise SnapshotOf to make it storable",
+      TypeName(type)));
 }
 
 class Saver final : public ValueVisitor {
  public:
-  explicit Saver(Archive& archive) : archive_(archive) {}
+  Saver(Archive& archive, bool whole) : archive_(archive), whole_(whole) {}
+  void Struct(const TypeInfo& type) override {
+    if (!whole_ || !type.omits) return;
+    throw Error(
+        fmt::format("{} has Undescribed members, of which Restore would keep the values of the future: "
+                    "describe them, or let them point to constant data",
+                    TypeName(type)));
+  }
   void Numbers(void* data, ScalarKind kind, std::size_t rows, std::size_t cols) override {
     archive_.Write(data, SizeOf(kind) * rows * cols);
   }
@@ -193,11 +202,16 @@ class Saver final : public ValueVisitor {
     Save(text.size(), archive_);
     archive_.Write(text.data(), text.size());
   }
-  // The bytes of an opaque value may contain padding, so they are not saved.
-  void Opaque() override { ThrowOpaque(); }
+  void Opaque(const TypeInfo& type, void* value) override {
+    if (type.save == nullptr) ThrowOpaque(type);
+    const std::vector<std::byte> bytes = type.save(value);
+    Save(bytes.size(), archive_);
+    archive_.Write(bytes.data(), bytes.size());
+  }
 
  private:
   Archive& archive_;
+  bool whole_;
 };
 
 class Loader final : public ValueVisitor {
@@ -228,7 +242,15 @@ class Loader final : public ValueVisitor {
     text.resize(size);
     archive_.Read(text.data(), text.size());
   }
-  void Opaque() override { ThrowOpaque(); }
+  void Opaque(const TypeInfo& type, void* value) override {
+    if (type.load == nullptr) ThrowOpaque(type);
+    std::size_t size = 0;
+    Load(size, archive_);
+    archive_.Demand(size);
+    std::vector<std::byte> bytes(size);
+    archive_.Read(bytes.data(), size);
+    type.load(bytes, value);
+  }
 
  private:
   Archive& archive_;
@@ -347,8 +369,8 @@ void Load(bool& value, Archive& archive) {
   value = byte == 1;
 }
 
-void Save(const TypeInfo& type, const void* value, Archive& archive) {
-  Saver saver(archive);
+void Save(const TypeInfo& type, const void* value, Archive& archive, bool whole) {
+  Saver saver(archive, whole);
   Walk(type, const_cast<void*>(value), saver);
 }
 

@@ -89,8 +89,9 @@ class Archive {
   std::size_t cursor_ = 0;
 };
 
-/// Throws Error if the value, or a part of it, does not describe itself.
-void Save(const TypeInfo& type, const void* value, Archive& archive);
+/// Throws Error if the value, or a part of it, does not describe itself or, if it must be `whole`, has
+/// Undescribed members that may change.
+void Save(const TypeInfo& type, const void* value, Archive& archive, bool whole = false);
 void Load(const TypeInfo& type, void* value, Archive& archive);
 template <Scalar T>
 void Save(const T& value, Archive& archive) {

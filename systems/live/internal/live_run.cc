@@ -34,7 +34,6 @@ LiveRun::LiveRun(Simulator& simulator, const LiveView& view, const LiveOptions& 
   simulator_.AddLog(options.signal_rate, view.signals, {signals_});
   if (!view.shapes.empty())
     simulator_.AddLog(options.frame_rate, {view.shapes.begin(), view.shapes.end()}, {frames_});
-  start_ = context().Save();
   Begin();
 }
 
@@ -46,6 +45,11 @@ LiveRun::~LiveRun() {
 }
 
 void LiveRun::Begin() {
+  try {
+    start_ = context().Save();
+  } catch (const Error& error) {
+    message_ = fmt::format("This run cannot go back: {}", error.what());
+  }
   ended_ = simulator_.Initialize();
   if (ended_.ended) state_ = State::kEnded;
   snapshots_.clear();
@@ -156,7 +160,14 @@ void LiveRun::RestartClock() {
 }
 
 void LiveRun::TakeSnapshot() {
-  snapshots_.push_back({time(), context().Save(), file_.entries().size()});
+  std::vector<std::byte> bytes;
+  try {
+    if (message_.empty()) bytes = context().Save();
+  } catch (const Error& error) {
+    message_ = fmt::format("This run cannot go back: {}", error.what());
+    snapshots_.clear();
+  }
+  snapshots_.push_back({time(), std::move(bytes), file_.entries().size()});
   while (snapshots_.size() > 1 && snapshots_[1].time <= time() - options_.history) snapshots_.pop_front();
 }
 
@@ -212,6 +223,7 @@ LiveStatus LiveRun::status() const {
 }
 
 void LiveRun::Back(double to) {
+  if (!message_.empty()) throw ParameterError(message_);
   if (snapshots_.empty() || to < snapshots_.front().time)
     throw ParameterError(fmt::format("the run can go back at most to {:.4g} s", snapshots_.front().time));
   if (to > time()) throw ParameterError(fmt::format("the run is at {:.4g} s and can only go back", time()));
@@ -247,6 +259,7 @@ void LiveRun::Reset(std::uint64_t seed) {
     reset_seed_ = seed;
     return;
   }
+  if (!message_.empty()) throw ParameterError(message_);
   context().Restore(start_);
   const auto fresh = context().diagram().CreateContext(seed);
   for (const Cell& cell : context().diagram().program().cells) {
@@ -254,7 +267,6 @@ void LiveRun::Reset(std::uint64_t seed) {
     const auto& stream = static_cast<const Random&>(*cell.source);
     context().Set(stream, fresh->Eval(stream));
   }
-  start_ = context().Save();
   file_ = LiveFile(options_.recording, seed);
   failure_ = nullptr;
   drives_ = pulls_ = false;

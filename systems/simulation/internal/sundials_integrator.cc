@@ -15,9 +15,6 @@
 #include <utility>
 namespace tenon {
 
-using internal::StepRounding;
-using internal::Tiny;
-
 namespace {
 
 // Constants of the step-size control, see ChooseStep.
@@ -106,6 +103,7 @@ double EvenStep(double remaining, double wanted) {
 
 }  // namespace
 
+/// Times in it are the solver's: the run's time minus `origin`.
 struct SundialsIntegrator::Run final : internal::SundialsClient, internal::DerivativeSource {
   Run(Context& c, const SimulatorOptions& o)
       : context(c),
@@ -125,16 +123,16 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   }
 
   // Functions called at every step have hidden visibility, so that GCC can inline them.
-  [[gnu::visibility("hidden")]] bool Start(double to, bool jumps);
+  [[gnu::visibility("hidden")]] bool Start(const Interval& next);
   [[gnu::visibility("hidden")]] void Restart(double time, double first_step);
   [[gnu::visibility("hidden")]] void Advance(bool one_step);
-  [[gnu::visibility("hidden")]] void MoveContext(double t);
+  [[gnu::visibility("hidden")]] void MoveContext(double t, double time, double rest);
   [[gnu::visibility("hidden")]] void LoadInside(double t);
-  [[gnu::visibility("hidden")]] double FirstStep() const;
+  [[gnu::visibility("hidden")]] double FirstStep(double time) const;
   [[gnu::visibility("hidden")]] double LargestStep(double time) const;
   [[gnu::visibility("hidden")]] void Count(double step);
   bool TakeStepAgain();
-  void CheckProgress(double t);
+  void CheckProgress(double time);
   void KeepStage(double t, const double* xdot);
   std::size_t SortStages(std::array<std::size_t, 16>* order) const;
   bool StagesJump() const;
@@ -144,6 +142,15 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   void EvaluateWitnesses(double t, double* values);
   void KeepStepStart();
   double Target() const { return std::isinf(end) ? finish + kFarAway : end; }
+  void SetOrigin(double time);
+  void EndAt(double time);
+  /// The solver's time at the run's time `time` + `rest`.
+  double Local(double time, double rest) const { return time - origin + rest; }
+  /// The run's time.
+  double Global(double t) const { return origin + t; }
+  /// The time of an evaluation at `t`: not after a jump at the end of the interval.
+  double Instant(double t) const { return Global(std::min(t, last_instant)); }
+  double Tiny(double t) const { return 1e-14 * (unit + std::abs(t)); }
   bool has_past() const { return !internal::IsExplicit(options.method); }
   [[noreturn]] void ThrowNonFiniteState(double time);
   [[noreturn]] void ThrowFailure(int flag);
@@ -169,6 +176,11 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   bool open;                       // open tables may be used
   internal::SundialsSolver solver;
 
+  Interval interval;
+  double origin = 0;     // the run's time at the solver's time 0 [s]
+  double unit = 1;       // 1 s, or the length of a shorter interval in which times are local; see Tiny
+  double restarted = 0;  // time of the last restart
+
   bool live = false;          // the solver is at `finish` and can continue
   std::uint64_t edition = 0;  // the context's edition that the solver knows
   double finish = 0;
@@ -192,7 +204,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   bool before_event = false;      // the interval ends just before an event
   double last_instant = 0;        // last instant at which the interval's dynamics may be evaluated
   long steps = 0;                 // in the present window of progress
-  double window = 0;              // beginning of the window
+  double window = 0;              // beginning of the window, in the run's time
   double step = 0;                // first step after a restart; with a fixed step, all steps
   int refused = 0;                // non-finite evaluations since the restart
   bool first_evaluation = false;  // the next evaluation is the first after the restart
@@ -218,12 +230,12 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   double last_step = 0, smallest_step = 0, largest_step = 0;
 };
 
-double SundialsIntegrator::Run::FirstStep() const {
-  const double remaining = end - context.time();
+double SundialsIntegrator::Run::FirstStep(double time) const {
+  const double remaining = end - time;
   if (options.fixed_step > 0) return EvenStep(remaining, options.fixed_step);
   double wanted = context.next_step_;
   if (wanted <= 0) wanted = std::min(remaining, kFirstTry);
-  return EvenStep(remaining, std::min(wanted, LargestStep(context.time())));
+  return EvenStep(remaining, std::min(wanted, LargestStep(time)));
 }
 
 /// Without a limit and an end of the interval by a tick, a step at most doubles the time: a motion that is
@@ -236,6 +248,7 @@ double SundialsIntegrator::Run::LargestStep(double time) const {
 
 void SundialsIntegrator::Run::Restart(double time, double first_step) {
   step = first_step;
+  restarted = time;
   first_evaluation = true;
   refused = 0;
   jump.known = false;
@@ -252,43 +265,65 @@ void SundialsIntegrator::Run::ThrowNonFiniteState(double time) {
   while (std::isfinite(solver.states()[i])) ++i;
   throw RunError(fmt::format("state '{}' is {} at t = {} s: set it to a finite value",
                              context.diagram().ContinuousStateNames()[static_cast<std::size_t>(i)],
-                             solver.states()[i], time));
+                             solver.states()[i], Global(time)));
 }
 
-bool SundialsIntegrator::Run::Start(double to, bool jumps) {
-  end = to;
+bool SundialsIntegrator::Run::Start(const Interval& next) {
+  interval = next;
   before_event = false;
-  last_instant = jumps ? to - 8 * Tiny(to) : to;
   if (context.step_start_.valid) return TakeStepAgain();
+  SetOrigin(interval.local ? context.time() : 0);
   std::copy_n(context.continuous_data(), program.num_continuous, solver.states());
-  Restart(context.time(), FirstStep());
+  const double now = Local(context.time(), context.time_rest_);
+  Restart(now, FirstStep(now));
   return false;
+}
+
+void SundialsIntegrator::Run::SetOrigin(double time) {
+  origin = time;
+  end = last_instant = Local(interval.end, interval.end_rest);
+  unit = interval.local ? std::min(1.0, end) : 1;
+  if (!interval.jumps) return;
+  double before = 8 * internal::Tiny(interval.end);  // blocks compute their jumps with rounding errors
+  if (interval.local)
+    before = std::min(std::max(4e-15 * std::abs(interval.end), std::min(before, 1e-9 * end)), end);
+  last_instant -= before;
+}
+
+/// Ends the interval earlier than it was started for.
+void SundialsIntegrator::Run::EndAt(double time) {
+  end = last_instant = time;
+  interval.end = Global(end);
+  interval.end_rest = end - (interval.end - origin);
 }
 
 /// Continues in a context that is inside a step, or at the end of a step that the solver does not know.
 /// Returns whether the step could be repeated.
 bool SundialsIntegrator::Run::TakeStepAgain() {
   Context::StepStart& from = context.step_start_;
-  const double time = context.time();
+  const double time = context.time(), rest = context.time_rest_;
   std::copy(from.states.begin(), from.states.end(), solver.states());
   context.next_step_ = from.next_step;
   context.last_error_ = from.last_error;
   context.witness_memory_ = from.witnesses;
   before_event = std::isfinite(from.end_before_event);
-  if (before_event) end = last_instant = from.end_before_event;
+  SetOrigin(from.origin);
+  if (before_event) EndAt(from.end_before_event);
   Restart(from.time, from.size);
   first_evaluation = false;  // the context's values are for another time
   const std::vector<double> held(context.continuous_data(),
                                  context.continuous_data() + program.num_continuous);
-  while (finish < time - Tiny(time)) Advance(true);
-  MoveContext(time);
+  const double now = Local(time, rest);
+  while (finish < now - Tiny(now)) Advance(true);
+  MoveContext(now, time, rest);
   if (std::equal(held.begin(), held.end(), context.continuous_data())) return true;
   // With other options the step would differ, so start from the present states instead.
   from.valid = false;
   context.LoadStates(held.data());
   std::copy(held.begin(), held.end(), solver.states());
   context.SetRunTime(time);
-  Restart(time, FirstStep());
+  SetOrigin(interval.local ? time : 0);
+  Restart(Local(time, rest), FirstStep(Local(time, rest)));
   return false;
 }
 
@@ -330,7 +365,7 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
     } else if (options.fixed_step > 0) {
       Count(step);
     }
-    if (++steps > options.max_steps) CheckProgress(finish);
+    if (++steps > options.max_steps) CheckProgress(Global(finish));
   } while (!one_step && !arrived);
   if (one_step) interpolant.SetStep(begin, before.data(), finish, solver.states());
 }
@@ -454,7 +489,7 @@ bool SundialsIntegrator::Run::RetakeBefore(double event) {
   const double size = (1 - kBefore) * (event - step_begin);
   if (size <= 100 * Tiny(event)) return false;
   const double next = finish - step_begin;
-  end = last_instant = step_begin + size;
+  EndAt(step_begin + size);
   before_event = true;
   context.step_start_.valid = false;
   Retake(end);
@@ -462,14 +497,15 @@ bool SundialsIntegrator::Run::RetakeBefore(double event) {
   return true;
 }
 
-/// Throws RunError if too many steps are taken within a short time; a long run may take many.
-void SundialsIntegrator::Run::CheckProgress(double t) {
-  if (t - window < kProgress && options.fixed_step == 0) {
-    ThrowFailure(t, solver.last_step(),
+/// Throws RunError if too many steps are taken up to `time`, in the run's time, within a short time; a long
+/// run may take many.
+void SundialsIntegrator::Run::CheckProgress(double time) {
+  if (time - window < kProgress && options.fixed_step == 0) {
+    ThrowFailure(finish, solver.last_step(),
                  fmt::format("it makes no progress: {} steps since t = {} s", steps, window));
   }
   steps = 0;
-  window = t;
+  window = time;
 }
 
 /// Keeps the data needed to repeat the last step. For an explicit Runge-Kutta method that is the step;
@@ -478,6 +514,7 @@ void SundialsIntegrator::Run::KeepStepStart() {
   Context::StepStart& from = context.step_start_;
   if (from.valid && has_past()) return;
   from.valid = true;
+  from.origin = origin;
   from.time = begin;
   from.states = before;
   from.size = step;
@@ -487,17 +524,19 @@ void SundialsIntegrator::Run::KeepStepStart() {
   from.end_before_event = before_event ? end : std::numeric_limits<double>::infinity();
 }
 
+/// Moves the context to `t`, which is `time` + `rest` of the run.
 /// At the finish, if the last derivatives were evaluated there (true of most Runge-Kutta methods at the end
 /// of an interval), their prerequisites stay fresh for the tick.
-void SundialsIntegrator::Run::MoveContext(double t) {
+void SundialsIntegrator::Run::MoveContext(double t, double time, double rest) {
+  context.time_rest_ = rest;
   if (std::abs(t - finish) <= Tiny(t)) {
     const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
-    const bool there =
-        at_end && t == context.time() && std::memcmp(context.continuous_data(), solver.states(), bytes) == 0;
+    const bool there = at_end && time == context.time() &&
+                       std::memcmp(context.continuous_data(), solver.states(), bytes) == 0;
     if (there) return;
   }
   LoadInside(t);
-  context.SetRunTime(t);
+  context.SetRunTime(time);
 }
 
 /// Loads the states at `t` in the last step.
@@ -515,7 +554,7 @@ void SundialsIntegrator::Run::LoadInside(double t) {
 
 void SundialsIntegrator::Run::EvaluateWitnesses(double t, double* values) {
   LoadInside(t);
-  context.SetRunTime(std::min(t, last_instant));
+  context.SetRunTime(Instant(t));
   context.RunAll(program.witnesses);
   ++context.instant_;  // RunAll leaves no stamps
   context.ReadWitnesses(values);
@@ -523,11 +562,11 @@ void SundialsIntegrator::Run::EvaluateWitnesses(double t, double* values) {
 
 void SundialsIntegrator::Run::EvaluateForInterpolant(double t, const double* x, double* xdot) {
   ++interpolant_evaluations;
-  context.CalcRunDerivatives(std::min(t, last_instant), x, xdot);
+  context.CalcRunDerivatives(Instant(t), x, xdot);
   if (internal::AllFinite(xdot, before.size())) return;
   throw RunError(fmt::format(
       "{} at t = {} s, inside an integrator step: the run cannot continue; check that block and its inputs",
-      context.DescribeNonFinite(), t));
+      context.DescribeNonFinite(), Global(t)));
 }
 
 void SundialsIntegrator::Run::Count(double step) {
@@ -544,7 +583,7 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
   }
   // Values computed by the tick at the start of an interval are reused, and values computed at its end are
   // kept for the next tick. Sums of steps miss the end by rounding.
-  const bool first = first_evaluation && t == context.time();
+  const bool first = first_evaluation && t == restarted;
   first_evaluation = false;
   at_end = !first && last_instant == end && std::abs(t - end) <= Tiny(t);
   if (at_end && !needs_end) {
@@ -556,12 +595,12 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
   try {
     if (first || at_end) {
       context.LoadStates(y);
-      if (at_end) context.SetRunTime(end);
+      if (at_end) context.SetRunTime(interval.end);
       context.RunStale(program.derivatives);
       context.PackDerivatives();
       std::copy_n(context.derivative_data(), size, ydot);
     } else {
-      context.CalcRunDerivatives(std::min(t, last_instant), y, ydot);
+      context.CalcRunDerivatives(Instant(t), y, ydot);
     }
   } catch (...) {
     thrown = std::current_exception();
@@ -572,7 +611,7 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
     not_finite.clear();
     return 0;
   }
-  not_finite = fmt::format("{} at t = {} s", context.DescribeNonFinite(), t);
+  not_finite = fmt::format("{} at t = {} s", context.DescribeNonFinite(), Global(t));
   // A smaller step may help; the number of attempts is limited because the step size is not.
   return first || ++refused > kMaxRefused ? -1 : 1;
 }
@@ -584,7 +623,7 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
     if (const double step = StepRoundJump(t, h, measured <= 1); step > 0) return step;
   }
   // A step shortened by the end of its interval says little about the next one.
-  const bool cut = t >= end - StepRounding(t) && h < 0.5 * context.next_step_;
+  const bool cut = t >= end - Tiny(t) && h < 0.5 * context.next_step_;
   const double error = std::max(measured, 1e-10);
   double factor = kMaxGrowth;
   const bool accepted = measured <= 1;
@@ -609,7 +648,7 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
   wanted = std::min(wanted, LargestStep(t));
   context.next_step_ = wanted;
   const double remaining = end - t;
-  return remaining > StepRounding(t) ? EvenStep(remaining, wanted) : wanted;
+  return remaining > Tiny(t) ? EvenStep(remaining, wanted) : wanted;
 }
 
 /// Handles a jump of the derivatives, in time or state, that is not declared. The error test alone would
@@ -688,7 +727,7 @@ void SundialsIntegrator::Run::ThrowFailure(int flag) {
 void SundialsIntegrator::Run::ThrowFailure(double t, double h, const std::string& what) {
   ++context.instant_;  // the context holds values of different times
   throw RunError(fmt::format("the integrator fails at t = {} s with a step of {:.3g} s, `rtol` {:g}: {} [{}]",
-                             t, h, options.rtol, DescribeFailure(t, h), what));
+                             Global(t), h, options.rtol, DescribeFailure(t, h), what));
 }
 
 /// Describes the cause, as far as it can be found, the worst state, and the remedy.
@@ -723,7 +762,7 @@ void SundialsIntegrator::Run::EvaluateAlong(double t, double at, double* xdot) {
   const std::vector<double>& slope = jump_work[0];
   std::vector<double>& x = jump_work[1];
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = solver.states()[i] + (at - t) * slope[i];
-  context.CalcRunDerivatives(std::min(at, last_instant), x.data(), xdot);
+  context.CalcRunDerivatives(Instant(at), x.data(), xdot);
 }
 
 /// Searches for a jump of the derivatives between `from` and `to`, on the straight line through the states at
@@ -734,7 +773,7 @@ bool SundialsIntegrator::Run::FindJump(double t, double from, double to, double 
   if (n == 0) return false;
   const double* const y = solver.states();
   std::vector<double>&low = jump_work[2], &high = jump_work[3], &middle = jump_work[4];
-  context.CalcRunDerivatives(std::min(t, last_instant), y, jump_work[0].data());
+  context.CalcRunDerivatives(Instant(t), y, jump_work[0].data());
   const auto evaluate = [&](double at, std::vector<double>& f) { EvaluateAlong(t, at, f.data()); };
   evaluate(from, low);
   evaluate(to, high);
@@ -788,14 +827,14 @@ std::string SundialsIntegrator::Run::DescribeJump(double t, double h) {
   return fmt::format(
       "'{}' jumps at t = {} s. If it jumps in time, declare a NextJump in that block; if in state, a Kink "
       "or a Witness with a Mode",
-      calculations[first_jump].source->path(), jump.to);
+      calculations[first_jump].source->path(), Global(jump.to));
 }
 
 /// A lower bound of the Lipschitz constant of the derivatives [1/s], along the present derivatives.
 double SundialsIntegrator::Run::FastestRate(double t) {
   const auto n = static_cast<std::size_t>(program.num_continuous);
   std::vector<double> x(solver.states(), solver.states() + n), f(n), g(n);
-  context.CalcRunDerivatives(std::min(t, last_instant), x.data(), f.data());
+  context.CalcRunDerivatives(Instant(t), x.data(), f.data());
   double rate = 0;
   for (int iteration = 0; iteration < 5; ++iteration) {
     double size = 0, norm = 0, difference = 0;
@@ -807,7 +846,7 @@ double SundialsIntegrator::Run::FastestRate(double t) {
     const double epsilon = 1e-6 * size / norm;
     for (std::size_t i = 0; i < n; ++i) x[i] = solver.states()[i] + epsilon * (iteration == 0 ? f[i] : g[i]);
     std::vector<double> moved(n);
-    context.CalcRunDerivatives(std::min(t, last_instant), x.data(), moved.data());
+    context.CalcRunDerivatives(Instant(t), x.data(), moved.data());
     for (std::size_t i = 0; i < n; ++i) {
       g[i] = moved[i] - f[i];
       difference = std::max(difference, std::abs(g[i]));
@@ -823,8 +862,8 @@ SundialsIntegrator::~SundialsIntegrator() = default;
 bool SundialsIntegrator::can_go_on() const {
   return run_->live && run_->edition == run_->context.edition_;
 }
-bool SundialsIntegrator::Start(double end, bool jumps) {
-  return run_->Start(end, jumps);
+bool SundialsIntegrator::Start(const Interval& interval) {
+  return run_->Start(interval);
 }
 void SundialsIntegrator::Halt() {
   run_->live = false;
@@ -845,8 +884,23 @@ double SundialsIntegrator::begin() const {
 double SundialsIntegrator::finish() const {
   return run_->finish;
 }
+double SundialsIntegrator::Local(double time, double rest) const {
+  return run_->Local(time, rest);
+}
+double SundialsIntegrator::rounding(double time) const {
+  return run_->Tiny(time);
+}
 void SundialsIntegrator::MoveContext(double time) {
-  run_->MoveContext(time);
+  const Interval& interval = run_->interval;
+  if (time == run_->end) {
+    run_->MoveContext(time, interval.end, interval.end_rest);
+  } else {
+    const double global = run_->Global(time);
+    run_->MoveContext(time, global, time - (global - run_->origin));
+  }
+}
+void SundialsIntegrator::MoveContext(double time, double rest) {
+  run_->MoveContext(run_->Local(time, rest), time, rest);
 }
 void SundialsIntegrator::EvaluateWitnesses(double time, double* values) {
   run_->EvaluateWitnesses(time, values);

@@ -12,8 +12,20 @@ namespace tenon {
 /// Integrates a context's continuous states with SUNDIALS, through internal::SundialsSolver. It integrates
 /// ahead, to `finish`; the context can then be moved to any time in the last step. A Simulator uses it
 /// between the instants at which the dynamics change.
+///
+/// Its times are SUNDIALS's, see Local: near t = 0 those of the run; at large times, which a double resolves
+/// only coarsely, they count from the beginning of the interval.
 class SundialsIntegrator {
  public:
+  /// Up to the next change of the dynamics, at `end` + `end_rest` in the run's time [s]; infinity if there is
+  /// none.
+  struct Interval {
+    double end = 0;
+    double end_rest = 0;
+    bool jumps = false;  ///< `end` is a declared jump, and the dynamics must not be evaluated there
+    bool local = false;  ///< times count from the beginning of the interval, not from that of the run
+  };
+
   /// Throws ParameterError for an order that the method does not have, or non-positive tolerances.
   SundialsIntegrator(Context& context, const SimulatorOptions& options);
   ~SundialsIntegrator();
@@ -23,10 +35,8 @@ class SundialsIntegrator {
   bool can_go_on() const;
   /// Starts at the context's time and states. If the context is inside a recorded step (after Clone or
   /// Restore), repeats that step and continues bit for bit; implicit and multistep methods, which use past
-  /// steps, repeat from their last start. `end` is the time of the next change of the dynamics, infinity if
-  /// there is none; `jumps` is true if that is a declared jump, so that the dynamics must not be evaluated at
-  /// `end`. Returns whether a step was repeated.
-  bool Start(double end, bool jumps);
+  /// steps, repeat from their last start. Returns whether a step was repeated.
+  bool Start(const Interval& interval);
   /// Ends the interval, because the dynamics change here: the next advance begins with Start.
   void Halt();
   /// Integrates to the end of the interval or, with `one_step`, by one step. Throws RunError: an exception of
@@ -42,8 +52,14 @@ class SundialsIntegrator {
   /// The beginning and the end of the last step [s]; the beginning is known only after one_step.
   double begin() const;
   double finish() const;
+  /// The integrator's time at `time` + `rest` of the run.
+  double Local(double time, double rest) const;
+  /// Tolerance for a time that is computed in two ways. A shorter interval cannot be integrated.
+  double rounding(double time) const;
   /// Moves the context to `time` in the last step.
   void MoveContext(double time);
+  /// Moves the context to `time` + `rest` of the run, in the last step.
+  void MoveContext(double time, double rest);
   /// Computes the values of all witnesses and kinks at `time` in the last step.
   void EvaluateWitnesses(double time, double* values);
   IntegratorStatistics statistics() const;

@@ -14,11 +14,6 @@ inline double Tiny(double time) {
   return 1e-14 * (1 + std::abs(time));
 }
 
-/// Tolerance [s] for a sum of many steps: a step that ends this close to the end of its interval ends there.
-inline double StepRounding(double time) {
-  return 1e-12 * (1 + std::abs(time));
-}
-
 /// Tolerance [s] between times that users compute as sums of periods and tick times, which are quotients of
 /// integers: a tick this close to the end of an advance belongs to it. The upper limit keeps it below any
 /// sensible period late in a long run.

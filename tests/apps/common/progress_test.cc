@@ -1,7 +1,10 @@
 #include <tenon/apps/common/progress.h>
+#include <tenon/systems/framework/diagram/diagram.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <csignal>
 
 namespace tenon::apps {
 namespace {
@@ -27,6 +30,31 @@ TEST(SayTest, DrawnLinesKeepControlSequences) {
   ::testing::internal::CaptureStderr();
   Draw("\r\033[K");
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "\r\033[K");
+}
+
+TEST(SignalDeathTest, EndsARunInsideACalculationThatDoesNotReturn) {
+  DiagramBuilder builder;
+  builder.AddFunction("endless", Sampled{Hz(10)}, Uses(builder.time), [](double t) {
+    if (t < 0.5) return t;
+    std::raise(SIGTERM);
+    for (volatile bool on = true; on;) continue;
+    return t;
+  });
+  Simulator simulator(builder.Build());
+  EXPECT_EXIT(Observe(simulator, [&] { return simulator.AdvanceTo(1); }),
+              ::testing::ExitedWithCode(128 + SIGTERM), "does not end");
+}
+
+TEST(SignalTest, EndsARunAfterTheStepThatItInterrupts) {
+  DiagramBuilder builder;
+  builder.AddFunction("signal", Sampled{Hz(10)}, Uses(builder.time), [](double t) {
+    if (t == 0.5) std::raise(SIGTERM);
+    return t;
+  });
+  Simulator simulator(builder.Build());
+  const RunOutcome outcome = Advance(simulator, 10);
+  EXPECT_EQ(outcome.exit_code, 128 + SIGTERM);
+  EXPECT_LT(outcome.status.time, 1);
 }
 
 }  // namespace

@@ -34,13 +34,17 @@ TEST_F(OutputFileTest, WhatCannotBeWrittenIsNamedWithTheCause) {
 }
 
 TEST_F(OutputFileTest, GrowsByWholeTexts) {
-  GrowingFile file(file_);
-  file.Append("one\n");
-  file.Append("");
-  file.Append("two\n");
-  EXPECT_EQ(test::FileText(file_), "one\ntwo\n");
+  {
+    GrowingFile file(file_);
+    file.Append("one\n");
+    file.Append("");
+    file.Append("two\n");
+    EXPECT_TRUE(Throws<OutputError>([&] { GrowingFile second(file_); }, file_.string(), "another log"));
+    EXPECT_EQ(test::FileText(file_), "one\ntwo\n");
+  }
   GrowingFile anew(file_);
   EXPECT_EQ(test::FileText(file_), "");
+  EXPECT_NO_THROW(GrowingFile("/dev/null").Append("a"));
 }
 
 }  // namespace tenon::output_file_test

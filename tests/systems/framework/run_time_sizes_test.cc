@@ -1,5 +1,6 @@
 // States whose size is known at run time only.
 
+#include <tenon/systems/primitives/sample_delay.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 #include <cmath>
@@ -76,6 +77,54 @@ TEST(RunTimeSizesTest, SizesAreThoseOfTheInitialValue) {
   EXPECT_TRUE(Throws<RunError>([&] { rig.Set(rig->x, Eigen::Vector3d(1, 2, 3)); }, "'block.x'"));
   TestRig<Decay> wrong({.size = 2, .wrong = 1});
   EXPECT_TRUE(Throws<RunError>([&] { wrong.RunTo(0.1); }, "'block.d/dt x' has 3", "its state has 2"));
+}
+
+/// Gives `given` elements where `declared` are declared; 0: none.
+struct VectorParams {
+  Eigen::Index given = 2, declared = 0;
+};
+struct Vector final : LeafSystem<VectorParams> {
+  using LeafSystem::LeafSystem;
+  OutputPort<Eigen::VectorXd> y{this, "y", Eigen::VectorXd::Zero(params.declared), Uses(),
+                                [this] { return Eigen::VectorXd(Eigen::VectorXd::Ones(params.given)); }};
+};
+/// Reads the last element.
+struct Reader final : LeafSystem<Eigen::Index> {
+  using LeafSystem::LeafSystem;
+  InputPort<Eigen::VectorXd> u{this, "u", OfSize(params)};
+  OutputPort<double> last{this, "last", Uses(u), [this](const Eigen::VectorXd& u) { return u[params - 1]; }};
+};
+
+TEST(RunTimeSizesTest, AnotherSizeThanDeclaredIsRefusedWhereItArises) {
+  TestRig<Vector> rig({.given = 2, .declared = 31});
+  EXPECT_TRUE(Throws<RunError>([&] { rig[rig->y]; }, "'block.y'", "2 x 1", "31 x 1"));
+  DiagramBuilder builder;
+  auto& vector = builder.Add<Vector>("vector", {.given = 2});
+  auto& reader = builder.Add<Reader>("reader", Eigen::Index{31});
+  builder.Connect(vector.y, reader.u);
+  const auto context = builder.Build()->CreateContext();
+  EXPECT_TRUE(Throws<RunError>([&] { context->Eval(reader.last); }, "'vector.y'", "2 x 1", "'reader.u'"));
+  TestRig<Reader> alone(Eigen::Index{31});
+  EXPECT_TRUE(Throws<RunError>([&] { alone.Fix(alone->u, Eigen::Vector2d(1, 2)); }, "'block.u'", "31 x 1"));
+  EXPECT_NO_THROW(alone.Fix(alone->u, Eigen::VectorXd::Ones(31)));
+}
+
+TEST(RunTimeSizesTest, TheSizeOfAFunctionIsThatOfItsModel) {
+  const auto two = [] { return Eigen::VectorXd(Eigen::VectorXd::Ones(2)); };
+  DiagramBuilder builder;
+  auto& right = builder.AddFunction("right", Eigen::VectorXd::Zero(2), Uses(), two);
+  auto& wrong = builder.AddFunction("wrong", Eigen::VectorXd::Zero(3), Uses(), two);
+  auto& held = builder.AddFunction("held", Eigen::VectorXd::Zero(2), Sampled{Hz(1), 0.5}, Uses(), two);
+  EXPECT_EQ(held.elements().size(), 2U);
+  Simulator simulator(builder.Build());
+  simulator.RunTo(0.1);
+  EXPECT_EQ(simulator.context().Eval(right), Eigen::Vector2d(1, 1));
+  EXPECT_EQ(simulator.context().Eval(held), Eigen::Vector2d(0, 0));
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.context().Eval(wrong); }, "'wrong.output'", "3 x 1"));
+  DiagramBuilder delayed;
+  delayed.Connect(delayed.AddFunction("two", Uses(), two),
+                  delayed.Add<SampleDelay<Eigen::VectorXd>>("delay", {.samples = 3}).u);
+  EXPECT_TRUE(Throws<BuildError>([&] { delayed.Build(); }, "'delay.y'", "`initial`"));
 }
 
 TEST(RunTimeSizesTest, RunsWithoutAllocating) {

@@ -6,6 +6,9 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
+#include <stdexcept>
+#include <vector>
 
 namespace tenon {
 
@@ -421,22 +424,28 @@ struct Cached {
   static FieldList Fields() { return {{"a", &Cached::a}, Undescribed(&Cached::cache)}; }
 };
 
-TEST(SignalTest, AnUndescribedMemberIsClonedButNotRestored) {
-  struct Block final : LeafSystem<void> {
-    Scratch<Cached> memory{this, "memory"};
-    OutputPort<double> y{this, "y", Uses(memory), [](Cached& memory) { return memory.a; }};
-  };
+struct WithConstants {
+  double a = 1;
+  std::shared_ptr<const double> constant = {};
+  static FieldList Fields() { return {{"a", &WithConstants::a}, Undescribed(&WithConstants::constant)}; }
+};
+template <class T>
+struct Remembers final : LeafSystem<void> {
+  Scratch<T> memory{this, "memory"};
+  OutputPort<double> y{this, "y", Uses(memory), [](T&) { return 0.0; }};
+};
+
+TEST(SignalTest, AMemoryThatIsNotDescribedAsAWholeCannotBeSaved) {
   DiagramBuilder builder;
-  auto& block = builder.Add<Block>("block");
+  auto& cached = builder.Add<Remembers<Cached>>("block");
   const auto context = builder.Build()->CreateContext();
-  context->Set(block.memory, {2, 3});
-  const auto saved = context->Save();
-  EXPECT_EQ(context->Clone()->Eval(block.memory).cache, 3);
-  context->Set(block.memory, {4, 5});
-  context->Restore(saved);
-  EXPECT_EQ(context->Eval(block.memory).a, 2);
-  EXPECT_EQ(context->Eval(block.memory).cache, 5);
-  EXPECT_EQ(context->EvalDoubles(block.memory), std::vector<double>{2});
+  context->Set(cached.memory, {2, 3});
+  EXPECT_EQ(context->Clone()->Eval(cached.memory).cache, 3);
+  EXPECT_EQ(context->EvalDoubles(cached.memory), std::vector<double>{2});
+  EXPECT_TRUE(Throws<RunError>([&] { context->Save(); }, "'block.memory'", "Cached"));
+  DiagramBuilder with_constants;
+  with_constants.Add<Remembers<WithConstants>>("block");
+  EXPECT_NO_THROW(with_constants.Build()->CreateContext()->Save());
 }
 
 TEST(SignalTest, AnyCopyableTypeTravelsThroughADiagram) {
@@ -453,6 +462,58 @@ TEST(SignalTest, AnyCopyableTypeTravelsThroughADiagram) {
   simulator.RunTo(0.3);
   EXPECT_EQ(simulator.context().Eval(key), 3);
   EXPECT_EQ(simulator.context().Clone()->Eval(robot).battery.size(), 3);
+}
+
+/// The state of C code, and a handle.
+struct ForeignStruct {
+  int count = 0;
+  char text[4] = {};
+};
+struct ForeignHandle {
+  explicit ForeignHandle(int number = 0) : value(std::make_unique<int>(number)) {}
+  ForeignHandle(const ForeignHandle& other) : ForeignHandle(*other.value) {}
+  ForeignHandle& operator=(const ForeignHandle& other) { return *value = *other.value, *this; }
+  std::unique_ptr<int> value;
+};
+
+}  // namespace
+
+template <>
+struct SnapshotOf<ForeignStruct> : BytesOf<ForeignStruct> {};
+template <>
+struct SnapshotOf<ForeignHandle> {
+  static std::vector<std::byte> Save(const ForeignHandle& handle) {
+    return std::vector<std::byte>(static_cast<std::size_t>(*handle.value));
+  }
+  static void Load(std::span<const std::byte> bytes, ForeignHandle& handle) {
+    if (bytes.size() == 9) throw std::runtime_error("no handle has 9");
+    *handle.value = static_cast<int>(bytes.size());
+  }
+};
+
+namespace {
+
+TEST(SignalTest, ForeignStatesAreSavedByTheirFunctionsOrTheirBytes) {
+  DiagramBuilder builder;
+  auto& plain = builder.Add<Remembers<ForeignStruct>>("plain");
+  auto& handle = builder.Add<Remembers<ForeignHandle>>("handle");
+  const auto context = builder.Build()->CreateContext();
+  const auto set = [&](const ForeignStruct& value, int number) {
+    context->Set(plain.memory, value);
+    context->Set(handle.memory, ForeignHandle(number));
+  };
+  set({5, "abc"}, 1);
+  const auto saved = context->Save();
+  set({6, "x"}, 7);
+  context->Restore(saved);
+  EXPECT_EQ(context->Eval(plain.memory).count, 5);
+  EXPECT_STREQ(context->Eval(plain.memory).text, "abc");
+  EXPECT_EQ(*context->Eval(handle.memory).value, 1);
+  set({6, "x"}, 9);
+  const auto refused = context->Save();
+  set({7, "y"}, 8);
+  EXPECT_TRUE(Throws<RunError>([&] { context->Restore(refused); }, "'handle.memory'", "no handle has 9"));
+  EXPECT_EQ(*context->Eval(handle.memory).value, 8);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 namespace tenon::live_server_test {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
@@ -180,6 +181,40 @@ TEST_F(LiveServerTest, GoesBackNoFurtherThanItRemembers) {
         EXPECT_THAT(Command({{"command", "back"}, {"to_s", -1}})["error"], HasSubstr("at most to 0 s"));
       },
       1.1);
+}
+
+/// Remembers something that no snapshot can contain.
+struct Opaque {
+  int number = 0;
+};
+class Secretive final : public LeafSystem<void> {
+ public:
+  Scratch<Opaque> memory{this, "memory"};
+  OutputPort<double> y{this, "y", Sampled{Hz(10)}, Uses(memory), [](Opaque& o) { return 1.0 * ++o.number; }};
+};
+
+TEST(LiveServerAloneTest, ARunThatCannotBeSavedRunsAndSaysThatItCannotGoBack) {
+  DiagramBuilder builder;
+  auto& secretive = builder.Add<Secretive>("secretive");
+  Simulator simulator(builder.Build());
+  LiveView view;
+  view.signals = {&secretive.y};
+  LiveServer server({.port = 0, .rate = 0});
+  const auto command = [&](const Json& json) { return Json::parse(server.Command("test", json.dump())); };
+  bool asked = false;
+  server.options().stop = [&] {
+    if (asked || server.status().time < 0.5) return false;
+    asked = true;
+    command({{"command", "take"}});
+    for (const Json& json :
+         {Json{{"command", "back"}, {"to_s", 0.2}}, Json{{"command", "reset"}, {"seed", 8}}})
+      EXPECT_THAT(command(json)["error"],
+                  AllOf(HasSubstr("cannot go back"), HasSubstr("'secretive.memory'")));
+    return false;
+  };
+  EXPECT_EQ(server.Run(simulator, view, 1).time, 1);
+  EXPECT_TRUE(asked);
+  EXPECT_EQ(simulator.context().Eval(secretive.y), 11);
 }
 
 TEST_F(LiveServerTest, ResetsToAnotherSeed) {

@@ -303,4 +303,17 @@ TEST_F(SignalLogTest, WhatWasHeldComesToAllOtherLogsWhereOneCannotBeWritten) {
   EXPECT_EQ(gathered->rows(), 11U);
 }
 
+TEST_F(SignalLogTest, ASinkBelongsToOneLog) {
+  const auto sink = std::make_shared<MemoryLog>();
+  simulator_->AddLog(Hz(10), {&cart_->force}, {sink});
+  for (const Rate rate : {Hz(10), Hz(20)}) {
+    EXPECT_TRUE(Throws<ParameterError>([&] { simulator_->AddLog(rate, {&cart_->force}, {sink}); }, "AddLog",
+                                       "another log"));
+  }
+  EXPECT_TRUE(Throws<ParameterError>([&] { BackgroundLog log({sink}); }, "BackgroundLog", "another log"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { BackgroundLog log({nullptr}); }, "BackgroundLog", "null"));
+  simulator_->RunTo(1);
+  EXPECT_EQ(sink->rows(), 11U);
+}
+
 }  // namespace tenon::signal_log_test

@@ -14,6 +14,56 @@ using ::testing::ElementsAre;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+struct Single {
+  double whole = 0;
+  float part = 0;
+  static FieldList Fields() { return {{"whole", &Single::whole}, {"part", &Single::part}}; }
+};
+
+/// A sampled float, a struct with a float, and states of both, which become NaN at t = 0.2 s.
+struct Floats final : LeafSystem<int> {
+  using LeafSystem::LeafSystem;
+  float At(double t, int which) const { return which == params && t > 0.15 ? std::nanf("") : 1.0F; }
+  OutputPort<float> number{this, "number", Sampled{Hz(10)}, Uses(time),
+                           [this](double t) { return At(t, 0); }};
+  OutputPort<Single> single{this, "single", Sampled{Hz(10)}, Uses(time), [this](double t) {
+                              return Single{1, At(t, 1)};
+                            }};
+  DiscreteState<float> state{this, "state"};
+  Update<float> next{state, Sampled{Hz(10)}, Uses(time), [this](double t) { return At(t, 2); }};
+  DiscreteState<Single> both{this, "both"};
+  Update<Single> next_both{both, Sampled{Hz(10)}, Uses(time), [this](double t) {
+                             return Single{1, At(t, 3)};
+                           }};
+};
+
+TEST(SimulatorTest, NanInSinglePrecisionEndsARun) {
+  const char* const names[] = {"'floats.number'", "'floats.single.part'", "'floats.state'",
+                               "'floats.both.part'"};
+  for (int i = 0; i < 4; ++i) {
+    DiagramBuilder builder;
+    builder.Add<Floats>("floats", i);
+    Simulator simulator(builder.Build());
+    simulator.RunTo(0.1);
+    EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(0.3); }, names[i], "t = 0.2 s"));
+  }
+}
+
+TEST(SimulatorTest, ASourceWhoseDataEndIsToldThatStepsGoPastTheEnd) {
+  DiagramBuilder builder;
+  auto& plant = builder.Add<Oscillator>("plant");
+  builder.Connect(builder.AddFunction("data", Uses(builder.time),
+                                      [](double t) {
+                                        if (t > 1) throw std::out_of_range("no data");
+                                        return 0.0;
+                                      }),
+                  plant.u);
+  const auto diagram = builder.Build();
+  Simulator simulator(*diagram);
+  const auto run = [&] { simulator.RunTo(1); };
+  EXPECT_TRUE(Throws<RunError>(run, "'data.output'", "after t = 1 s", "NextJump"));
+}
+
 // ---- Closed loops ----
 
 /// x[n+1] = e^{AT} x[n] + ∫e^{As}B ds u[n], both from one exponential of [A B; 0 0] T.

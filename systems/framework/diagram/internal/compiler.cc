@@ -54,6 +54,7 @@ Compiler::Compiler(const std::vector<std::unique_ptr<System>>& blocks, bool open
   CheckConnections();
   ThrowFaults();
   MergeShared();
+  DeclareSizes();
   Order();
   LayOut();
   FillArguments();
@@ -98,6 +99,36 @@ void Compiler::MergeShared() {
       source->SetDriver(**other);
       source->run_ = nullptr;
     }
+  }
+}
+
+/// Tells each calculation of a matrix of run-time size the size that it, or a port that reads it, declares.
+void Compiler::DeclareSizes() {
+  const auto has_run_time_size = [](const Source& source) {
+    return source.type_->kind == TypeInfo::Kind::kMatrix && source.type_->shape != nullptr &&
+           source.kind() != SourceKind::kScratch && source.kind() != SourceKind::kWorkspace;
+  };
+  for (const auto* list : {&sources_, &ports_}) {
+    for (Source* source : *list) {
+      if (!has_run_time_size(*source)) continue;
+      auto& origin = const_cast<Source&>(source->Resolve());
+      for (const Source* each : {static_cast<const Source*>(&origin), static_cast<const Source*>(source)}) {
+        if (origin.declares_size_ == nullptr && CountScalars(*each->type_, each->model_) > 0)
+          origin.declares_size_ = each;
+      }
+    }
+  }
+  for (Source* source : sources_) {
+    // The derivatives' sizes are checked when they are copied.
+    if (source->run_ == nullptr || !has_run_time_size(*source) || source->kind() == SourceKind::kDerivative)
+      continue;
+    const Source& result = source->kind() == SourceKind::kUpdate ? *source->target_ : *source;
+    source->declares_size_ = result.declares_size_;
+    if (source->declares_size_ == nullptr) continue;
+    std::size_t rows = 0, cols = 0;
+    source->type_->shape(source->declares_size_->model_, &rows, &cols);
+    source->closure_->rows = static_cast<std::int32_t>(rows);
+    source->closure_->cols = static_cast<std::int32_t>(cols);
   }
 }
 

@@ -30,6 +30,7 @@ class Compiler {
   void Visit(Source& source, std::vector<const Source*>& trail);
   void AddCalculation(Source& source);
   [[noreturn]] void ThrowLoop(const std::vector<const Source*>& trail, const Source& again) const;
+  void DeclareSizes();
   void LayOut();
   void Place(Source& source, std::size_t& end);
   void FillArguments();

@@ -254,6 +254,13 @@ void Compiler::CheckDeclarations() {
           "sampled output '{}' first runs at t = {} s but has no initial value: declare one before Sampled",
           source->path(), source->trigger().sampled.offset));
     }
+    if (source->kind() == SourceKind::kOutput && source->run_ != nullptr && source->has_initial_value_ &&
+        source->type_->kind == TypeInfo::Kind::kMatrix && CountScalars(*source->type_, source->model_) == 0) {
+      Fault(
+          fmt::format("the initial value of sampled output '{}' is empty, so that its first values have no "
+                      "elements: give it (`initial`) the size of the signal",
+                      source->path()));
+    }
     for (const Slot& slot : source->arguments_) {
       if (slot.source == nullptr) continue;
       const SourceKind kind = slot.source->kind();

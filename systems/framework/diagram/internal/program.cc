@@ -61,11 +61,13 @@ std::vector<std::uint32_t> Program::Downstream(std::vector<int> changed) const {
 
 /// Appends the location of the numbers of `source`: doubles at fixed offsets, or a value to be inspected.
 static void AppendNumbers(const Source& source, Offset offset, const TypeInfo& type,
-                          std::vector<ScalarRun>* doubles, std::vector<const Source*>* movable) {
-  if (!type.fixed) movable->push_back(&source);
+                          std::vector<ScalarRun>* doubles, std::vector<const Source*>* inspected) {
+  bool inspect = !type.fixed;
   for (const ScalarRun& run : type.runs) {
     if (run.kind == ScalarKind::kDouble) doubles->push_back({offset + run.offset, run.count, run.kind});
+    if (run.kind == ScalarKind::kFloat) inspect = true;
   }
+  if (inspect) inspected->push_back(&source);
 }
 
 UpdatePlan Program::MakeUpdates(const std::vector<const Source*>& updates) const {
@@ -77,7 +79,7 @@ UpdatePlan Program::MakeUpdates(const std::vector<const Source*>& updates) const
   for (const Source* update : updates) {
     if (update->kind() == SourceKind::kPublish) continue;
     plan.commits.push_back({update->target_, update});
-    AppendNumbers(*update, update->offset_, *update->type_, &plan.doubles, &plan.movable);
+    AppendNumbers(*update, update->offset_, *update->type_, &plan.doubles, &plan.inspected);
     plan.feeds |= calculations[update->calculation_].feeds;
     if (update->target_->kind() == SourceKind::kContinuous) {
       plan.changes_continuous = true;
@@ -109,7 +111,7 @@ TickPlan Program::MakeTick(const Groups& due) const {
     if (source->kind() == SourceKind::kPublish) publishes.push_back(source);
   }
   for (const Source* source : plan.due) {
-    AppendNumbers(*source, source->offset_, *source->type_, &plan.doubles, &plan.movable);
+    AppendNumbers(*source, source->offset_, *source->type_, &plan.doubles, &plan.inspected);
   }
   plan.invalidates = Downstream(changed);
   publishes.insert(publishes.end(), plan.due.begin(), plan.due.end());

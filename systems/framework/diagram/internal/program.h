@@ -76,8 +76,8 @@ struct UpdatePlan {
   OpList ops;  ///< the updates after their prerequisites
   std::vector<Commit> commits;
   std::vector<std::uint32_t> invalidates;  ///< held calculations that depend on the new values
-  std::vector<ScalarRun> doubles;      ///< locations of doubles among the next values, for the check for NaN
-  std::vector<const Source*> movable;  ///< next values with other numbers, for the same check
+  std::vector<ScalarRun> doubles;  ///< locations of doubles among the next values, for the check for NaN
+  std::vector<const Source*> inspected;  ///< next values with other real numbers, for the same check
   bool changes_continuous = false;
   bool feeds = false;  ///< the updates restart the integrator
   bool empty() const { return ops.empty(); }
@@ -91,7 +91,7 @@ struct TickPlan {
   OpList outputs;                          ///< due sampled outputs and their prerequisites, in dataflow order
   std::vector<const Source*> due;          ///< the due sampled outputs, for the check for NaN
   std::vector<ScalarRun> doubles;          ///< locations of their doubles at fixed offsets
-  std::vector<const Source*> movable;      ///< outputs with other numbers
+  std::vector<const Source*> inspected;    ///< outputs with other real numbers
   OpList monitors;                         ///< due monitors and their prerequisites
   std::vector<const Source*> verdicts;
   UpdatePlan updates;

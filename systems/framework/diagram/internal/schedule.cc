@@ -47,6 +47,13 @@ Schedule::Schedule(const std::vector<SampleGroup>& groups) {
     };
     const std::int64_t offset = ticks(group.offset);
     entries_.push_back({ticks(group.period), offset, offset, group.feeds});
+    const double period = Time(entries_.back().period);
+    if (shortest_period_ == 0 || period < shortest_period_) {
+      shortest_period_ = period;
+      finest_ = group.example;
+    }
+    if (group.feeds && !(shortest_feeding_period_ > 0 && shortest_feeding_period_ <= period))
+      shortest_feeding_period_ = period;
   }
   due_.reserve(entries_.size());
   FindNext();
@@ -56,6 +63,7 @@ void Schedule::MoveTo(double time, bool inclusive) {
   // The first tick to be run. The product may round to a tick before or after `time`.
   const auto per_second = static_cast<double>(per_second_);
   if (!(std::abs(time) * per_second < static_cast<double>(kMaxTicks))) ThrowTooLate(time);
+  CheckResolution(time);
   auto first = static_cast<std::int64_t>(std::floor(time * per_second));
   const auto counts = [&](double tick_time) { return inclusive ? tick_time >= time : tick_time > time; };
   while (!counts(static_cast<double>(first) / per_second)) ++first;
@@ -65,6 +73,16 @@ void Schedule::MoveTo(double time, bool inclusive) {
     entry.next = entry.offset + periods * entry.period;
   }
   FindNext();
+}
+
+void Schedule::CheckResolution(double time) const {
+  constexpr double kFewest = 16;  // times that a double can hold within a period
+  const double resolution = std::nextafter(std::abs(time), HUGE_VAL) - std::abs(time);
+  if (entries_.empty() || shortest_period_ >= kFewest * resolution) return;
+  throw RunError(fmt::format(
+      "t = {} s is too late for the period of {:g} s of '{}', because a double resolves only {:.2g} "
+      "s there: begin the run at an earlier time, such as 0, and add the rest where times are shown",
+      time, shortest_period_, finest_, resolution));
 }
 
 const Groups& Schedule::Take() {
@@ -84,9 +102,33 @@ double Schedule::Time(std::int64_t tick) const {
                         : static_cast<double>(tick) / static_cast<double>(per_second_);
 }
 
+/// The part of a tick's time that Time cannot hold.
+double Schedule::Rest(std::int64_t tick) const {
+  if (tick == kNever) return 0;
+  const auto rounded = static_cast<double>(tick);
+  const auto left = static_cast<double>(tick - static_cast<std::int64_t>(rounded));
+  const auto per_second = static_cast<double>(per_second_);
+  return (std::fma(-Time(tick), per_second, rounded) + left) / per_second;
+}
+
+double Schedule::previous_time() const {
+  std::int64_t previous = -kNever;
+  for (const Entry& entry : entries_) {
+    if (entry.next > entry.offset) previous = std::max(previous, entry.next - entry.period);
+  }
+  return previous == -kNever ? -std::numeric_limits<double>::infinity() : Time(previous);
+}
+
+double Schedule::following_time() const {
+  std::int64_t following = kNever;
+  for (const Entry& entry : entries_)
+    following = std::min(following, entry.next == next_tick_ ? entry.next + entry.period : entry.next);
+  return Time(following);
+}
+
 void Schedule::FindNext() {
-  std::int64_t feeding = kNever;
-  next_tick_ = kNever;
+  std::int64_t& feeding = next_feeding_tick_;
+  feeding = next_tick_ = kNever;
   for (const Entry& entry : entries_) {
     next_tick_ = std::min(next_tick_, entry.next);
     if (entry.feeds) feeding = std::min(feeding, entry.next);

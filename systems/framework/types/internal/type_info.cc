@@ -262,6 +262,8 @@ void SetFields(TypeInfo& info, FieldList fields, int members, std::size_t begin)
         Described(gaps));
   }
   if (members < 0 && !gaps.empty()) ThrowForgotten(info, "some are missing", Described(gaps));
+  info.omits = std::ranges::any_of(
+      fields, [](const Field& field) { return field.type == nullptr && !field.constant; });
   std::erase_if(fields, [](const Field& field) { return field.type == nullptr; });
   info.fields = std::move(fields);
 }
@@ -285,6 +287,7 @@ void Walk(const TypeInfo& type, void* value, ValueVisitor& visitor) {
       if (type.shape != nullptr) Resize(type, value, visitor, &rows, &cols);
       return visitor.Numbers(type.data(value), type.scalar, rows, cols);
     case Kind::kStruct:
+      visitor.Struct(type);
       for (const Field& field : type.fields) {
         visitor.EnterMember(field);
         Walk(field.type(), static_cast<std::byte*>(value) + field.offset, visitor);
@@ -302,7 +305,7 @@ void Walk(const TypeInfo& type, void* value, ValueVisitor& visitor) {
       return visitor.Text(*static_cast<std::string*>(value));
     case Kind::kMap:
     case Kind::kOpaque:
-      return visitor.Opaque();
+      return visitor.Opaque(type, value);
   }
 }
 

@@ -12,6 +12,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <typeinfo>
@@ -145,6 +146,9 @@ struct TypeInfo {
   void (*resize)(void* value, std::size_t rows, std::size_t cols) = nullptr;
 
   FieldList fields = {};
+  bool omits = false;  ///< a struct with members that are not described and not pointers to constant data
+  std::vector<std::byte> (*save)(const void* value) = nullptr;  ///< of an opaque type, see SnapshotOf
+  void (*load)(std::span<const std::byte> bytes, void* value) = nullptr;
   void (*validate)(const void* value) = nullptr;  ///< throws ParameterError; null if there is none
 
   const TypeInfo& (*item)() = nullptr;
@@ -202,8 +206,10 @@ class ValueVisitor {
   /// Called before the numbers of a value whose size can change; the visitor may request another size.
   virtual void Resize(std::size_t* rows, std::size_t* cols) { (void)rows, (void)cols; }
   virtual void Text(std::string& text) { (void)text; }
+  /// Called before the members of a struct.
+  virtual void Struct(const TypeInfo& type) { (void)type; }
   /// Visits a part that does not describe itself.
-  virtual void Opaque() {}
+  virtual void Opaque(const TypeInfo& type, void* value) { (void)type, (void)value; }
 
  protected:
   ~ValueVisitor() = default;
@@ -337,6 +343,11 @@ TypeInfo Describe() {
     info.kind = TypeInfo::Kind::kText;
   } else if constexpr (ItemsOf<T>::kKind != TypeInfo::Kind::kOpaque) {
     DescribeItems<T>(info);
+  } else if constexpr (requires { SnapshotOf<T>::Save; }) {
+    info.save = [](const void* value) { return SnapshotOf<T>::Save(*static_cast<const T*>(value)); };
+    info.load = [](std::span<const std::byte> bytes, void* value) {
+      SnapshotOf<T>::Load(bytes, *static_cast<T*>(value));
+    };
   }
   return info;
 }
