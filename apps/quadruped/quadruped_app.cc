@@ -30,16 +30,14 @@ struct WalkArguments {
   bool any() const { return !gait.empty() || speed || !observer.empty() || compare; }
 };
 
-void AddWalkArguments(CLI::App& line, WalkArguments& walk) {
-  line.add_option("--gait", walk.gait, "crawl, trot, pace or gallop (default: the scenario's)");
-  line.add_option("--speed", walk.speed, "forward speed [m/s] (default: the scenario's)");
-  line.add_option(
-      "--observer", walk.observer,
-      "none, legs, com, hybrid, focchi, ndo_m, ndo_inverse or ndo_hybrid (default: the scenario's)");
-  line.add_flag(
-          "--compare", walk.compare,
-          "make one run for each observer, each in its own directory below --out, and one report of all")
-      ->excludes("--observer");
+void AddWalkArguments(CommandLine& line, WalkArguments& walk) {
+  line.Add("--gait", &walk.gait, "crawl, trot, pace or gallop (default: the scenario's)");
+  line.Add("--speed", &walk.speed, "forward speed [m/s] (default: the scenario's)");
+  line.Add("--observer", &walk.observer,
+           "none, legs, com, hybrid, focchi, ndo_m, ndo_inverse or ndo_hybrid (default: the scenario's)");
+  line.Add("--compare", &walk.compare,
+           "make one run for each observer, each in its own directory below --out, and one report of all",
+           {.excludes = "--observer"});
 }
 
 Variant MakeVariant(std::string name, const QuadrupedScenario& scenario,
@@ -157,7 +155,7 @@ ScenarioApp QuadrupedApp::AsScenarioApp() const {
 
 int QuadrupedApp::Run(int argc, char** argv) const {
   const ScenarioApp app = AsScenarioApp();
-  CLI::App line(app.description, ProgramName(argv));
+  CommandLine line(app.description, ProgramName(argv));
   CommonArguments arguments;
   AddCommonArguments(line, arguments);
   AddLiveArguments(line, arguments);
@@ -171,6 +169,11 @@ int QuadrupedApp::Run(int argc, char** argv) const {
       return RunCommand(LoadScenario(now, app.name), now, walk, options, customisation_);
     });
   });
+}
+
+/// The main function of tenon-quadruped.
+int QuadrupedMain(int argc, char** argv) {
+  return QuadrupedApp().Run(argc, argv);
 }
 
 }  // namespace tenon::apps
