@@ -2,12 +2,12 @@
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/internal/urdf_file.h>
 #include <tenon/plants/robots/mesh_file.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/nearest_name.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
@@ -31,11 +31,10 @@ constexpr std::array<const char*, kJointsPerLeg> kLimitKeys{"abduction", "hip_pi
 /// Returns the nearest physically possible inertia, for which the second moments of mass along the principal
 /// axes, J_i = (I_1 + I_2 + I_3) / 2 - I_i, are not negative.
 Eigen::Matrix3d Mended(const Eigen::Matrix3d& inertia) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
-  const Eigen::Vector3d I = solver.eigenvalues();
+  const auto [I, V] = internal::CalcSymmetricEigensystem3(inertia);
   const Eigen::Vector3d J = (Eigen::Vector3d::Constant(I.sum() / 2) - I).cwiseMax(0.0);
   const Eigen::Vector3d moments = Eigen::Vector3d::Constant(J.sum()) - J;
-  return solver.eigenvectors() * moments.asDiagonal() * solver.eigenvectors().transpose();
+  return V * moments.asDiagonal() * V.transpose();
 }
 
 /// Reads one URDF; bodies are numbered 0 for the trunk, 1 + joint for those of the legs, and then follow
@@ -434,7 +433,7 @@ class Reader {
     } catch (const ParameterError& error) {
       const Eigen::Matrix3d mended = Mended(given.inertia);
       if (reading_.strict) Fail("link '{}': {}", part.link, error.what());
-      const Eigen::Vector3d taken = mended.selfadjointView<Eigen::Lower>().eigenvalues();
+      const Eigen::Vector3d taken = internal::SymmetricEigenvalues3(mended);
       Warn("link '{}': {}; taken with {:.3g}, {:.3g}, {:.3g} kg m^2", part.link, error.what(), taken[0],
            taken[1], taken[2]);
       return {given.mass, given.com, mended};
