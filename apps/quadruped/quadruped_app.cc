@@ -67,13 +67,6 @@ int CompareObservers(const RunOptions& options, const QuadrupedScenario& scenari
   return Compare(options, ReportOf(scenario), variants);
 }
 
-int RunSweep(const RunOptions& options, const QuadrupedScenario& scenario,
-             const WalkCustomisation& customisation) {
-  std::vector<Variant> variants;
-  for (const auto& [name, run] : SweepOf(scenario)) variants.push_back(MakeVariant(name, run, customisation));
-  return Compare(options, ReportOf(scenario), variants);
-}
-
 /// Sets gait, speed and observer of the command line in the scenario.
 void SetWalk(const WalkArguments& walk, const std::string& name, YamlDocument& document) {
   const auto scenario = document.Read<QuadrupedScenario>();
@@ -102,7 +95,7 @@ QuadrupedScenario ReadScenario(const YamlDocument& document, const WalkCustomisa
   return scenario;
 }
 
-/// Runs a scenario with the options of the command line: once, or its sweep, or once for each observer.
+/// Runs a scenario with the options of the command line: once, or once for each observer.
 int RunCommand(YamlDocument document, const CommonArguments& arguments, const WalkArguments& walk,
                const RunOptions& options, const WalkCustomisation& customisation) {
   if (walk.any()) SetWalk(walk, arguments.scenario, document);
@@ -111,14 +104,9 @@ int RunCommand(YamlDocument document, const CommonArguments& arguments, const Wa
     if (arguments.duration) scenario.duration_s = *arguments.duration;
     if (!options.live && scenario.walk)
       CheckJudged(scenario.walk->judged_from_s, Duration(scenario), arguments.duration.has_value());
-    if (options.live && scenario.sweep)
-      throw KeyError("sweep", "--live and --replay run one scenario: set sweep to null");
     for (const std::string& warning : Blame("robot", [&] { return QuadrupedWarnings(scenario.robot); }))
       Say(fmt::format("warning: {}\n", warning));
-    if (walk.compare && scenario.sweep)
-      throw KeyError("sweep", "--compare runs the scenario once with each observer: set sweep to null");
     if (walk.compare) return CompareObservers(options, scenario, customisation);
-    if (scenario.sweep) return RunSweep(options, scenario, customisation);
     return PrintResult(RunQuadruped(scenario, options, customisation).summary, options);
   });
 }
@@ -128,10 +116,6 @@ int RunCommand(YamlDocument document, const CommonArguments& arguments, const Wa
 ScenarioApp QuadrupedApp::AsScenarioApp() const {
   const auto read = [customisation = customisation_](const YamlDocument& document) {
     QuadrupedScenario scenario = ReadScenario(document, customisation);
-    if (scenario.sweep)
-      throw KeyError(
-          "sweep",
-          "a campaign cannot run a sweep: set it to null, and vary forces.0.start_s and forces.0.turn_rad");
     if (scenario.walk) CheckJudged(scenario.walk->judged_from_s, Duration(scenario));
     return scenario;
   };
