@@ -1,12 +1,11 @@
 # Lists the components such that each follows its dependencies, and the dependencies of each. Sets TENON_HAS_<component> for the
 # components in TENON_COMPONENTS and their dependencies.
-set(TENON_ALL_COMPONENTS systems report live network lcm model robots plants multibody controllers diagrams apps
+set(TENON_ALL_COMPONENTS systems report live network model robots plants multibody controllers diagrams apps
   quadruped_app guide_dog_app cdpr_app robot_apps testing)
 set(TENON_systems_NEEDS)
 set(TENON_report_NEEDS systems)
 set(TENON_live_NEEDS report)
 set(TENON_network_NEEDS systems)
-set(TENON_lcm_NEEDS network)
 set(TENON_model_NEEDS systems)
 set(TENON_robots_NEEDS model)
 set(TENON_plants_NEEDS model)
@@ -20,25 +19,16 @@ set(TENON_cdpr_app_NEEDS apps diagrams)
 set(TENON_robot_apps_NEEDS quadruped_app guide_dog_app cdpr_app)
 set(TENON_testing_NEEDS systems)
 
-# Optional components: `all` omits them if their libraries are not installed.
+# An optional component: `all` omits it if its library is not installed.
 find_package(GTest QUIET)
-find_path(TENON_LCM_INCLUDE lcm/lcm.h)
-find_library(TENON_LCM_LIBRARY lcm)
-mark_as_advanced(TENON_LCM_INCLUDE TENON_LCM_LIBRARY)
 
 set(wanted ${TENON_COMPONENTS})
 if(wanted STREQUAL "all")
   set(wanted ${TENON_ALL_COMPONENTS})
-  if(NOT TENON_LCM_INCLUDE OR NOT TENON_LCM_LIBRARY)
-    list(REMOVE_ITEM wanted lcm)
-    message(STATUS "LCM is not installed: the component 'lcm' is not built")
-  endif()
   if(NOT GTest_FOUND)
     list(REMOVE_ITEM wanted testing)
     message(STATUS "GoogleTest is not installed: the component 'testing' is not built")
   endif()
-elseif("lcm" IN_LIST wanted AND NOT (TENON_LCM_INCLUDE AND TENON_LCM_LIBRARY))
-  message(FATAL_ERROR "The component 'lcm' needs LCM: install liblcm-dev")
 endif()
 foreach(component IN LISTS wanted)
   if(NOT component IN_LIST TENON_ALL_COMPONENTS)

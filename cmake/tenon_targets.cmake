@@ -84,6 +84,11 @@ function(tenon_precompile target)
   target_precompile_headers(${target} REUSE_FROM tenon_precompiled)
 endfunction()
 
+# tenon_runs_once(TARGET): the code of the target runs once per run, so -O1 saves a sixth of its compile time.
+function(tenon_runs_once target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 # tenon_as_library(TARGET): compile options of all library code, including static libraries.
 function(tenon_as_library target)
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON VISIBILITY_INLINES_HIDDEN ON)

@@ -47,7 +47,7 @@ struct CampaignArguments {
   bool list = false;
   bool keys = false;
   std::string shard;
-  std::optional<std::size_t> replay;
+  std::optional<std::uint64_t> replay;
   std::vector<std::string> merge;
 };
 
@@ -402,25 +402,25 @@ int Run(const CampaignArguments& arguments) {
 }  // namespace tenon::apps
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  tenon::apps::CommandLine line(
       "Runs variations of a scenario and evaluates how often they survive and which parameters matter.",
       "tenon-campaign");
   tenon::apps::CampaignArguments arguments;
-  app.add_option("CAMPAIGN", arguments.campaign, "name of a shipped campaign (see --list), or a YAML file");
-  app.add_option("--out", arguments.out, "directory for all output (default: out/CAMPAIGN)");
-  app.add_option("--jobs", arguments.jobs,
-                 "number of parallel runs (default: one for each core; with mpirun one for each rank)")
-      ->check(tenon::apps::PositiveInteger());
-  app.add_flag("--resume", arguments.resume, "keep the runs in --out and execute missing ones");
-  app.add_option("--shard", arguments.shard, "execute only part i of N, counted from 1, in an array job")
-      ->type_name("i/N");
-  app.add_flag("--dry-run", arguments.dry_run, "check the campaign, show its first runs and stop");
-  app.add_option("--replay", arguments.replay, "repeat this run with all logs and a report in --out/run_RUN")
-      ->type_name("RUN");
-  app.add_option("--merge", arguments.merge, "merge the parts of a campaign into --out")->type_name("DIR...");
-  app.add_flag("--list", arguments.list, "list the shipped campaigns and stop");
-  app.add_flag("--keys", arguments.keys, "list all keys of a campaign's file and stop");
-  app.footer(
+  line.Add("CAMPAIGN", &arguments.campaign, "name of a shipped campaign (see --list), or a YAML file");
+  line.Add("--out", &arguments.out, "directory for all output (default: out/CAMPAIGN)");
+  line.Add("--jobs", &arguments.jobs,
+           "number of parallel runs (default: one for each core; with mpirun one for each rank)",
+           {.range = tenon::apps::OptionRange::kPositiveInteger});
+  line.Add("--resume", &arguments.resume, "keep the runs in --out and execute missing ones");
+  line.Add("--shard", &arguments.shard, "execute only part i of N, counted from 1, in an array job",
+           {.type = "i/N"});
+  line.Add("--dry-run", &arguments.dry_run, "check the campaign, show its first runs and stop");
+  line.Add("--replay", &arguments.replay, "repeat this run with all logs and a report in --out/run_RUN",
+           {.type = "RUN"});
+  line.Add("--merge", &arguments.merge, "merge the parts of a campaign into --out", {.type = "DIR..."});
+  line.Add("--list", &arguments.list, "list the shipped campaigns and stop");
+  line.Add("--keys", &arguments.keys, "list all keys of a campaign's file and stop");
+  line.SetFooter(
       "Writes runs.csv, a line for each run as it ends, then report.html and summary.json.\n"
       "Across machines: mpirun -n 64 tenon-campaign CAMPAIGN --out DIR\n"
       "As an array job: tenon-campaign CAMPAIGN --shard $SLURM_ARRAY_TASK_ID/100 --out "
@@ -433,5 +433,5 @@ int main(int argc, char** argv) {
       "replayed "
       "run did not survive; 5 a file could not be written or the machine could not complete all runs; "
       "129, 130, 143 stopped by SIGHUP, Ctrl-C, SIGTERM.");
-  return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Run(arguments); });
+  return tenon::apps::RunMain(line, argc, argv, [&] { return tenon::apps::Run(arguments); });
 }

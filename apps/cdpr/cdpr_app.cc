@@ -70,20 +70,18 @@ ScenarioApp CdprApp::AsScenarioApp() const {
 
 int CdprApp::Run(int argc, char** argv) const {
   const ScenarioApp app = AsScenarioApp();
-  CLI::App line(app.description, ProgramName(argv));
+  CommandLine line(app.description, ProgramName(argv));
   CommonArguments arguments;
   AddCommonArguments(line, arguments);
   AddLiveArguments(line, arguments);
   std::string controller;
   bool compare = false;
-  line.add_option(
-      "--controller", controller,
-      "mpc_equilibrium, mpc_zero, mpc_thesis, lqr, pd, pd_feedforward or pd_offset_free (default: "
-      "the scenario's)");
-  line.add_flag(
-          "--compare", compare,
-          "make one run for each controller, each in its own directory below --out, and one report of all")
-      ->excludes("--controller");
+  line.Add("--controller", &controller,
+           "mpc_equilibrium, mpc_zero, mpc_thesis, lqr, pd, pd_feedforward or pd_offset_free (default: "
+           "the scenario's)");
+  line.Add("--compare", &compare,
+           "make one run for each controller, each in its own directory below --out, and one report of all",
+           {.excludes = "--controller"});
   return RunMain(line, argc, argv, [&]() -> int {
     if (PrintsInstead(arguments, app)) return kRan;
     if (compare && (!arguments.live.empty() || !arguments.replay.empty()))
@@ -92,6 +90,11 @@ int CdprApp::Run(int argc, char** argv) const {
       return RunOnce(now, controller, compare, options, customisation_);
     });
   });
+}
+
+/// The main function of tenon-cdpr.
+int CdprMain(int argc, char** argv) {
+  return CdprApp().Run(argc, argv);
 }
 
 }  // namespace tenon::apps

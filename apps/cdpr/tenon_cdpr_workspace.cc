@@ -68,48 +68,40 @@ int Run(Arguments arguments) {
 
 int main(int argc, char** argv) {
   using namespace tenon::apps;
-  CLI::App app(
+  CommandLine line(
       "Computes the workspace of a cable robot with six or more cables, proven cell by cell: positions at "
       "one "
       "attitude and attitudes at one position, at rest and with the required wrenches; with tension margins, "
       "stiffness and interference.",
       "tenon-cdpr-workspace");
   Arguments arguments;
-  app.add_option("ROBOT", arguments.robot, "name of a shipped robot, or a YAML file")->required();
   auto& params = arguments.params;
-  app.add_option("--load", params.demand.load, "mass at the platform's CoM [kg]")->capture_default_str();
-  app.add_option("--acceleration", params.demand.acceleration,
-                 "maximum acceleration of platform and load along each axis [m/s^2]")
-      ->capture_default_str();
-  app.add_option("--force", params.demand.force, "maximum external force along each axis [N]")
-      ->capture_default_str();
-  app.add_option("--torque", params.demand.torque, "maximum external torque about each axis [N m]")
-      ->capture_default_str();
-  app.add_option("--attitude", arguments.euler,
-                 "roll, pitch, yaw for the map of positions [rad] (default: level)")
-      ->expected(3);
-  app.add_option("--low", arguments.low,
-                 "lower corner of the positions [m] (default: that of the anchors, down to the floor)")
-      ->expected(3);
-  app.add_option("--high", arguments.high, "upper corner of the positions [m] (default: that of the anchors)")
-      ->expected(3);
-  app.add_option("--cell", params.cell, "size of the smallest cells [m] (default: 1/48 of the longest edge)");
-  app.add_option("--position", arguments.position,
-                 "position for the map of attitudes [m] (default: the middle of the workspace)")
-      ->expected(3);
-  app.add_option("--turn", params.turn, "range of the map of attitudes about each axis, either way [rad]")
-      ->capture_default_str();
-  app.add_option("--cable-diameter", params.cable_diameter, "distance below which two cables touch [m]")
-      ->capture_default_str();
-  app.add_option("--set", arguments.settings,
-                 "override a value of the robot: --set cable_properties.tension_max_N=2000")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
-  app.add_option("--out", arguments.out, "directory for all output (default: out/ROBOT_workspace)");
-  app.footer(
+  const OptionTraits shown{.shows_default = true}, three{.count = 3};
+  line.Add("ROBOT", &arguments.robot, "name of a shipped robot, or a YAML file", {.required = true});
+  line.Add("--load", &params.demand.load, "mass at the platform's CoM [kg]", shown);
+  line.Add("--acceleration", &params.demand.acceleration,
+           "maximum acceleration of platform and load along each axis [m/s^2]", shown);
+  line.Add("--force", &params.demand.force, "maximum external force along each axis [N]", shown);
+  line.Add("--torque", &params.demand.torque, "maximum external torque about each axis [N m]", shown);
+  line.Add("--attitude", &arguments.euler, "roll, pitch, yaw for the map of positions [rad] (default: level)",
+           three);
+  line.Add("--low", &arguments.low,
+           "lower corner of the positions [m] (default: that of the anchors, down to the floor)", three);
+  line.Add("--high", &arguments.high, "upper corner of the positions [m] (default: that of the anchors)",
+           three);
+  line.Add("--cell", &params.cell, "size of the smallest cells [m] (default: 1/48 of the longest edge)");
+  line.Add("--position", &arguments.position,
+           "position for the map of attitudes [m] (default: the middle of the workspace)", three);
+  line.Add("--turn", &params.turn, "range of the map of attitudes about each axis, either way [rad]", shown);
+  line.Add("--cable-diameter", &params.cable_diameter, "distance below which two cables touch [m]", shown);
+  line.Add("--set", &arguments.settings,
+           "override a value of the robot: --set cable_properties.tension_max_N=2000",
+           {.type = "KEY=VALUE", .one_value_each = true});
+  line.Add("--out", &arguments.out, "directory for all output (default: out/ROBOT_workspace)");
+  line.SetFooter(
       "Writes report.html, summary.json, cells.csv and attitudes.csv to the output directory.\n"
       "Exit codes: 0 ran; 2 bad usage or robot; 4 numerical failure; 5 a file could not be written; 130, 143 "
       "stopped "
       "by Ctrl-C, SIGTERM.");
-  return RunMain(app, argc, argv, [&] { return Run(arguments); });
+  return RunMain(line, argc, argv, [&] { return Run(arguments); });
 }

@@ -208,17 +208,17 @@ int Tune(const std::string& robot, int evaluations) {
 }  // namespace tenon::apps
 
 int main(int argc, char** argv) {
-  CLI::App app("Finds gains of the cable robot's length controller by optimisation.", "tenon-tune-pd");
+  tenon::apps::CommandLine line("Finds gains of the cable robot's length controller by optimisation.",
+                                "tenon-tune-pd");
   std::string robot = "cdpr_4";
   int evaluations = 60;
-  app.add_option("--robot", robot, "a shipped robot or a YAML file")->capture_default_str();
-  app.add_option("--evaluations", evaluations, "maximum number of trials of gains")
-      ->capture_default_str()
-      ->check(tenon::apps::PositiveInteger());
-  app.footer(
+  line.Add("--robot", &robot, "a shipped robot or a YAML file", {.shows_default = true});
+  line.Add("--evaluations", &evaluations, "maximum number of trials of gains",
+           {.range = tenon::apps::OptionRange::kPositiveInteger, .shows_default = true});
+  line.SetFooter(
       "Writes no files: every trial and the best gains are printed.\n"
       "Exit codes: 0 gains were found; 2 bad usage or robot; 3 no gains complete all motions; 4 numerical "
       "failure; "
       "130, 143 stopped by Ctrl-C, SIGTERM.");
-  return tenon::apps::RunMain(app, argc, argv, [&] { return tenon::apps::Tune(robot, evaluations); });
+  return tenon::apps::RunMain(line, argc, argv, [&] { return tenon::apps::Tune(robot, evaluations); });
 }

@@ -9,6 +9,7 @@
 #include <tenon/systems/text/parse_number.h>
 #include <tenon/systems/version.h>
 
+#include <CLI/CLI.hpp>
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
@@ -22,83 +23,121 @@
 #include <new>
 #include <sstream>
 #include <system_error>
+#include <type_traits>
 
 namespace tenon::apps {
 
-void AddScenarioArguments(CLI::App& app, CommonArguments& arguments) {
-  app.add_option("SCENARIO", arguments.scenario, "name of a shipped scenario (see --list), or a YAML file");
-  app.add_option("--seed", arguments.seed, "seed of all random streams")->check(Seed());
-  app.add_option("--set", arguments.settings, "override a value of the scenario: --set duration_s=5")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
-  app.add_flag("--list", arguments.list, "list the shipped scenarios and stop");
-  app.add_flag("--keys", arguments.keys,
-               "list all keys of scenarios with their defaults and stop; checks SCENARIO first, if given");
-}
-
-void AddCommonArguments(CLI::App& app, CommonArguments& arguments) {
-  AddScenarioArguments(app, arguments);
-  app.add_option("--duration", arguments.duration, "simulated time [s] (default: the scenario's)")
-      ->check(Positive());
-  app.add_option("--out", arguments.out, "directory for all output (default: out/SCENARIO)");
-  app.add_option("--graph", arguments.graph, "write the diagram to this file, .svg or .dot, and run");
-  app.footer(
-      "Writes report.html, summary.json, signals.csv and scenario.yaml (every default filled in) to the "
-      "output directory.\n"
-      "Ctrl-C ends a run after writing complete files; a second Ctrl-C ends it at once.\n"
-      "Exit codes: 0 finished; 2 invalid usage or scenario; 3 fell, broke a forbidden limit, or exceeded "
-      "what "
-      "drives, ground, cables or bodies can do; 4 numerical failure; 5 a file could not be written; 130, 143 "
-      "stopped "
-      "by Ctrl-C, SIGTERM.");
-}
-
 namespace {
 
-/// Refuses texts for which `fits` is false.
-CLI::Validator Range(const char* name, const char* range, bool (*fits)(const std::string& text)) {
+/// Refuses texts for which `fits` is false, with a message that describes the range in words.
+CLI::Validator Validator(const char* name, const char* range, bool (*fits)(const std::string& text)) {
   return {[range, fits](std::string& text) {
             return fits(text) ? "" : fmt::format("{} must be {}", internal::Excerpt(text), range);
           },
           name};
 }
 
+CLI::Validator Validator(OptionRange range) {
+  switch (range) {
+    case OptionRange::kPositive:
+      return Validator("> 0", "a positive number", [](const std::string& text) {
+        const auto number = internal::NumberIn<double>(text);
+        return number && std::isfinite(*number) && *number > 0;
+      });
+    case OptionRange::kNotNegative:
+      return CLI::NonNegativeNumber;
+    case OptionRange::kPositiveInteger:
+      return Validator("> 0", "an integer from 1 to 2147483647", [](const std::string& text) {
+        const auto number = internal::NumberIn<std::int32_t>(text);
+        return number && *number > 0;
+      });
+    case OptionRange::kSeed:
+      return Validator(">= 0", "an integer from 0 to 18446744073709551615", [](const std::string& text) {
+        return internal::NumberIn<std::uint64_t>(text).has_value();
+      });
+    default:
+      return Validator("PORT", "a port from 1 to 65535", [](const std::string& text) {
+        const auto number = internal::NumberIn<int>(text);
+        return number && *number > 0 && *number < 65536;
+      });
+  }
+}
+
 }  // namespace
 
-void AddLiveArguments(CLI::App& app, CommonArguments& arguments) {
-  const auto port = Range("PORT", "a port from 1 to 65535", [](const std::string& text) {
-    const auto number = internal::NumberIn<int>(text);
-    return number && *number > 0 && *number < 65536;
-  });
-  auto* const live =
-      app.add_flag("--live{8080}", arguments.live,
-                   "show and steer the run in a browser; --live PORT, default 8080 or the next free port")
-          ->check(port);
-  app.add_option(
-         "--live-address", arguments.live_address,
-         "address at which the server listens, for browsers on other machines, which need the printed token")
-      ->needs(live);
-  app.add_option("--replay", arguments.replay, "repeat a live run from its live.jsonl, without a browser")
-      ->excludes(live);
+CommandLine::CommandLine(const std::string& description, const std::string& name)
+    : app_(std::make_unique<CLI::App>(description, name)) {}
+
+CommandLine::~CommandLine() = default;
+
+void CommandLine::Add(const std::string& name, Variable variable, const std::string& help,
+                      const OptionTraits& traits) {
+  CLI::Option& option = *std::visit(
+      [&](auto* value) {
+        using T = std::remove_pointer_t<decltype(value)>;
+        if constexpr (std::is_same_v<T, std::string>)
+          if (name.ends_with('}')) return app_->add_flag(name, *value, help);
+        if constexpr (std::is_same_v<T, bool>) {
+          return app_->add_flag(name, *value, help);
+        } else {
+          return app_->add_option(name, *value, help);
+        }
+      },
+      variable);
+  if (traits.range != OptionRange::kAny) option.check(Validator(traits.range));
+  if (traits.type != nullptr) option.type_name(traits.type);
+  if (traits.count > 0) option.expected(traits.count);
+  if (traits.required) option.required();
+  if (traits.one_value_each) option.allow_extra_args(false);
+  if (traits.shows_default) option.capture_default_str();
+  if (traits.needs != nullptr) option.needs(app_->get_option(traits.needs));
+  if (traits.excludes != nullptr) option.excludes(app_->get_option(traits.excludes));
 }
 
-CLI::Validator Positive() {
-  return Range("> 0", "a positive number", [](const std::string& text) {
-    const auto number = internal::NumberIn<double>(text);
-    return number && std::isfinite(*number) && *number > 0;
-  });
+void CommandLine::SetFooter(const std::string& text) {
+  app_->footer(text);
 }
 
-CLI::Validator PositiveInteger() {
-  return Range("> 0", "an integer from 1 to 2147483647", [](const std::string& text) {
-    const auto number = internal::NumberIn<std::int32_t>(text);
-    return number && *number > 0;
-  });
+bool CommandLine::Has(const std::string& name) const {
+  return app_->count(name) > 0;
 }
 
-CLI::Validator Seed() {
-  return Range(">= 0", "an integer from 0 to 18446744073709551615",
-               [](const std::string& text) { return internal::NumberIn<std::uint64_t>(text).has_value(); });
+void AddScenarioArguments(CommandLine& line, CommonArguments& arguments) {
+  line.Add("SCENARIO", &arguments.scenario, "name of a shipped scenario (see --list), or a YAML file");
+  line.Add("--seed", &arguments.seed, "seed of all random streams", {.range = OptionRange::kSeed});
+  line.Add("--set", &arguments.settings, "override a value of the scenario: --set duration_s=5",
+           {.type = "KEY=VALUE", .one_value_each = true});
+  line.Add("--list", &arguments.list, "list the shipped scenarios and stop");
+  line.Add("--keys", &arguments.keys,
+           "list all keys of scenarios with their defaults and stop; checks SCENARIO first, if given");
+}
+
+void AddCommonArguments(CommandLine& line, CommonArguments& arguments) {
+  AddScenarioArguments(line, arguments);
+  line.Add("--duration", &arguments.duration, "simulated time [s] (default: the scenario's)",
+           {.range = OptionRange::kPositive});
+  line.Add("--out", &arguments.out, "directory for all output (default: out/SCENARIO)");
+  line.Add("--graph", &arguments.graph, "write the diagram to this file, .svg or .dot, and run");
+  line.SetFooter(
+      "Writes report.html, summary.json, signals.csv and scenario.yaml (every default filled in) to the "
+      "output directory.\n"
+      "Ctrl-C ends a run after writing complete files; a second Ctrl-C ends it at once.\n"
+      "Exit codes: 0 finished; 2 invalid usage or scenario; 3 fell, broke a forbidden limit, or exceeded "
+      "what drives, ground, cables or bodies can do; 4 numerical failure; 5 a file could not be written; "
+      "130, "
+      "143 stopped by Ctrl-C, SIGTERM.");
+}
+
+void AddLiveArguments(CommandLine& line, CommonArguments& arguments) {
+  line.Add("--live{8080}", &arguments.live,
+           "show and steer the run in a browser; --live PORT, default 8080 or the next free port",
+           {.range = OptionRange::kPort});
+  line.Add(
+      "--live-address", &arguments.live_address,
+      "address at which the server listens, for browsers on other machines, which need the printed token",
+      {.needs = "--live"});
+  line.Add("--replay", &arguments.replay, "repeat a live run from its live.jsonl, without a browser",
+           {.excludes = "--live"});
 }
 
 RunOptions OptionsOf(const CommonArguments& arguments) {
@@ -122,7 +161,8 @@ void OpenStandardDescriptors() {
 
 }  // namespace
 
-int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
+int RunMain(CommandLine& line, int argc, char** argv, const std::function<int()>& body) {
+  CLI::App& app = *line.app_;
   OpenStandardDescriptors();
   const MemoryReserve reserve;
   std::signal(SIGXFSZ, SIG_IGN);  // at a limit of the file size, writing then fails with an error

@@ -4,15 +4,62 @@
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/common/scenario_file.h>
 
-#include <CLI/CLI.hpp>
-
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
+namespace CLI {
+class App;
+}
+
 namespace tenon::apps {
+
+/// Range of a number on the command line.
+enum class OptionRange { kAny, kPositive, kNotNegative, kPositiveInteger, kSeed, kPort };
+
+/// Traits of an option of a command line.
+struct OptionTraits {
+  OptionRange range = OptionRange::kAny;
+  const char* type = nullptr;  ///< placeholder of the value in the help; null: that of its C++ type
+  int count = 0;               ///< number of values, for lists; 0: any
+  bool required = false;
+  bool one_value_each = false;     ///< a list receives one value each time that the option is given
+  bool shows_default = false;      ///< the help shows the value of the variable
+  const char* needs = nullptr;     ///< option that must be given, too
+  const char* excludes = nullptr;  ///< option that must not be given, too
+};
+
+/// The options of a program, which RunMain reads from its command line into variables.
+class CommandLine {
+ public:
+  using Variable =
+      std::variant<bool*, int*, double*, std::string*, std::vector<double>*, std::vector<std::string>*,
+                   std::optional<double>*, std::optional<std::uint64_t>*,
+                   std::optional<std::pair<double, std::string>>*>;
+
+  CommandLine(const std::string& description, const std::string& name);
+  ~CommandLine();
+
+  /// Adds an option, or a positional argument if the name has no dashes. A bool is a flag. `--name{value}` is
+  /// a flag with a value, which is `value` if none is given.
+  void Add(const std::string& name, Variable variable, const std::string& help,
+           const OptionTraits& traits = {});
+  /// Sets the text below the options in the help.
+  void SetFooter(const std::string& text);
+  /// Returns whether the command line had this option.
+  bool Has(const std::string& name) const;
+
+ private:
+  friend int RunMain(CommandLine& line, int argc, char** argv, const std::function<int()>& body);
+
+  std::unique_ptr<CLI::App> app_;
+};
 
 /// The command-line arguments that all apps share.
 struct CommonArguments {
@@ -30,24 +77,19 @@ struct CommonArguments {
 };
 
 /// Adds the arguments that select a scenario to an app's command line.
-void AddScenarioArguments(CLI::App& app, CommonArguments& arguments);
+void AddScenarioArguments(CommandLine& line, CommonArguments& arguments);
 
 /// Adds the arguments that select a scenario and those of its output.
-void AddCommonArguments(CLI::App& app, CommonArguments& arguments);
+void AddCommonArguments(CommandLine& line, CommonArguments& arguments);
 
 /// Adds --live, --live-address and --replay, for apps that run one scenario.
-void AddLiveArguments(CLI::App& app, CommonArguments& arguments);
+void AddLiveArguments(CommandLine& line, CommonArguments& arguments);
 
 /// Returns the output directory, --out or out/SCENARIO, and the file of --graph.
 RunOptions OptionsOf(const CommonArguments& arguments);
 
-/// Validators of an option's number, with messages that describe the valid range in words.
-CLI::Validator Positive();
-CLI::Validator PositiveInteger();
-CLI::Validator Seed();
-
 /// Parses the command line, runs `body`, and turns errors into a message on stderr and an exit code.
-int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
+int RunMain(CommandLine& line, int argc, char** argv, const std::function<int()>& body);
 
 /// The file name of the program.
 std::string ProgramName(char** argv);

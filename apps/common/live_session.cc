@@ -1,5 +1,4 @@
 #include <tenon/apps/common/live_session.h>
-#include <tenon/apps/common/live_terminal.h>
 
 #include <fmt/format.h>
 
@@ -30,11 +29,7 @@ RunOutcome LiveSession::Advance(Simulator& simulator, const LiveView& view, doub
     }
   }
   server_->options().recording = out.empty() ? out : out / "live.jsonl";
-  LiveTerminal terminal;
-  server_->options().stop = [&] {
-    terminal.Poll(*server_);
-    return SignalGuard::caught() != 0;
-  };
+  server_->options().stop = [] { return SignalGuard::caught() != 0; };
   RunOutcome outcome = Observe(simulator, [&] { return server_->Run(simulator, view, options_.duration); });
   server_->options().stop = nullptr;
   return outcome;

@@ -20,7 +20,7 @@ struct LiveSessionOptions {
   std::optional<double> duration = {};  ///< [s]; default: a live run continues until it is stopped
 };
 
-/// The server and terminal of a live run, or the recording of one. It outlives the run: a reset starts
+/// The server of a live run, or the recording of one. It outlives the run: a reset starts
 /// another run with another seed at the same address.
 class LiveSession {
  public:

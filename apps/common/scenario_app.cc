@@ -21,7 +21,7 @@ FieldList AppScenario::With(FieldList own) {
 }
 
 int RunApp(const ScenarioApp& app, int argc, char** argv) {
-  CLI::App line(app.description, ProgramName(argv));
+  CommandLine line(app.description, ProgramName(argv));
   CommonArguments arguments;
   AddCommonArguments(line, arguments);
   AddLiveArguments(line, arguments);

@@ -74,29 +74,28 @@ int Run(const std::vector<std::string>& directories, const fs::path& out) {
 }  // namespace tenon::apps
 
 int main(int argc, char** argv) {
-  CLI::App app("Compares runs of any app in one report, or draws pictures of one report.", "tenon-report");
+  using tenon::apps::OptionRange;
+  tenon::apps::CommandLine line("Compares runs of any app in one report, or draws pictures of one report.",
+                                "tenon-report");
   std::vector<std::string> directories;
   std::string out = "out/report";
   tenon::apps::ReportPictures pictures;
-  app.add_option("DIR", directories,
-                 "output directories of runs; for pictures one report.html or its directory")
-      ->required();
-  CLI::Option* const out_option =
-      app.add_option("--out", out, "directory for report.html (default: out/report)");
-  app.add_option("--svg", pictures.svg, "write all plots, or the drawings of a campaign, to this directory");
-  app.add_option("--frame", pictures.frame, "write the replay at this time [s] to this file, .svg or .png")
-      ->type_name("TIME FILE");
-  app.add_option("--video", pictures.video, "write the replay to this .webm file");
-  app.add_option("--frames", pictures.frames, "write the replay as PNG files to this directory");
-  app.add_option("--size", pictures.size,
-                 "WIDTHxHEIGHT of a picture [px] (default: 1280x720, of plots 600x300)");
-  app.add_option("--from", pictures.from, "time at which the video begins [s]");
-  app.add_option("--to", pictures.to, "time at which the video ends [s]");
-  app.add_option("--fps", pictures.fps, "frames per second of the video (default: 30)")
-      ->check(tenon::apps::Positive());
-  app.add_option("--speed", pictures.speed, "seconds of the run per second of the video (default: 1)")
-      ->check(tenon::apps::Positive());
-  app.footer(
+  line.Add("DIR", &directories, "output directories of runs; for pictures one report.html or its directory",
+           {.required = true});
+  line.Add("--out", &out, "directory for report.html (default: out/report)");
+  line.Add("--svg", &pictures.svg, "write all plots, or the drawings of a campaign, to this directory");
+  line.Add("--frame", &pictures.frame, "write the replay at this time [s] to this file, .svg or .png",
+           {.type = "TIME FILE"});
+  line.Add("--video", &pictures.video, "write the replay to this .webm file");
+  line.Add("--frames", &pictures.frames, "write the replay as PNG files to this directory");
+  line.Add("--size", &pictures.size, "WIDTHxHEIGHT of a picture [px] (default: 1280x720, of plots 600x300)");
+  line.Add("--from", &pictures.from, "time at which the video begins [s]");
+  line.Add("--to", &pictures.to, "time at which the video ends [s]");
+  line.Add("--fps", &pictures.fps, "frames per second of the video (default: 30)",
+           {.range = OptionRange::kPositive});
+  line.Add("--speed", &pictures.speed, "seconds of the run per second of the video (default: 1)",
+           {.range = OptionRange::kPositive});
+  line.SetFooter(
       "Reads report.html and signals.csv of each run.\n"
       "    tenon-cdpr D2 --out out/soft --set pd.stiffness_N_per_m=3000 --controller pd\n"
       "    tenon-cdpr D2 --out out/stiff --set pd.stiffness_N_per_m=9000 --controller pd\n"
@@ -107,10 +106,10 @@ int main(int argc, char** argv) {
       "Exit codes: 0 written; 2 invalid usage, a directory without a run, or no Chromium; 5 a file could not "
       "be "
       "written; 130, 143 stopped by Ctrl-C, SIGTERM.");
-  return tenon::apps::RunMain(app, argc, argv, [&] {
+  return tenon::apps::RunMain(line, argc, argv, [&] {
     using namespace tenon;
     const bool draw = pictures.any();
-    if (draw && (directories.size() > 1 || out_option->count() > 0))
+    if (draw && (directories.size() > 1 || line.Has("--out")))
       throw ParameterError("pictures are drawn of one report: give one DIR, without --out");
     if (!draw && (pictures.from || pictures.to || pictures.fps || pictures.speed || !pictures.size.empty()))
       throw ParameterError(

@@ -133,4 +133,9 @@ int GuideDogApp::Run(int argc, char** argv) const {
   return RunApp(AsScenarioApp(), argc, argv);
 }
 
+/// The main function of tenon-guide-dog.
+int GuideDogMain(int argc, char** argv) {
+  return GuideDogApp().Run(argc, argv);
+}
+
 }  // namespace tenon::apps

@@ -1,7 +1,10 @@
 // tenon-guide-dog: a quadruped that leads a person on a leash.
 
-#include <tenon/apps/guide_dog/guide_dog_app.h>
+namespace tenon::apps {
+int GuideDogMain(int argc,
+                 char** argv);  // in guide_dog_app.cc; including the app's header would take seconds
+}
 
 int main(int argc, char** argv) {
-  return tenon::apps::GuideDogApp().Run(argc, argv);
+  return tenon::apps::GuideDogMain(argc, argv);
 }

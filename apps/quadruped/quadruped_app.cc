@@ -30,16 +30,14 @@ struct WalkArguments {
   bool any() const { return !gait.empty() || speed || !observer.empty() || compare; }
 };
 
-void AddWalkArguments(CLI::App& line, WalkArguments& walk) {
-  line.add_option("--gait", walk.gait, "crawl, trot, pace or gallop (default: the scenario's)");
-  line.add_option("--speed", walk.speed, "forward speed [m/s] (default: the scenario's)");
-  line.add_option(
-      "--observer", walk.observer,
-      "none, legs, com, hybrid, focchi, ndo_m, ndo_inverse or ndo_hybrid (default: the scenario's)");
-  line.add_flag(
-          "--compare", walk.compare,
-          "make one run for each observer, each in its own directory below --out, and one report of all")
-      ->excludes("--observer");
+void AddWalkArguments(CommandLine& line, WalkArguments& walk) {
+  line.Add("--gait", &walk.gait, "crawl, trot, pace or gallop (default: the scenario's)");
+  line.Add("--speed", &walk.speed, "forward speed [m/s] (default: the scenario's)");
+  line.Add("--observer", &walk.observer,
+           "none, legs, com, hybrid, focchi, ndo_m, ndo_inverse or ndo_hybrid (default: the scenario's)");
+  line.Add("--compare", &walk.compare,
+           "make one run for each observer, each in its own directory below --out, and one report of all",
+           {.excludes = "--observer"});
 }
 
 Variant MakeVariant(std::string name, const QuadrupedScenario& scenario,
@@ -66,13 +64,6 @@ int CompareObservers(const RunOptions& options, const QuadrupedScenario& scenari
     shipped.observer = kind;
     variants.push_back(MakeVariant(EnumName(kind), shipped));
   }
-  return Compare(options, ReportOf(scenario), variants);
-}
-
-int RunSweep(const RunOptions& options, const QuadrupedScenario& scenario,
-             const WalkCustomisation& customisation) {
-  std::vector<Variant> variants;
-  for (const auto& [name, run] : SweepOf(scenario)) variants.push_back(MakeVariant(name, run, customisation));
   return Compare(options, ReportOf(scenario), variants);
 }
 
@@ -104,7 +95,7 @@ QuadrupedScenario ReadScenario(const YamlDocument& document, const WalkCustomisa
   return scenario;
 }
 
-/// Runs a scenario with the options of the command line: once, or its sweep, or once for each observer.
+/// Runs a scenario with the options of the command line: once, or once for each observer.
 int RunCommand(YamlDocument document, const CommonArguments& arguments, const WalkArguments& walk,
                const RunOptions& options, const WalkCustomisation& customisation) {
   if (walk.any()) SetWalk(walk, arguments.scenario, document);
@@ -113,14 +104,9 @@ int RunCommand(YamlDocument document, const CommonArguments& arguments, const Wa
     if (arguments.duration) scenario.duration_s = *arguments.duration;
     if (!options.live && scenario.walk)
       CheckJudged(scenario.walk->judged_from_s, Duration(scenario), arguments.duration.has_value());
-    if (options.live && scenario.sweep)
-      throw KeyError("sweep", "--live and --replay run one scenario: set sweep to null");
     for (const std::string& warning : Blame("robot", [&] { return QuadrupedWarnings(scenario.robot); }))
       Say(fmt::format("warning: {}\n", warning));
-    if (walk.compare && scenario.sweep)
-      throw KeyError("sweep", "--compare runs the scenario once with each observer: set sweep to null");
     if (walk.compare) return CompareObservers(options, scenario, customisation);
-    if (scenario.sweep) return RunSweep(options, scenario, customisation);
     return PrintResult(RunQuadruped(scenario, options, customisation).summary, options);
   });
 }
@@ -130,10 +116,6 @@ int RunCommand(YamlDocument document, const CommonArguments& arguments, const Wa
 ScenarioApp QuadrupedApp::AsScenarioApp() const {
   const auto read = [customisation = customisation_](const YamlDocument& document) {
     QuadrupedScenario scenario = ReadScenario(document, customisation);
-    if (scenario.sweep)
-      throw KeyError(
-          "sweep",
-          "a campaign cannot run a sweep: set it to null, and vary forces.0.start_s and forces.0.turn_rad");
     if (scenario.walk) CheckJudged(scenario.walk->judged_from_s, Duration(scenario));
     return scenario;
   };
@@ -153,7 +135,7 @@ ScenarioApp QuadrupedApp::AsScenarioApp() const {
 
 int QuadrupedApp::Run(int argc, char** argv) const {
   const ScenarioApp app = AsScenarioApp();
-  CLI::App line(app.description, ProgramName(argv));
+  CommandLine line(app.description, ProgramName(argv));
   CommonArguments arguments;
   AddCommonArguments(line, arguments);
   AddLiveArguments(line, arguments);
@@ -167,6 +149,11 @@ int QuadrupedApp::Run(int argc, char** argv) const {
       return RunCommand(LoadScenario(now, app.name), now, walk, options, customisation_);
     });
   });
+}
+
+/// The main function of tenon-quadruped.
+int QuadrupedMain(int argc, char** argv) {
+  return QuadrupedApp().Run(argc, argv);
 }
 
 }  // namespace tenon::apps

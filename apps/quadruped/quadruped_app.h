@@ -19,11 +19,11 @@ namespace tenon::apps {
 ///     }
 class QuadrupedApp : public Customisable<QuadrupedApp, QuadrupedWalk> {
  public:
-  /// The main function: reads the command line (see --help), runs the scenario once, or its sweep, or once
-  /// for each observer, prints the figures and returns the exit code. Errors are printed on stderr.
+  /// The main function: reads the command line (see --help), runs the scenario once, or once for each
+  /// observer, prints the figures and returns the exit code. Errors are printed on stderr.
   int Run(int argc, char** argv) const;
 
-  /// Returns the app for campaigns. It refuses a scenario with a sweep, which is a campaign itself.
+  /// Returns the app for campaigns.
   ScenarioApp AsScenarioApp() const;
 };
 

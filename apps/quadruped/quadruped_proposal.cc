@@ -23,9 +23,12 @@
 namespace tenon {
 namespace {
 
+using UrdfLink;
+using UrdfShape;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using internal::LinkAxis;
+using internal::UrdfJoint;
 using std::numbers::pi;
 
 constexpr double kFarFoot = 0.4;  // minimum distance of a foot from the knee, relative to the thigh
@@ -54,7 +57,7 @@ class Proposal {
   Proposal(const std::filesystem::path& path, const std::map<std::string, double, std::less<>>& locked,
            std::optional<LinkAxis> forward, bool strict)
       : path_(path),
-        file_(internal::ParseUrdf(path)),
+        file_(internal::ReadUrdfFile(path)),
         strict_(strict),
         found_(FindUrdfLegs(file_, {{locked.begin(), locked.end()}, forward})),
         notes_(found_.notes) {}
@@ -79,12 +82,10 @@ class Proposal {
     notes_.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
 
-  const urdf::Link& LinkOf(const urdf::Joint& joint) const {
-    return *file_.model->getLink(joint.child_link_name);
-  }
+  const UrdfLink& LinkOf(const UrdfJoint& joint) const { return file_.ChildOf(joint); }
 
   /// Searches the collision shapes and frames of a link and of all links below it.
-  void Search(const urdf::Link& link, const Vector3d& knee, Foot* sphere, Foot* frame) const {
+  void Search(const UrdfLink& link, const Vector3d& knee, Foot* sphere, Foot* frame) const {
     const Isometry3d& T_BL = found_.poses.at(link.name);
     const auto consider = [&](Foot* best, const Vector3d& centre, double radius) {
       const Vector3d p = T_BL * centre;
@@ -92,22 +93,19 @@ class Proposal {
         *best = {link.name, centre, radius, p};
     };
     double round = 0;
-    for (const auto& collision : link.collision_array) {
-      if (collision->geometry == nullptr) continue;
-      const Vector3d centre = internal::ToEigen(collision->origin).translation();
-      if (collision->geometry->type == urdf::Geometry::SPHERE)
-        consider(sphere, centre, std::static_pointer_cast<urdf::Sphere>(collision->geometry)->radius);
-      if (collision->geometry->type == urdf::Geometry::CYLINDER && centre.isZero(1e-9))
-        round = std::static_pointer_cast<urdf::Cylinder>(collision->geometry)->radius;
+    for (const UrdfShape& collision : link.collisions) {
+      const Vector3d centre = collision.pose.translation();
+      if (collision.kind == UrdfShape::Kind::kSphere) consider(sphere, centre, collision.radius);
+      if (collision.kind == UrdfShape::Kind::kCylinder && centre.isZero(1e-9)) round = collision.radius;
     }
     consider(frame, Vector3d::Zero(), round);
-    for (const auto& child : link.child_links) Search(*child, knee, sphere, frame);
+    for (const UrdfJoint* joint : link.joints) Search(LinkOf(*joint), knee, sphere, frame);
   }
 
   Foot FindFoot(const UrdfChain& leg) {
-    const urdf::Link& shank = LinkOf(*leg.back());
+    const UrdfLink& shank = LinkOf(*leg.back());
     const Vector3d knee = found_.poses.at(shank.name).translation();
-    const double thigh = (knee - found_.poses.at(leg[1]->child_link_name).translation()).norm();
+    const double thigh = (knee - found_.poses.at(leg[1]->child).translation()).norm();
     Foot sphere, frame;
     Search(shank, knee, &sphere, &frame);
     const auto far = [&](const Foot& foot) {
@@ -116,14 +114,13 @@ class Proposal {
     if (far(sphere) && (sphere.p_B - knee).norm() > 0.9 * (frame.p_B - knee).norm()) return sphere;
     if (far(frame)) return frame;
     if (const std::optional<Foot> tip = TipOfMeshes(shank)) return *tip;
-    if (shank.inertial == nullptr || !(shank.inertial->mass > 0))
+    if (!shank.inertia || !(shank.inertia->mass > 0))
       Fail(
           "link '{}', below the knee '{}', has no foot: no frame on a fixed joint, no sphere among its "
           "collision "
           "shapes, no mesh that can be read, no mass; add a link by a fixed joint at the centre of the foot",
           shank.name, leg.back()->name);
-    const Vector3d com = internal::ToEigen(shank.inertial->origin).translation();
-    const Vector3d centre = thigh * com.normalized();
+    const Vector3d centre = thigh * shank.inertia->com.normalized();
     if (feet_[0].link.empty())
       Note(
           "no shape or mesh shows the feet: each is guessed as far from the knee as the knee from the hip, "
@@ -133,21 +130,20 @@ class Proposal {
   }
 
   /// Returns a sphere at the end of a shank's meshes that is farthest from the knee; empty without meshes.
-  std::optional<Foot> TipOfMeshes(const urdf::Link& shank) {
+  std::optional<Foot> TipOfMeshes(const UrdfLink& shank) {
     std::vector<Vector3d> corners;  // in the shank
     const auto add = [&](const auto& shapes) {
-      for (const auto& shape : shapes) {
-        if (shape->geometry == nullptr || shape->geometry->type != urdf::Geometry::MESH) continue;
-        const auto& mesh = static_cast<const urdf::Mesh&>(*shape->geometry);
-        const auto file = FindMesh(mesh.filename, file_.name);
+      for (const UrdfShape& shape : shapes) {
+        if (shape.kind != UrdfShape::Kind::kMesh) continue;
+        const auto file = FindMesh(shape.mesh, file_.name);
         if (!file) continue;
         for (const auto& [x, y, z] : ReadMesh(*file)->corners)
-          corners.push_back(internal::ToEigen(shape->origin) *
-                            Vector3d(x * mesh.scale.x, y * mesh.scale.y, z * mesh.scale.z));
+          corners.push_back(shape.pose *
+                            Vector3d(x * shape.scale.x(), y * shape.scale.y(), z * shape.scale.z()));
       }
     };
-    add(shank.collision_array);
-    if (corners.empty()) add(shank.visual_array);
+    add(shank.collisions);
+    if (corners.empty()) add(shank.visuals);
     if (corners.empty()) return {};
     const Vector3d tip = *std::ranges::max_element(corners, {}, [](const Vector3d& p) { return p.norm(); });
     const Vector3d along = tip.normalized();
@@ -178,11 +174,11 @@ class Proposal {
       reading.feet[i] = feet_[i].link;
       reading.foot_centres[i] = feet_[i].centre;
       for (std::size_t k = 0; k < kJointsPerLeg; ++k) {
-        const urdf::Joint& joint = *legs_[i][k];
-        const bool has = joint.limits != nullptr;
+        const UrdfJoint& joint = *legs_[i][k];
+        const bool has = joint.limits.has_value();
         if (!has || !(joint.limits->effort > 0)) reading.limits[k].torque = 1;
         if (!has || !(joint.limits->velocity > 0)) reading.limits[k].speed = 1;
-        if (joint.type == urdf::Joint::REVOLUTE && !(has && joint.limits->lower < joint.limits->upper))
+        if (joint.type == UrdfJoint::Type::kRevolute && !(has && joint.limits->lower < joint.limits->upper))
           reading.limits[k].range = Eigen::Vector2d(-pi, pi);
       }
     }
@@ -391,9 +387,8 @@ class Proposal {
     double damping = 0, friction = 0;
     for (const UrdfChain& leg : legs_) {
       for (const auto& joint : leg) {
-        if (joint->dynamics == nullptr) continue;
-        damping += joint->dynamics->damping / kNumJoints;
-        friction += joint->dynamics->friction / kNumJoints;
+        damping += joint->damping / kNumJoints;
+        friction += joint->friction / kNumJoints;
       }
     }
     return fmt::format(
@@ -434,7 +429,7 @@ class Proposal {
     std::string text = fmt::format(
         "# {}: data that its URDF does not hold; made by tenon-robot. {:.4g} kg, legs of {:.3g} m.\n\n"
         "name: {}\nurdf: {}\n",
-        file_.model->getName(), robot_.mass(), length_, internal::YamlScalar(name),
+        file_.robot, robot_.mass(), length_, internal::YamlScalar(name),
         internal::YamlScalar(path_.filename().string()));
     if (!found_.trunk.empty())
       text += fmt::format("trunk_link: {}     # its origin is that of the robot's frame\n",

@@ -1,22 +1,13 @@
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/ranges.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/plants/attached_bodies.h>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace tenon::apps {
-
-void SweepScenario::Validate() const {
-  constexpr int kMost = 10000;  // runs
-  Demand(phases <= kMost && directions <= kMost && static_cast<long>(phases) * directions <= kMost,
-         fmt::format("a sweep over {} phases and {} directions has more than {} runs: reduce them, or run a "
-                     "campaign by tenon-campaign",
-                     phases, directions, kMost));
-}
 
 void RandomForceScenario::Validate() const {
   Demand(std::isfinite(upper_N) && upper_N >= lower_N,
@@ -41,16 +32,18 @@ FieldList QuadrupedScenario::Fields() {
        {"payload", &S::payload},
        {"attached", &S::attached},
        {"known_additions", &S::known_additions},
-       {"sweep", &S::sweep},
        {"compare", &S::compare},
        Field("log_rate_hz", &S::log_rate_hz).In(Rates())});
   return fields;
 }
 
+std::vector<RenamedKey> QuadrupedScenario::Renamed() {
+  return {{"sweep", "forces.0.start_s and forces.0.turn_rad, which a campaign varies, see cases_pushes"}};
+}
+
 void QuadrupedScenario::Validate() const {
   Demand(!pd || !walk, "pd and walk are both given: set pd to null for a walk, or walk to null for standing");
   Demand(pd || walk, "neither pd nor walk is given: give pd for a robot that stands, or walk");
-  Demand(!sweep || (walk && !forces.empty()), "sweep needs walk and forces: give both, or set sweep to null");
   Demand(ropes.empty() || walk,
          "ropes: a standing robot has no control of the tensions; give walk, or no ropes");
   if (!ropes.empty()) CheckRopes(ropes);
@@ -79,24 +72,6 @@ std::vector<std::string> Notes(const QuadrupedScenario& scenario, double duratio
 double Duration(const QuadrupedScenario& scenario) {
   if (scenario.duration_s) return *scenario.duration_s;
   return scenario.walk ? EndOfWalk(*scenario.walk) + 1 : 10;
-}
-
-std::vector<std::pair<std::string, QuadrupedScenario>> SweepOf(const QuadrupedScenario& scenario) {
-  const SweepScenario& sweep = *scenario.sweep;
-  std::vector<std::pair<std::string, QuadrupedScenario>> runs;
-  for (int phase = 0; phase < sweep.phases; ++phase) {
-    for (int direction = 0; direction < sweep.directions; ++direction) {
-      QuadrupedScenario run = scenario;
-      run.sweep.reset();
-      ForceScenario& force = run.forces.front();
-      force.start_s += sweep.period_s * phase / sweep.phases;
-      force.force_N =
-          Eigen::AngleAxisd(2 * std::numbers::pi * direction / sweep.directions, Eigen::Vector3d::UnitZ()) *
-          force.force_N;
-      runs.emplace_back(fmt::format("phase_{}_direction_{}", phase, direction), run);
-    }
-  }
-  return runs;
 }
 
 }  // namespace tenon::apps

@@ -36,21 +36,6 @@ struct JointPdScenario {
   JointPdParams For(const QuadrupedDescription& robot) const;
 };
 
-/// Variation of the first force of a scenario: one run for each of `phases` instants, evenly spaced over
-/// `period_s` from the force's start, and for each of `directions` around the vertical.
-struct SweepScenario {
-  int phases = 8;       ///< number of instants
-  double period_s = 0;  ///< time from the force's start over which the instants are evenly spaced
-  int directions = 8;   ///< number of directions around the vertical
-
-  static FieldList Fields() {
-    return {Field("phases", &SweepScenario::phases).Between(1, 1000),
-            Required("period_s", &SweepScenario::period_s).Positive(),
-            Field("directions", &SweepScenario::directions).Between(1, 1000)};
-  }
-  void Validate() const;  ///< throws ParameterError
-};
-
 /// A force that changes every period, see RandomForce.
 struct RandomForceScenario {
   bool on_trunk = false;  ///< acts on the trunk; false: on a random leg, chosen anew at each change
@@ -107,11 +92,11 @@ struct QuadrupedScenario : LeggedScenario {
   /// Whether the walking controller measures the wrench of attached bodies and actuated joints on the robot,
   /// as by a force sensor under the base of an arm.
   bool known_additions = false;
-  std::optional<SweepScenario> sweep;  ///< variation of start and direction of the first force
-  std::vector<ObserverKind> compare;   ///< observers that --compare runs; empty: all observers
-  double log_rate_hz = 200;            ///< sample rate of signals.csv
+  std::vector<ObserverKind> compare;  ///< observers that --compare runs; empty: all observers
+  double log_rate_hz = 200;           ///< sample rate of signals.csv
 
   static FieldList Fields();
+  static std::vector<RenamedKey> Renamed();
   void Validate() const;  ///< throws ParameterError
 };
 
@@ -141,7 +126,5 @@ double Duration(const QuadrupedScenario& scenario);
 QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario);
 /// Reads the files that a scenario names and makes the parameters of its diagram. Throws KeyError.
 QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario);
-/// Returns the scenarios of a sweep with their names.
-std::vector<std::pair<std::string, QuadrupedScenario>> SweepOf(const QuadrupedScenario& scenario);
 
 }  // namespace tenon::apps

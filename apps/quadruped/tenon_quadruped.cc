@@ -1,7 +1,10 @@
 // tenon-quadruped: a quadruped that stands, drops, or walks.
 
-#include <tenon/apps/quadruped/quadruped_app.h>
+namespace tenon::apps {
+int QuadrupedMain(int argc,
+                  char** argv);  // in quadruped_app.cc; including the app's header would take seconds
+}
 
 int main(int argc, char** argv) {
-  return tenon::apps::QuadrupedApp().Run(argc, argv);
+  return tenon::apps::QuadrupedMain(argc, argv);
 }

@@ -16,6 +16,8 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using internal::LinkAxis;
+using internal::UrdfJoint;
+using internal::UrdfLink;
 
 constexpr double kLow = 0.4;  // a chain that reaches down by this part of the lowest one is a leg
 constexpr double kOff = 0.3;  // largest distance of the origin from the hips' centre, over the leg's length
@@ -24,7 +26,7 @@ constexpr double kOff = 0.3;  // largest distance of the origin from the hips' c
 class LegFinder {
  public:
   LegFinder(const internal::UrdfFile& file, const UrdfLegsOptions& options)
-      : file_(file), base_(*internal::FloatingLink(*file.model)), options_(options) {
+      : file_(file), base_(file.FloatingLink()), options_(options) {
     found_.locked = options.locked;
   }
 
@@ -62,45 +64,41 @@ class LegFinder {
   }
 
   /// Collects the poses of all links, and the chains that end in a body without further revolute joints.
-  bool Walk(const urdf::Link& link, const Isometry3d& T_FL, const UrdfChain& chain) {
+  bool Walk(const UrdfLink& link, const Isometry3d& T_FL, const UrdfChain& chain) {
     found_.poses[link.name] = T_FL;
     bool turns = false;
-    for (const auto& joint : link.child_joints) {
-      Isometry3d T_FJ = T_FL * internal::ToEigen(joint->parent_to_joint_origin_transform);
+    for (const UrdfJoint* joint : link.joints) {
+      Isometry3d T_FJ = T_FL * joint->pose;
       const auto angle = found_.locked.find(joint->name);
       UrdfChain below = chain;
-      const bool is_free = internal::Turns(*joint) && angle == found_.locked.end();
+      const bool is_free = joint->turns() && angle == found_.locked.end();
       if (is_free) below.push_back(joint);
       if (angle != found_.locked.end())
-        T_FJ.rotate(Eigen::AngleAxisd(angle->second,
-                                      Vector3d(joint->axis.x, joint->axis.y, joint->axis.z).normalized()));
-      const bool more = Walk(*file_.model->getLink(joint->child_link_name), T_FJ, below);
+        T_FJ.rotate(Eigen::AngleAxisd(angle->second, joint->axis.normalized()));
+      const bool more = Walk(file_.ChildOf(*joint), T_FJ, below);
       if (is_free && !more) chains_.push_back(below);
       turns = turns || is_free || more;
     }
     return turns;
   }
 
-  const urdf::Link& LinkOf(const urdf::Joint& joint) const {
-    return *file_.model->getLink(joint.child_link_name);
-  }
-  Vector3d HipOf(const UrdfChain& leg) const { return poses().at(leg[1]->child_link_name).translation(); }
-  double Lowest(const urdf::Link& link) const {
+  const UrdfLink& LinkOf(const UrdfJoint& joint) const { return file_.ChildOf(joint); }
+  Vector3d HipOf(const UrdfChain& leg) const { return poses().at(leg[1]->child).translation(); }
+  double Lowest(const UrdfLink& link) const {
     double z = poses().at(link.name).translation().z();
-    for (const auto& child : link.child_links) z = std::min(z, Lowest(*child));
+    for (const UrdfJoint* joint : link.joints) z = std::min(z, Lowest(LinkOf(*joint)));
     return z;
   }
   /// The height by which a chain reaches down from its first joint.
   double DropOf(const UrdfChain& chain) const {
-    return poses().at(chain[0]->child_link_name).translation().z() - Lowest(LinkOf(*chain.back()));
+    return poses().at(chain[0]->child).translation().z() - Lowest(LinkOf(*chain.back()));
   }
 
   /// Turns F such that the chains of three joints reach down, if they all point along another axis.
   void FindUp() {
     Vector3d down = Vector3d::Zero();
     for (const UrdfChain& chain : chains_)
-      if (chain.size() == kJointsPerLeg)
-        down += poses().at(chain[2]->child_link_name).translation() - HipOf(chain);
+      if (chain.size() == kJointsPerLeg) down += poses().at(chain[2]->child).translation() - HipOf(chain);
     Eigen::Index axis = 0;
     if (!(down.cwiseAbs().maxCoeff(&axis) > kAlong * down.norm()) || axis == 2) return;
     constexpr LinkAxis kUp[][2] = {{LinkAxis::kX, LinkAxis::kMinusX}, {LinkAxis::kY, LinkAxis::kMinusY}};
@@ -165,13 +163,13 @@ class LegFinder {
     };
     if (!off(base_.name)) return;
     double mass = 0;
-    const auto visit = [&](const auto& self, const urdf::Link& link) -> void {
-      if (link.inertial != nullptr && link.inertial->mass > mass && !off(link.name)) {
-        mass = link.inertial->mass;
+    const auto visit = [&](const auto& self, const UrdfLink& link) -> void {
+      if (link.inertia && link.inertia->mass > mass && !off(link.name)) {
+        mass = link.inertia->mass;
         found_.trunk = link.name;
       }
-      for (const auto& joint : link.child_joints)
-        if (!internal::Turns(*joint)) self(self, LinkOf(*joint));
+      for (const UrdfJoint* joint : link.joints)
+        if (!joint->turns()) self(self, LinkOf(*joint));
     };
     visit(visit, base_);
     if (!found_.trunk.empty())
@@ -189,7 +187,7 @@ class LegFinder {
   static LegPlace PlaceOf(const UrdfChain& leg) {
     LegPlace place;
     for (const auto& joint : leg) {
-      for (const std::string& name : {joint->name, joint->child_link_name}) {
+      for (const std::string& name : {joint->name, joint->child}) {
         const LegPlace said = PlaceInName(name);
         if (place.front == 0) place.front = said.front;
         if (place.left == 0) place.left = said.left;
@@ -223,8 +221,7 @@ class LegFinder {
         if (std::abs(internal::Along(forward).dot(up)) > 0.5) continue;
         const Eigen::Matrix3d R_BF = PoseOfF(forward).linear();
         const bool fits = std::ranges::all_of(legs, [&](const UrdfChain& leg) {
-          const Vector3d axis(leg[0]->axis.x, leg[0]->axis.y, leg[0]->axis.z);
-          return std::abs((R_BF * poses().at(leg[0]->child_link_name).linear() * axis.normalized()).x()) >
+          return std::abs((R_BF * poses().at(leg[0]->child).linear() * leg[0]->axis.normalized()).x()) >
                  kAlong;
         });
         const int agreement = Agreement(legs, centre, forward);
@@ -255,7 +252,7 @@ class LegFinder {
       for (const auto& joint : chain) {
         if (!used.insert(joint->name).second) continue;
         const double angle =
-            joint->type == urdf::Joint::REVOLUTE && joint->limits->lower < joint->limits->upper
+            joint->type == UrdfJoint::Type::kRevolute && joint->limits->lower < joint->limits->upper
                 ? std::clamp(0.0, joint->limits->lower, joint->limits->upper)
                 : 0;
         found_.locked[joint->name] = angle;
@@ -272,7 +269,7 @@ class LegFinder {
   }
 
   const internal::UrdfFile& file_;
-  const urdf::Link& base_;
+  const UrdfLink& base_;
   const UrdfLegsOptions& options_;
   UrdfLegs found_;  ///< the poses are those in F until the robot's frame is known
   std::vector<UrdfChain> chains_;

@@ -14,7 +14,7 @@
 namespace tenon {
 
 /// The revolute joints of a chain, starting at the root.
-using UrdfChain = std::vector<urdf::JointConstSharedPtr>;
+using UrdfChain = std::vector<const internal::UrdfJoint*>;
 /// "a - b - c".
 std::string NamesOf(const UrdfChain& chain);
 

@@ -6,22 +6,21 @@
 
 int main(int argc, char** argv) {
   using namespace tenon::apps;
-  CLI::App line("Linearises the stride of a walking quadruped and prints its Floquet multipliers.",
-                "tenon-gait-stability");
+  CommandLine line("Linearises the stride of a walking quadruped and prints its Floquet multipliers.",
+                   "tenon-gait-stability");
   CommonArguments arguments;
   AddScenarioArguments(line, arguments);
-  line.footer(
+  line.SetFooter(
       "Writes no files: all results are printed. The last segment of the walk is extended without end, and\n"
       "disturbances are removed.\n"
       "Exit codes: 0 analysed; 2 bad usage or scenario; 4 the robot fell, or numerical failure.");
   GaitStabilityOptions options;
-  line.add_option("--settle", options.settle, "number of strides before the one that is linearised")
-      ->check(CLI::NonNegativeNumber);
-  line.add_option("--strides", options.strides,
-                  "number of strides over which the decay of a push is compared")
-      ->check(PositiveInteger());
-  line.add_option("--push", options.push, "change of the trunk's velocity to the left [m/s]");
-  line.add_option("--steps", options.steps, "step sizes of the finite differences");
+  line.Add("--settle", &options.settle, "number of strides before the one that is linearised",
+           {.range = OptionRange::kNotNegative});
+  line.Add("--strides", &options.strides, "number of strides over which the decay of a push is compared",
+           {.range = OptionRange::kPositiveInteger});
+  line.Add("--push", &options.push, "change of the trunk's velocity to the left [m/s]");
+  line.Add("--steps", &options.steps, "step sizes of the finite differences");
   return RunMain(line, argc, argv, [&]() -> int {
     const ScenarioApp app = QuadrupedApp().AsScenarioApp();
     if (PrintsInstead(arguments, app)) return kRan;

@@ -5,7 +5,8 @@
 
 int main(int argc, char** argv) {
   using namespace tenon::apps;
-  CLI::App line("Compares orders and gains of the leg observer on a constant force.", "tenon-observer-order");
+  CommandLine line("Compares orders and gains of the leg observer on a constant force.",
+                   "tenon-observer-order");
   CommonArguments arguments;
   AddCommonArguments(line, arguments);
   return RunMain(line, argc, argv, [&]() -> int {

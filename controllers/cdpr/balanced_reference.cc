@@ -1,10 +1,9 @@
 #include <tenon/controllers/cdpr/balanced_reference.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/plants/signals/quaternion.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <limits>
@@ -87,7 +86,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
       if (held_[static_cast<std::size_t>(i)] == 0)
         gram.noalias() += cables_.structure.col(i) * cables_.structure.col(i).transpose();
     gram.diagonal() += Vector6d::Ones() - solved;
-    multiplier = gram.ldlt().solve(wanted);
+    multiplier = internal::SolveLdlt<6>(gram, wanted);
     excess = 0;
     Eigen::Index worst = 0;
     for (Eigen::Index i = 0; i < cables; ++i) {
@@ -109,7 +108,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
   Eigen::Vector3d turn = turn_scale * (by_turn.transpose() * multiplier);
   if (!loaded) {
     shift.held = true;
-    euler_ = at.euler + EulerRateMatrix(at.euler).inverse() * turn;
+    euler_ = at.euler + internal::Inverse<3>(EulerRateMatrix(at.euler)) * turn;
     return;
   }
 

@@ -1,8 +1,8 @@
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/plants/model/cross_matrix.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
@@ -131,8 +131,7 @@ void CdprEstimator::Correct(const PoseMeasurement& pose, const CdprNoise& noise,
   S << HP.leftCols<3>(), HP.rightCols<3>();
   S.diagonal().head<3>().array() += std::pow(noise.position, 2);
   S.diagonal().tail<3>().array() += std::pow(noise.attitude, 2);
-  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> llt(S);
-  const Eigen::Matrix<double, 6, 9> gain_transposed = llt.solve(HP);
+  const Eigen::Matrix<double, 6, 9> gain_transposed = internal::Cholesky<6>(S).Solve(HP);
   const Vector9d error = gain_transposed.transpose() * innovation;
   const Covariance reduced = P - HP.transpose().lazyProduct(gain_transposed);
   memory.covariance = (reduced + reduced.transpose()) / 2;

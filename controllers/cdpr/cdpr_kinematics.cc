@@ -3,12 +3,11 @@
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/swivel_pulley.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/systems/framework/types/errors.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -177,10 +176,10 @@ Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& te
 double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& cables,
                            const Eigen::Matrix3d& R_WB, const CableVector& tension) {
   // Substitutes x = S y with S^T M S = 1.
-  const Eigen::Matrix3d root = R_WB * robot.inertia_B.llt().matrixL().toDenseMatrix();
+  const Eigen::Matrix3d root = R_WB * internal::Cholesky<3>(robot.inertia_B).Lower();
   Matrix6d S = Matrix6d::Zero();
   S.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() / std::sqrt(robot.mass);
-  S.bottomRightCorner<3, 3>() = root.transpose().inverse();
+  S.bottomRightCorner<3, 3>() = internal::Inverse<3>(root.transpose());
 
   // Cables without tension may go slack and do not constrain the platform.
   std::vector<int> taut;
@@ -209,9 +208,9 @@ Matrix6d CalcElasticStiffness(const CableProperties& cable, const CableKinematic
 }
 
 double CalcLeastTranslationalStiffness(const Matrix6d& stiffness) {
-  const Eigen::LLT<Matrix6d> llt(stiffness);
-  if (llt.info() != Eigen::Success) return 0;
-  const Matrix6d compliance = llt.solve(Matrix6d::Identity());
+  const internal::Cholesky<6> factors(stiffness);
+  if (!factors.positive()) return 0;
+  const Matrix6d compliance = factors.Solve<6>(Matrix6d::Identity());
   return 1 / SymmetricEigenvalues(compliance.topLeftCorner<3, 3>())[2];
 }
 

@@ -2,6 +2,7 @@
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/controllers/optimization/infinity.h>
 #include <tenon/plants/signals/euler.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/systems/framework/types/errors.h>
 
@@ -344,7 +345,7 @@ void CheckRobot(const CdprDescription& robot, const StaticsOptions& options) {
   const int n = robot.num_cables();
   require(n >= kMinCables, fmt::format("it has {} cables, fewer than {}", n, kMinCables));
   require(robot.mass > 0, fmt::format("its mass is {:g} kg", robot.mass));
-  require(robot.inertia_B.llt().info() == Eigen::Success, "its inertia is not positive definite");
+  require(internal::Cholesky<3>(robot.inertia_B).positive(), "its inertia is not positive definite");
   const CableVector lower = robot.tension_min(), upper = robot.tension_max();
   for (int i = 0; i < n; ++i)
     require(lower[i] >= 0 && lower[i] < upper[i],

@@ -4,10 +4,10 @@
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/model/gravity.h>
 #include <tenon/plants/signals/euler.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -86,7 +86,8 @@ Eigen::Matrix<double, 12, 12> ErrorsOfPlatform(const CdprDescription& robot, con
                                                const Eigen::Vector3d& euler) {
   const Eigen::Matrix3d R_WB = RotationFromEuler(euler);
   const Eigen::Matrix3d cross = CrossMatrix(R_WB * body.com_B);
-  const Eigen::Matrix3d rate = R_WB * (body.mass * body.inertia.inverse()) * R_WB.transpose();  // w = rate L
+  const Eigen::Matrix3d rate =
+      R_WB * (body.mass * internal::Inverse<3>(body.inertia)) * R_WB.transpose();  // w = rate L
   Eigen::Matrix<double, 12, 12> T = Eigen::Matrix<double, 12, 12>::Identity();
   T.block<3, 3>(0, 3) = cross * rate;  // v = v' - w x c
   T.block<3, 3>(3, 3) = R_WB * robot.inertia_B * R_WB.transpose() / robot.mass * rate;
@@ -110,7 +111,7 @@ KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot) : cabl
 template <int n>
 void KinoCentroidalModel<n>::SetPayload(const CdprDescription& robot, const LoadedPlatform& body) {
   mass_inverse_ = 1 / body.mass;
-  inertia_inverse_ = body.mass * body.inertia.inverse();
+  inertia_inverse_ = body.mass * internal::Inverse<3>(body.inertia);
   for (int i = 0; i < robot.num_cables(); ++i)
     attachment_B_.row(i) = (robot.cables[static_cast<std::size_t>(i)].attachment_B - body.com_B).transpose();
 }

@@ -18,7 +18,6 @@
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/sensors/shank_forces.h>
 #include <tenon/systems/io/external_input.h>
-#include <tenon/systems/network/lcm.h>
 #include <tenon/systems/network/udp.h>
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/systems/primitives/concatenate.h>
@@ -209,13 +208,6 @@ Shelf Communication() {
   entries.push_back(WithNote(
       MakeOfType<UdpInput<T>>("UdpInput", UdpInputParams<T>{.name = "signal", .unit = "unit", .port = 0}),
       numbers));
-  entries.push_back(WithNote(
-      MakeOfType<LcmPublisher<T>>("LcmPublisher", LcmPublisherParams{.channel = "SIGNAL", .url = "memq://"}),
-      numbers));
-  entries.push_back(
-      WithNote(MakeOfType<LcmInput<T>>(
-                   "LcmInput", LcmInputParams<T>{.channel = "SIGNAL", .url = "memq://", .unit = "unit"}),
-               numbers));
   return shelf;
 }
 

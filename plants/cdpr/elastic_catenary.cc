@@ -1,8 +1,8 @@
 #include <tenon/plants/cdpr/elastic_catenary.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/held_exceptions.h>
 
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -93,7 +93,8 @@ ElasticCatenary HangCatenary(double rest_length, double weight, double axial_sti
           "the catenary of {} m, {} N/m and EA = {} N from (0, 0) to ({}, {}) m was not found: its ends are "
           "still {:.3g} m off after {} iterations",
           L, w, EA, x, z, missing.norm(), kMostIterations));
-    const Eigen::Vector2d step = hanging.Compliance(L, EA, force[0], force[1]).inverse() * missing;
+    const Eigen::Vector2d step =
+        internal::Inverse<2>(hanging.Compliance(L, EA, force[0], force[1])) * missing;
     const double slope = step.dot(missing);
     for (double part = 1;; part /= 2) {
       Eigen::Vector2d next = force + part * step;
@@ -120,7 +121,7 @@ ElasticCatenary HangCatenary(double rest_length, double weight, double axial_sti
   out.length = L * (1 + tension / EA);
   out.elastic_energy = L * square / (2 * EA);
   out.potential_energy = force.dot(hanging.span) - L * (square / EA + tension);
-  out.stiffness = hanging.Compliance(L, EA, H, V).inverse();
+  out.stiffness = internal::Inverse<2>(hanging.Compliance(L, EA, H, V));
   out.iterations = iterations;
   return out;
 }

@@ -1,9 +1,9 @@
 #include <tenon/plants/cdpr/free_rigid_body.h>
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/simbody.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/errors.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
@@ -123,7 +123,7 @@ void FreeRigidBody::Calc(const PlatformState& x, const PlatformWrench& wrench, c
     force.tail<3>() -= centripetal;
   }
   kinetic_energy_ = velocity.dot(inertia * velocity) / 2;
-  const Vector6 A = inertia.llt().solve(force);
+  const Vector6 A = internal::SolveCholesky<6>(inertia, force);
   acceleration_.alpha_W = A.head<3>();
   acceleration_.a_W = A.tail<3>();
   acceleration_.a_W[2] -= gravity;

@@ -3,8 +3,8 @@
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/multibody/internal/simbody_conversions.h>
 #include <tenon/plants/simbody.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include <array>
@@ -244,7 +244,7 @@ struct QuadrupedBody::Work {
   Vector3<PerLeg> joint_bias;
   Matrix3<PerLeg> leg_mass_inverse;
   Eigen::Matrix<PerLeg, 3, 6> legs_per_trunk;  // -(leg accelerations) per trunk acceleration
-  Eigen::LLT<Matrix6> trunk_mass;              // mass matrix of the trunk after the elimination of the legs
+  internal::Cholesky<6> trunk_mass;            // mass matrix of the trunk after the elimination of the legs
 
  private:
   Work(const Work&) = default;
@@ -357,7 +357,7 @@ void QuadrupedBody::Factorise() {
   for (int k = 0; k < 6; ++k)  // the lower triangle, which the Cholesky decomposition reads
     for (int i = k; i < 6; ++i)
       mass(i, k) -= momentum.row(i).transpose().dot(work.legs_per_trunk.col(k)).Sum();
-  work.trunk_mass.compute(mass);
+  work.trunk_mass.Compute(mass);
 }
 
 FootMotion QuadrupedBody::Foot(int leg) const {
@@ -402,7 +402,7 @@ LeggedAcceleration QuadrupedBody::Acceleration(const Vec<12>& torque, std::span<
   for (int i = 0; i < kJointsPerLeg; ++i)
     load[i] = PerLeg::Of([&](int leg) { return joint_load[kJointsPerLeg * leg + i]; }) - work.joint_bias[i];
   for (int i = 0; i < 6; ++i) trunk_load[i] -= work.legs_per_trunk.col(i).dot(load).Sum();
-  const Vec<6> trunk = work.trunk_mass.solve(trunk_load);
+  const Vec<6> trunk = work.trunk_mass.Solve(trunk_load);
   const Vector3<PerLeg> legs =
       work.leg_mass_inverse * load - work.legs_per_trunk.lazyProduct(trunk.cast<PerLeg>());
   LeggedAcceleration out;

@@ -1,7 +1,7 @@
 #include <tenon/plants/model/cross_matrix.h>
 #include <tenon/plants/model/quadruped_model.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 namespace tenon {
@@ -211,8 +211,8 @@ void QuadrupedModel::CalcDecoupled(const LeggedState& x, const QuadrupedDynamics
                                    DecoupledDynamics* out) const {
   const auto& M = dynamics.M;
   const Eigen::Matrix<double, 6, 12> M_bj = M.block<6, 12>(0, 6);
-  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> M_bb(M.block<6, 6>(0, 0));
-  const Eigen::Matrix<double, 6, 12> X = M_bb.solve(M_bj);
+  const internal::Cholesky<6> M_bb(M.block<6, 6>(0, 0));
+  const Eigen::Matrix<double, 6, 12> X = M_bb.Solve(M_bj);
   out->M_q = M.block<12, 12>(6, 6);
   out->M_q.noalias() -= M_bj.transpose() * X;
   out->coriolis = dynamics.coriolis.tail<12>() - X.transpose() * dynamics.coriolis.head<6>();

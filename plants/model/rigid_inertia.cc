@@ -1,7 +1,7 @@
 #include <tenon/plants/model/rigid_inertia.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/errors.h>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -42,8 +42,7 @@ void CheckInertia(const Eigen::Matrix3d& inertia) {
             "give both the same value, the negative of the product of inertia",
             c, r, inertia(c, r), r, c, inertia(r, c)));
 
-  const Eigen::Vector3d principal =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::Vector3d principal = internal::SymmetricEigenvalues3(inertia);
   const std::string moments =
       fmt::format("{:.6g}, {:.6g}, {:.6g} kg m^2", principal[0], principal[1], principal[2]);
   if (principal[0] <= 0)

@@ -1,9 +1,9 @@
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/model/standing.h>
 #include <tenon/plants/signals/euler.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/errors.h>
 
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -76,7 +76,7 @@ LeggedState StandingOn(const QuadrupedDescription& robot, const GroundPlane& gro
     x.p_WB += off;
     for (std::size_t i = 0; i < kNumLegs; ++i) {
       const Eigen::Vector3d missing = target[i] - dynamics.feet[i].p_W - off;
-      const Eigen::Vector3d turn = dynamics.feet[i].J_leg.partialPivLu().solve(missing);
+      const Eigen::Vector3d turn = internal::SolveLu<3>(dynamics.feet[i].J_leg, missing);
       x.q.segment<3>(kJointsPerLeg * static_cast<int>(i)) +=
           turn.cwiseMax(-kLongestStep).cwiseMin(kLongestStep);
     }

@@ -1,7 +1,6 @@
 #include <tenon/controllers/legged/comparison/nonlinear_disturbance_observer.h>
 #include <tenon/controllers/legged/whole_body/foot_forces.h>
-
-#include <Eigen/Cholesky>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 
 namespace tenon {
 
@@ -29,7 +28,7 @@ LegForceEstimate NonlinearDisturbanceObserver::CalcEstimate(const LeggedState& s
     const Vec<12> impulse =
         decoupled.M_q * (state.qd - memory.qd) -
         period * ((known_torque + memory.known_torque) / 2 + held_torque + memory.estimate);
-    memory.estimate += x * stiffened.llt().solve(impulse);
+    memory.estimate += x * internal::SolveCholesky<12>(stiffened, impulse);
   }
   memory.started = true;
   memory.qd = state.qd;

@@ -1,9 +1,9 @@
 #include <tenon/controllers/legged/observers/contact_aided_filter.h>
 #include <tenon/controllers/optimization/lanes/small_product.h>
 #include <tenon/plants/model/cross_matrix.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/block/system.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include <cmath>
@@ -182,14 +182,14 @@ int ContactAidedFilter::Correct(const std::array<FootMeasurement, kNumLegs>& fee
         HP.middleCols<3>(Rows(leg)) - HP.middleCols<3>(kPosition) + R * foot.covariance * R.transpose();
     const Vec<3> innovation =
         -FootResidual(mean, leg, foot.p_IF_B) - (error.segment<3>(Rows(leg)) - error.segment<3>(kPosition));
-    const Eigen::LLT<Matrix3d> llt(S);
-    const Vec<3> weighted = llt.solve(innovation);
+    const internal::Cholesky<3> factors(S);
+    const Vec<3> weighted = factors.Solve(innovation);
     if (innovation.dot(weighted) > outlier) {
       moved[At(leg)] = true;
       continue;
     }
     error += HP.transpose() * weighted;
-    const FootRow half = llt.matrixL().solve(HP);  // P -= HP^T S^-1 HP, symmetric by construction
+    const FootRow half = factors.SolveLower<kErrors>(HP);  // P -= HP^T S^-1 HP, symmetric by construction
     covariance -= half.transpose().lazyProduct(half);
   }
   mean = Plus(mean, error);

@@ -1,6 +1,5 @@
 #include <tenon/controllers/legged/observers/mapped_ground.h>
-
-#include <Eigen/Cholesky>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 
 #include <algorithm>
 
@@ -29,7 +28,7 @@ GroundPlane MappedGround::CalcGround(const ElevationMap& map, const LeggedState&
     }
   }
   if (squares(0, 0) < 3) return ground;
-  const Eigen::Vector3d plane = squares.ldlt().solve(heights);
+  const Eigen::Vector3d plane = internal::SolveLdlt<3>(squares, heights);
   ground.p_W[2] = plane[0];
   ground.slope = plane.tail<2>();
   return ground;

@@ -3,9 +3,9 @@
 #include <tenon/controllers/optimization/slq.h>
 #include <tenon/plants/model/shortened.h>
 #include <tenon/plants/signals/quaternion.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -198,7 +198,7 @@ void CentroidalMpc::SetReference(const BodyReference& body, const PlanarPath& pa
     const Eigen::Vector2d v = there.VelocityW();
     const Eigen::Matrix3d R = Eigen::AngleAxisd(path.yaw_rate * t, Eigen::Vector3d::UnitZ()) * R_now;
     const Eigen::Matrix3d inertia_W = R * inertia_B * R.transpose();
-    node.inverse_inertia = inertia_W.inverse();
+    node.inverse_inertia = internal::Inverse<3>(inertia_W);
     node.turn << 0, 0, path.yaw_rate * time_unit_;
     node.heading = there.Heading();
     const Eigen::Vector3d on_path(there.position_W[0], there.position_W[1],

@@ -1,7 +1,6 @@
 #include <tenon/controllers/legged/planning/periodic_pendulum.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/errors.h>
-
-#include <Eigen/LU>
 
 #include <cmath>
 #include <string>
@@ -49,9 +48,10 @@ void PeriodicPendulum::Solve() {
     b = p + decay(k) * (b - p);
   }
   const Eigen::Matrix2d I = Eigen::Matrix2d::Identity();
-  a = (I - whole * R).inverse() *
-      (a + whole * d);                      // at the start: a = whole (R a + d) + contribution of the ZMPs
-  b = (R - whole * I).inverse() * (b - d);  // at the end: R b + d = whole b + contribution of the ZMPs
+  a = internal::Inverse<2>(I - whole * R) *
+      (a + whole * d);  // at the start: a = whole (R a + d) + contribution of the ZMPs
+  b = internal::Inverse<2>(R - whole * I) *
+      (b - d);  // at the end: R b + d = whole b + contribution of the ZMPs
   a = R * a + d;
   for (int k = num_phases_; k-- > 0;) {
     Phase& phase = phases_[static_cast<std::size_t>(k)];

@@ -1,9 +1,9 @@
 #include <tenon/controllers/legged/planning/quintic.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/plants/model/shortened.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -202,7 +202,7 @@ Eigen::Vector2d SwingPlanner::Displacement(const WrenchEstimate& known_wrench, c
   const Vec<3>&f = known_wrench.force_W, &t = known_wrench.torque_W;
   const double load = std::max(weight_ - f[2], kLeastRopedWeight * weight_);
   const Eigen::Matrix2d balance = load * Eigen::Matrix2d::Identity() + f.head<2>() * slope.transpose();
-  return balance.inverse() *
+  return internal::Inverse<2>(balance) *
          Eigen::Vector2d(stance.com_height * f[0] + t[1], stance.com_height * f[1] - t[0]);
 }
 

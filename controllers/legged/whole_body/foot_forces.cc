@@ -1,7 +1,6 @@
 #include <tenon/controllers/legged/whole_body/foot_forces.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -15,9 +14,8 @@ namespace {
 double Damping(const Eigen::Matrix3d& J, double min_singular_value) {
   // The smallest singular value is |det J| over the product of the others, which is at most |J|^2 / 2.
   if (2 * std::abs(J.determinant()) >= min_singular_value * J.squaredNorm()) return 0;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> squares;
-  squares.computeDirect(J * J.transpose(), Eigen::EigenvaluesOnly);
-  return std::max(0.0, min_singular_value * min_singular_value - std::max(0.0, squares.eigenvalues()[0]));
+  const double square = internal::DirectSymmetricEigenvalues3(J * J.transpose())[0];
+  return std::max(0.0, min_singular_value * min_singular_value - std::max(0.0, square));
 }
 
 }  // namespace
@@ -30,10 +28,10 @@ FootForces SolveFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& tor
     const Vec<3> tau = torque.segment<3>(3 * leg);
     const double damping = Damping(J, min_singular_value);
     if (damping == 0) {
-      forces[leg] = J.transpose().inverse() * tau;
+      forces[leg] = internal::Inverse<3>(J.transpose()) * tau;
     } else {
       const Eigen::Matrix3d normal = J * J.transpose() + damping * Eigen::Matrix3d::Identity();
-      forces[leg] = normal.llt().solve(J * tau);
+      forces[leg] = internal::SolveCholesky<3>(normal, J * tau);
     }
   }
   return forces;
@@ -47,11 +45,11 @@ FootForces SolveFootForces(const QuadrupedDynamics& dynamics, const DecoupledDyn
   using Matrix12 = Eigen::Matrix<double, 12, 12>;
   Vec<12> f;
   if (damping == 0) {
-    f = Matrix12(decoupled.J_q.transpose()).partialPivLu().solve(torque);
+    f = internal::SolveLu<12>(decoupled.J_q.transpose(), torque);
   } else {
     Matrix12 normal = Matrix12::Identity() * damping;
     normal.noalias() += decoupled.J_q * decoupled.J_q.transpose();
-    f = normal.llt().solve(decoupled.J_q * torque);
+    f = internal::SolveCholesky<12>(normal, decoupled.J_q * torque);
   }
   FootForces forces;
   for (int leg = 0; leg < kNumLegs; ++leg) forces[leg] = f.segment<3>(3 * leg);
@@ -73,9 +71,9 @@ Vec<12> DecoupledGroundTorque(const QuadrupedDynamics& dynamics, const FootForce
     on_trunk.head<3>() += forces[leg];
     on_trunk.tail<3>() += (dynamics.foot(leg).p_W + arm_W - dynamics.base_W).cross(forces[leg]);
   }
-  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> inertia(dynamics.M.topLeftCorner<6, 6>());
+  const internal::Cholesky<6> inertia(dynamics.M.topLeftCorner<6, 6>());
   return GroundTorque(dynamics, forces, arm_W) -
-         dynamics.M.bottomLeftCorner<12, 6>() * inertia.solve(on_trunk);
+         dynamics.M.bottomLeftCorner<12, 6>() * inertia.Solve(on_trunk);
 }
 
 }  // namespace tenon

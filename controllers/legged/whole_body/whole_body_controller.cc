@@ -2,9 +2,9 @@
 #include <tenon/plants/model/rotation_between.h>
 #include <tenon/plants/model/shortened.h>
 #include <tenon/plants/signals/quaternion.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/fields.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
@@ -21,9 +21,9 @@ constexpr double kClockTolerance = 1e-9;  // above the rounding errors of the ga
 void NeglectAngularMomentumBias(QuadrupedDynamics* dynamics) {
   Vec<6> bias = Vec<6>::Zero();
   bias.tail<3>() = dynamics->angular_momentum_bias_W;
-  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> trunk(dynamics->M.topLeftCorner<6, 6>());
+  const internal::Cholesky<6> trunk(dynamics->M.topLeftCorner<6, 6>());
   dynamics->coriolis.head<6>() -= bias;
-  dynamics->coriolis.tail<12>().noalias() -= dynamics->M.bottomLeftCorner<12, 6>() * trunk.solve(bias);
+  dynamics->coriolis.tail<12>().noalias() -= dynamics->M.bottomLeftCorner<12, 6>() * trunk.Solve(bias);
   dynamics->angular_momentum_bias_W.setZero();
 }
 

@@ -1,11 +1,10 @@
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/plants/model/cross_matrix.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/block/system.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 
 #include <algorithm>
 #include <cmath>
@@ -95,11 +94,10 @@ template <int first = 0>
 // Inverse of a singular leg Jacobian with its singular values raised to 2 kStraight |J|, a lower bound of
 // those of every regular one. NaN if J is not finite: the decomposition writes no result then.
 Eigen::Matrix3d InverseOfSingular(const Eigen::Matrix3d& J) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  if (svd.info() != Eigen::Success)
-    return Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  const Eigen::Vector3d values = svd.singularValues().cwiseMax(2 * kStraight * J.norm());
-  return svd.matrixV() * values.cwiseInverse().asDiagonal() * svd.matrixU().transpose();
+  const internal::SingularValues3 svd = internal::CalcSingularValues3(J);
+  if (!svd.valid) return Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  const Eigen::Vector3d values = svd.values.cwiseMax(2 * kStraight * J.norm());
+  return svd.V * values.cwiseInverse().asDiagonal() * svd.U.transpose();
 }
 
 // The trunk's columns of the foot's Jacobian.
@@ -195,7 +193,7 @@ TENON_VECTOR_CLONES void WholeBodyQp::MakeProblem(const QuadrupedDynamics& dynam
     const Eigen::Matrix3d& J = dynamics.foot(leg).J_leg;
     const double size2 = J.squaredNorm();
     const bool regular = std::abs(J.determinant()) > kStraight * size2 * std::sqrt(size2);
-    inverse[i] = regular ? Eigen::Matrix3d(J.inverse()) : InverseOfSingular(J);
+    inverse[i] = regular ? internal::Inverse<3>(J) : InverseOfSingular(J);
     const auto J_b = TrunkJacobian(dynamics, leg);
     const auto M_b = dynamics.M.block<6, 3>(0, 6 + 3 * leg);
     by_trunk[i].noalias() = -inverse[i] * J_b;
@@ -321,12 +319,11 @@ std::array<Vec<3>, kNumLegs> SwingFootAcceleration(const QuadrupedDynamics& dyna
       A.diagonal().segment<3>(3 * leg).setOnes();
     }
   }
-  const Eigen::LLT<Eigen::Matrix<double, 18, 18>> mass(dynamics.M);
-  const Eigen::Matrix<double, 18, 12> response = mass.solve(J.transpose());
-  Eigen::Matrix<double, 18, 1> acceleration = mass.solve(push);
+  const internal::Cholesky<18> mass(dynamics.M);
+  const Eigen::Matrix<double, 18, 12> response = mass.Solve<12>(J.transpose());
+  Eigen::Matrix<double, 18, 1> acceleration = mass.Solve(push);
   A.noalias() += J * response;
-  const Eigen::LDLT<Matrix12> stand(A);
-  acceleration -= response * stand.solve(J * acceleration);
+  acceleration -= response * internal::SolveLdlt<12>(A, J * acceleration);
   std::array<Vec<3>, kNumLegs> out;
   for (int leg = 0; leg < kNumLegs; ++leg) {
     auto& foot = out[static_cast<std::size_t>(leg)];

@@ -2,12 +2,12 @@
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/internal/urdf_file.h>
 #include <tenon/plants/robots/mesh_file.h>
+#include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/nearest_name.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
@@ -31,11 +31,10 @@ constexpr std::array<const char*, kJointsPerLeg> kLimitKeys{"abduction", "hip_pi
 /// Returns the nearest physically possible inertia, for which the second moments of mass along the principal
 /// axes, J_i = (I_1 + I_2 + I_3) / 2 - I_i, are not negative.
 Eigen::Matrix3d Mended(const Eigen::Matrix3d& inertia) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
-  const Eigen::Vector3d I = solver.eigenvalues();
+  const auto [I, V] = internal::CalcSymmetricEigensystem3(inertia);
   const Eigen::Vector3d J = (Eigen::Vector3d::Constant(I.sum() / 2) - I).cwiseMax(0.0);
   const Eigen::Vector3d moments = Eigen::Vector3d::Constant(J.sum()) - J;
-  return solver.eigenvectors() * moments.asDiagonal() * solver.eigenvectors().transpose();
+  return V * moments.asDiagonal() * V.transpose();
 }
 
 /// Reads one URDF; bodies are numbered 0 for the trunk, 1 + joint for those of the legs, and then follow
@@ -43,12 +42,12 @@ Eigen::Matrix3d Mended(const Eigen::Matrix3d& inertia) {
 class Reader {
  public:
   Reader(const std::filesystem::path& path, const UrdfReading& reading, QuadrupedDescription* robot)
-      : file_(ParseUrdf(path)), reading_(reading), robot_(*robot) {}
+      : file_(ReadUrdfFile(path)), reading_(reading), robot_(*robot) {}
 
   std::vector<std::string> Read(MovingParts* moving) {
     CheckLocked();
     for (int leg = 0; leg < kNumLegs; ++leg) FindLeg(leg, reading_.feet[static_cast<std::size_t>(leg)]);
-    Add(*FloatingLink(*model_), 0, PoseOfRoot());
+    Add(file_.FloatingLink(), 0, PoseOfRoot());
     MeasureExtents();
     for (const std::size_t body : incomplete_) looks_[body] = {};
     for (int leg = 0; leg < kNumLegs; ++leg) FinishLeg(leg);
@@ -60,6 +59,7 @@ class Reader {
       robot_.meshes[body] = Finished(std::move(looks_[body]));
     }
     WarnOfMeshes();
+    warnings_.insert(warnings_.end(), file_.unread.begin(), file_.unread.end());
     if (moving != nullptr) *moving = std::move(moving_);
     return std::move(warnings_);
   }
@@ -85,15 +85,15 @@ class Reader {
   Eigen::Isometry3d PoseOfRoot() const {
     Eigen::Isometry3d T_RB = Eigen::Isometry3d::Identity();
     if (!reading_.trunk.empty()) {
-      urdf::LinkConstSharedPtr link = model_->getLink(reading_.trunk);
+      const UrdfLink* link = file_.FindLink(reading_.trunk);
       if (link == nullptr)
         Fail("there is no link '{}', the trunk; correct its name under 'trunk_link'",
              Excerpt(reading_.trunk));
-      for (; link != FloatingLink(*model_) && link->parent_joint != nullptr; link = link->getParent()) {
-        if (Turns(*link->parent_joint) && !LockedAt(*link->parent_joint))
+      for (; link != &file_.FloatingLink() && link->parent != nullptr; link = link->parent) {
+        if (link->parent_joint->turns() && !LockedAt(*link->parent_joint))
           Fail("the link '{}' moves relative to the root; give a link of the trunk under 'trunk_link'",
                reading_.trunk);
-        T_RB = ToEigen(link->parent_joint->parent_to_joint_origin_transform) * T_RB;
+        T_RB = link->parent_joint->pose * T_RB;
       }
     }
     T_RB.rotate(RotationOf(reading_.forward, reading_.up));
@@ -102,13 +102,13 @@ class Reader {
 
   void CheckLocked() const {
     for (const auto& [name, angle] : reading_.locked) {
-      const urdf::JointConstSharedPtr joint = model_->getJoint(name);
-      if (joint != nullptr && Turns(*joint)) continue;
+      const UrdfJoint* joint = file_.FindJoint(name);
+      if (joint != nullptr && joint->turns()) continue;
       if (joint != nullptr && Drive(name) != nullptr)
         Fail("joint '{}' does not turn; take it out of 'actuated_joints', or make it revolute", name);
       std::vector<std::string> names;
-      for (const auto& entry : model_->joints_)
-        if (Turns(*entry.second)) names.push_back(entry.first);
+      for (const auto& entry : file_.joints)
+        if (entry.second.turns()) names.push_back(entry.first);
       const std::string nearest = NearestName(name, names);
       Fail(
           "there is no joint '{}' that turns{}; correct its name, under 'locked_joints' or 'actuated_joints' "
@@ -118,11 +118,11 @@ class Reader {
   }
 
   /// Returns the angle of a joint that is locked itself or mimics a locked joint.
-  std::optional<double> LockedAt(const urdf::Joint& joint) const {
+  std::optional<double> LockedAt(const UrdfJoint& joint) const {
     const auto at = reading_.locked.find(joint.name);
     if (at != reading_.locked.end()) return at->second;
-    if (joint.mimic == nullptr || joint.mimic->joint_name == joint.name) return {};
-    const auto leader = reading_.locked.find(joint.mimic->joint_name);
+    if (!joint.mimic || joint.mimic->joint == joint.name) return {};
+    const auto leader = reading_.locked.find(joint.mimic->joint);
     if (leader == reading_.locked.end()) return {};
     return joint.mimic->multiplier * leader->second + joint.mimic->offset;
   }
@@ -144,18 +144,18 @@ class Reader {
   /// Finds the joints of a leg: the three movable joints between its foot and the root.
   void FindLeg(int leg, const std::string& foot) {
     const char* leg_name = kLegNames[static_cast<std::size_t>(leg)];
-    urdf::LinkConstSharedPtr link = model_->getLink(foot);
+    const UrdfLink* link = file_.FindLink(foot);
     if (link == nullptr) {
       std::vector<std::string> names;
-      for (const auto& entry : model_->links_) names.push_back(entry.first);
+      for (const auto& entry : file_.links) names.push_back(entry.first);
       const std::string nearest = NearestName(foot, names);
       Fail("there is no link '{}', the foot of {}{}; give the names of the feet's links under 'feet'",
            Excerpt(foot), leg_name, nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
     }
-    std::vector<urdf::JointConstSharedPtr> chain;
-    for (; link->parent_joint != nullptr; link = link->getParent()) {
+    std::vector<const UrdfJoint*> chain;
+    for (; link->parent != nullptr; link = link->parent) {
       CheckNotOfLeg(link->parent_joint->name);
-      if (Turns(*link->parent_joint) && !LockedAt(*link->parent_joint)) chain.push_back(link->parent_joint);
+      if (link->parent_joint->turns() && !LockedAt(*link->parent_joint)) chain.push_back(link->parent_joint);
     }
     if (chain.size() != kJointsPerLeg) {
       std::string names;
@@ -165,17 +165,16 @@ class Reader {
           "leg {} has {} revolute joints between the root '{}' and its foot '{}' ({}) but must have {}: "
           "abduction, hip pitch and knee pitch; add missing joints, or lock additional ones under "
           "'locked_joints'",
-          leg_name, chain.size(), model_->getRoot()->name, foot, names.empty() ? "none" : names,
-          kJointsPerLeg);
+          leg_name, chain.size(), file_.root->name, foot, names.empty() ? "none" : names, kJointsPerLeg);
     }
     for (int i = 0; i < kJointsPerLeg; ++i) {
-      const urdf::Joint& joint = *chain[static_cast<std::size_t>(kJointsPerLeg - 1 - i)];
+      const UrdfJoint& joint = *chain[static_cast<std::size_t>(kJointsPerLeg - 1 - i)];
       const std::string& name = joint.name;
-      if (joint.mimic != nullptr)
+      if (joint.mimic)
         Fail(
             "joint '{}' of leg {} moves with '{}' (<mimic>), but a leg's joints have a drive each; lock it "
             "under 'locked_joints', or take <mimic> out",
-            name, leg_name, joint.mimic->joint_name);
+            name, leg_name, joint.mimic->joint);
       const auto [at, is_new] = joints_.emplace(name, kJointsPerLeg * leg + i);
       if (!is_new)
         Fail("the joint '{}' is in the legs {} and {}; give each leg a foot of its own under 'feet'", name,
@@ -184,36 +183,28 @@ class Reader {
   }
 
   /// Adds a link and its subtree to `body`; T_BL is its pose with all joints at 0.
-  void Add(const urdf::Link& link, int body, const Eigen::Isometry3d& T_BL) {
+  void Add(const UrdfLink& link, int body, const Eigen::Isometry3d& T_BL) {
     poses_[link.name] = T_BL;
     std::string& names = names_[static_cast<std::size_t>(body)];
     names += (names.empty() ? "'" : ", '") + link.name + "'";
-    if (link.inertial != nullptr)
+    if (link.inertia)
       parts_[static_cast<std::size_t>(body)].push_back(
-          {link.name, ToRigidInertia(*link.inertial).In(T_BL.linear(), T_BL.translation())});
-    for (const urdf::VisualSharedPtr& visual : link.visual_array)
-      if (visual->geometry != nullptr && visual->geometry->type == urdf::Geometry::MESH)
-        AddMesh(link.name, static_cast<const urdf::Mesh&>(*visual->geometry), body,
-                T_BL * ToEigen(visual->origin), ColourOf(visual->material));
-    for (const auto& joint : link.child_joints) {
-      Eigen::Isometry3d T_BJ = T_BL * ToEigen(joint->parent_to_joint_origin_transform);
+          {link.name, link.inertia->In(T_BL.linear(), T_BL.translation())});
+    for (const UrdfShape& visual : link.visuals)
+      if (visual.kind == UrdfShape::Kind::kMesh) AddMesh(link.name, visual, body, T_BL * visual.pose);
+    for (const UrdfJoint* joint : link.joints) {
+      Eigen::Isometry3d T_BJ = T_BL * joint->pose;
       int child = body;
       if (const std::optional<double> angle = LockedAt(*joint)) {
         T_BJ.rotate(Eigen::AngleAxisd(*angle, AxisOf(*joint)));
         if (const AttachedBody* drive = Drive(joint->name)) child = NoteMoving(*joint, *drive, body, T_BJ);
-      } else if (Turns(*joint)) {
+      } else if (joint->turns()) {
         child = NoteJoint(*joint, T_BJ) + 1;
-      } else if (joint->type != urdf::Joint::FIXED) {
+      } else if (joint->type != UrdfJoint::Type::kFixed) {
         Fail("joint '{}' must be revolute or fixed; make it fixed", joint->name);
       }
-      Add(*model_->getLink(joint->child_link_name), child, T_BJ);
+      Add(file_.ChildOf(*joint), child, T_BJ);
     }
-  }
-
-  /// The colour of a material, see TriangleMesh; none without one, or if it is a texture.
-  static MeshColour ColourOf(const urdf::MaterialSharedPtr& material) {
-    if (material == nullptr || !material->texture_filename.empty()) return {};
-    return ColourFrom(material->color.r, material->color.g, material->color.b);
   }
 
   /// The mesh to be drawn, without colours if none is given.
@@ -225,14 +216,16 @@ class Reader {
 
   /// Adds a mesh, in B, to the appearance of a body; counts meshes that cannot be read. Parts without a
   /// colour of their own get that of the visual element.
-  void AddMesh(const std::string& link, const urdf::Mesh& visual, int body, const Eigen::Isometry3d& T_BM,
-               const MeshColour& colour) {
+  void AddMesh(const std::string& link, const UrdfShape& visual, int body, const Eigen::Isometry3d& T_BM) {
+    const MeshColour colour = visual.colour
+                                  ? ColourFrom((*visual.colour)[0], (*visual.colour)[1], (*visual.colour)[2])
+                                  : MeshColour{};
     const auto miss = [&](const std::string& why) {
       incomplete_.insert(static_cast<std::size_t>(body));
       if (num_missing_++ == 0) missing_ = fmt::format("link '{}': {}", link, why);
     };
-    const std::optional<std::filesystem::path> file = FindMesh(visual.filename, file_.name);
-    if (!file) return miss(fmt::format("the mesh '{}' is not found", visual.filename));
+    const std::optional<std::filesystem::path> file = FindMesh(visual.mesh, file_.name);
+    if (!file) return miss(fmt::format("the mesh '{}' is not found", visual.mesh));
     try {
       const std::shared_ptr<const TriangleMesh> mesh = ReadMesh(*file);
       TriangleMesh& out = looks_[static_cast<std::size_t>(body)];
@@ -243,7 +236,7 @@ class Reader {
       for (std::size_t i = first; i < out.colours.size(); ++i)
         if (out.colours[i][3] == 0) out.colours[i] = colour;
       for (const auto& [x, y, z] : mesh->corners) {
-        const Eigen::Vector3d p(x * visual.scale.x, y * visual.scale.y, z * visual.scale.z);
+        const Eigen::Vector3d p(x * visual.scale.x(), y * visual.scale.y(), z * visual.scale.z());
         const Eigen::Vector3f p_B = (T_BM * p).cast<float>();
         out.corners.push_back({p_B.x(), p_B.y(), p_B.z()});
       }
@@ -266,14 +259,13 @@ class Reader {
         missing_, more);
   }
 
-  Eigen::Vector3d AxisOf(const urdf::Joint& joint) const {
-    const Eigen::Vector3d axis(joint.axis.x, joint.axis.y, joint.axis.z);
-    if (!(axis.norm() > 0)) Fail("joint '{}' has the axis 0 0 0; give its direction", joint.name);
-    return axis.normalized();
+  Eigen::Vector3d AxisOf(const UrdfJoint& joint) const {
+    if (!(joint.axis.norm() > 0)) Fail("joint '{}' has the axis 0 0 0; give its direction", joint.name);
+    return joint.axis.normalized();
   }
 
   /// Stores a joint of a leg and returns its index.
-  int NoteJoint(const urdf::Joint& joint, const Eigen::Isometry3d& T_BJ) {
+  int NoteJoint(const UrdfJoint& joint, const Eigen::Isometry3d& T_BJ) {
     const auto at = joints_.find(joint.name);
     if (at == joints_.end())
       Fail(
@@ -286,9 +278,9 @@ class Reader {
     out.axis = T_BJ.linear() * AxisOf(joint);
     const auto kind = static_cast<std::size_t>(at->second % kJointsPerLeg);
     const JointLimits& own = reading_.limits[kind];
-    const urdf::JointLimitsSharedPtr& limits = joint.limits;
-    out.torque_limit = own.torque.value_or(limits == nullptr ? 0 : limits->effort);
-    out.speed_limit = own.speed.value_or(limits == nullptr ? 0 : limits->velocity);
+    const std::optional<UrdfJoint::Limits>& limits = joint.limits;
+    out.torque_limit = own.torque.value_or(limits ? limits->effort : 0);
+    out.speed_limit = own.speed.value_or(limits ? limits->velocity : 0);
     if (!(out.torque_limit > 0 && out.speed_limit > 0))
       Fail(
           "joint '{}' has no limits of torque and speed; add <limit effort=\"N m\" velocity=\"rad/s\" .../> "
@@ -299,7 +291,7 @@ class Reader {
     if (own.range) {
       out.lower = (*own.range)[0];
       out.upper = (*own.range)[1];
-    } else if (joint.type == urdf::Joint::REVOLUTE) {
+    } else if (joint.type == UrdfJoint::Type::kRevolute) {
       out.lower = limits->lower;
       out.upper = limits->upper;
     }
@@ -313,18 +305,18 @@ class Reader {
 
   /// Stores an actuated joint on the body `carrier` and returns the number of its own body. T_BJ is the pose
   /// of the URDF's frame with the joint at rest.
-  int NoteMoving(const urdf::Joint& joint, const AttachedBody& drive, int carrier,
+  int NoteMoving(const UrdfJoint& joint, const AttachedBody& drive, int carrier,
                  const Eigen::Isometry3d& T_BJ) {
     if (carrier > 0 && carrier <= kNumJoints) CheckNotOfLeg(joint.name);
-    const urdf::JointLimitsSharedPtr& limits = joint.limits;
-    if (limits == nullptr || !(limits->effort > 0))
+    const std::optional<UrdfJoint::Limits>& limits = joint.limits;
+    if (!limits || !(limits->effort > 0))
       Fail(
           "joint '{}' has no limit of torque; add <limit effort=\"N m\" .../> with a positive value, or move "
           "it from 'actuated_joints' to 'locked_joints'",
           joint.name);
     const double centre = drive.rest - drive.amplitude * std::sin(drive.phase);
     constexpr double kRounding = 1e-9;
-    if (joint.type == urdf::Joint::REVOLUTE &&
+    if (joint.type == UrdfJoint::Type::kRevolute &&
         (std::min(drive.rest, centre - drive.amplitude) < limits->lower - kRounding ||
          std::max(drive.rest, centre + drive.amplitude) > limits->upper + kRounding))
       Fail(
@@ -434,7 +426,7 @@ class Reader {
     } catch (const ParameterError& error) {
       const Eigen::Matrix3d mended = Mended(given.inertia);
       if (reading_.strict) Fail("link '{}': {}", part.link, error.what());
-      const Eigen::Vector3d taken = mended.selfadjointView<Eigen::Lower>().eigenvalues();
+      const Eigen::Vector3d taken = internal::SymmetricEigenvalues3(mended);
       Warn("link '{}': {}; taken with {:.3g}, {:.3g}, {:.3g} kg m^2", part.link, error.what(), taken[0],
            taken[1], taken[2]);
       return {given.mass, given.com, mended};
@@ -464,7 +456,6 @@ class Reader {
   }
 
   const UrdfFile file_;
-  const urdf::ModelInterfaceSharedPtr& model_ = file_.model;
   const UrdfReading& reading_;
   QuadrupedDescription& robot_;
   std::map<std::string, int> joints_;                     // indices of the legs' joints by name

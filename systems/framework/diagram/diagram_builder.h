@@ -179,8 +179,9 @@ class Assembly {
 
   template <class... A, class F, class... When>
   auto& MakeFunctionBlock(Spec spec, const UsesList<A...>& uses, F function, When... when);
+  /// Returns a System: a unique_ptr<Block> would cost every block of a program its compile time.
   template <class Block, class... Args>
-  static std::unique_ptr<Block> Make(const std::string& name, Args&&... args) {
+  static std::unique_ptr<System> Make(const std::string& name, Args&&... args) {
     if constexpr (!std::is_base_of_v<System, Block>) {
       static_assert(kFalse<Block>, "Add: a block must derive from LeafSystem or Subdiagram.");
       throw BuildError("");
@@ -189,7 +190,7 @@ class Assembly {
       throw BuildError("");
     } else {
       try {
-        return std::make_unique<Block>(std::forward<Args>(args)...);
+        return std::unique_ptr<System>(new Block(std::forward<Args>(args)...));
       } catch (...) {
         RethrowWithName(name);
       }

@@ -293,7 +293,6 @@ TEST_F(TenonCampaignTest, RefusesBadUsage) {
            {"app: tenon-fish\nscenario: A4\n", ":1:6: app: "},
            {"app: tenon-quadruped\nscenario: A44\n", ":2:11: scenario: "},
            {"app: tenon-cdpr\nscenario: A4\n", ":2:11: scenario: "},
-           {"app: tenon-quadruped\nscenario: A3-sweep\n", "forces.0.turn_rad"},
            {quadruped + "vary: {walk.frictoin: {grid: [1]}}\n", ":3:23: vary.walk.frictoin: "},
            {quadruped + "set: {profile: {file: standard, sway: 1}}\n", "set.profile: "},
            {quadruped + "set: {profile: [60]}\n", "set.profile: "}})

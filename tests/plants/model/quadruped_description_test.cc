@@ -22,6 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 const std::string kRobots = TENON_ROBOTS_DIR;
 
@@ -232,7 +234,7 @@ TEST(QuadrupedDescriptionTest, RefusesBadBodiesAndJoints) {
         "a1.urdf:", "'FL_hip_joint' and 'back'"}});
 }
 
-// urdfdom skips what it cannot read, and the robot would lack it.
+// Otherwise the robot would lack what cannot be read.
 TEST(QuadrupedDescriptionTest, RefusesUrdfThatCannotBeRead) {
   const auto in_a_shape = [](const std::string& shape) {
     return "<link name=\"q\"><collision><geometry>" + shape + "</geometry></collision></link></robot>";
@@ -251,7 +253,13 @@ TEST(QuadrupedDescriptionTest, RefusesUrdfThatCannotBeRead) {
       {"a1", "</robot>", in_a_shape("<cylinder radius=\"0,02\" length=\"1\"/>"), "a1.urdf:", "link 'q'"},
       {"a1", "</robot>", in_a_shape("<box size=\"1 2\"/>"), "a1.urdf:", "link 'q'"},
       {"a1", "</robot>", in_a_shape("<mesh filename=\"a.stl\" scale=\"1\"/>"), "a1.urdf:", "link 'q'"},
-      {"a1", "type=\"revolute\"", "type=\"screw\"", "a1.urdf:", "[screw]"}};
+      {"a1", "type=\"revolute\"", "type=\"screw\"", "a1.urdf:", "'screw'"},
+      {"a1", "</robot>", "<link name=\"trunk\"/></robot>", "a1.urdf:", "link 'trunk'"},
+      {"a1", "</robot>", "<link name=\"apart\"/></robot>", "a1.urdf:", "'apart'"},
+      {"a1", "<parent link=\"trunk\"/>", "", "a1.urdf:", "joint 'FL_hip_joint'"},
+      {"a1", "<parent link=\"trunk\"/>", "<parent link=\"tronk\"/>", "a1.urdf:", "'tronk'"},
+      {"a1", "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"1 0 0\"/><mimic/>", "a1.urdf:", "joint 'FL_hip_joint'"},
+      {"a1", "<axis xyz=\"1 0 0\"/>", "<dynamics damping=\"x\"/>", "a1.urdf:", "joint 'FL_hip_joint'"}};
   for (const std::string bad : {"9.3kg", "9,3", "", "nan", "9.3 1", "1e999"})
     cases.push_back(
         {"dogbot", "<mass value=\"9.3\"/>", "<mass value=\"" + bad + "\"/>", "dogbot.urdf:", "link 'body'"});
@@ -261,6 +269,31 @@ TEST(QuadrupedDescriptionTest, RefusesUrdfThatCannotBeRead) {
     files.urdf = text;
     EXPECT_TRUE(Refused(files, "dogbot.urdf:1")) << text;
   }
+}
+
+TEST(QuadrupedDescriptionTest, BlanksAroundNumbersDoNotCount) {
+  RobotFiles files("a1");
+  files.Change(&RobotFiles::urdf, "<mass value=\"0.151\"/>", "<mass value=\"\t0.151 \"/>");
+  EXPECT_EQ(files.Load().mass(), RobotFiles("a1").Load().mass());
+}
+
+TEST(QuadrupedDescriptionTest, ListsElementsThatAreNotRead) {
+  RobotFiles files("a1");
+  files.Change(&RobotFiles::urdf, "</robot>", "<gazebo><any/></gazebo><transmission/>\n<frame/></robot>");
+  const auto line = std::count(files.urdf.begin(), files.urdf.end(), '\n');
+  files.Change(&RobotFiles::urdf, "<mass value=\"0.151\"/>", "<mass value=\"0.151\"/><density/>");
+  EXPECT_THAT(files.Warnings(),
+              ElementsAre(AllOf(HasSubstr("a1.urdf:"), HasSubstr("inertial/density")),
+                          AllOf(HasSubstr("a1.urdf:" + std::to_string(line)), HasSubstr("robot/frame"))));
+}
+
+// A shape that is not read does not hide those after it.
+TEST(QuadrupedDescriptionTest, DrawsTheShapesAfterAnUnknownOne) {
+  RobotFiles files("a1");
+  const std::string shape = "<visual><geometry><capsule/></geometry></visual>";
+  files.Change(&RobotFiles::urdf, "</inertial>",
+               "</inertial>" + shape + "<visual><geometry><mesh filename=\"no.stl\"/></geometry></visual>");
+  EXPECT_THAT(files.Warnings(), Contains(HasSubstr("'no.stl'")));
 }
 
 TEST(QuadrupedDescriptionTest, RefusesHugeUrdf) {
