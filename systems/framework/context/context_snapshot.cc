@@ -20,7 +20,7 @@ namespace {
 /// The beginning of a snapshot. The checksum covers all bytes that follow, so that every change is detected.
 struct Header {
   std::array<char, 8> magic = {'t', 'e', 'n', 'o', 'n', 's', 'n', 'p'};
-  std::uint64_t version = 4;
+  std::uint64_t version = 5;
   std::uint64_t size = 0;  ///< size of the payload [bytes]
   std::uint64_t checksum = 0;
 };
@@ -71,6 +71,9 @@ std::vector<std::byte> Context::Save() const {
   internal::Save(next_step_, archive);
   internal::Save(last_error_, archive);
   internal::Save(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
+  internal::Save(internal::TypeInfoOf<std::vector<double>>(), &event_memory_, archive);
+  internal::Save(num_steps_, archive);
+  internal::Save(movement_, archive);
   internal::Save(step_start_.valid, archive);
   if (step_start_.valid) internal::Save(internal::TypeInfoOf<StepStart>(), &step_start_, archive);
   for (const Cell& cell : program.saved) {
@@ -111,13 +114,16 @@ void Context::Load(std::span<const std::byte> bytes) {
   internal::Load(time, archive);
   internal::Load(seed_, archive);
   internal::Load(progress_, archive);
-  internal::Load(next_step_, archive);
-  internal::Load(last_error_, archive);
   if (!std::isfinite(time) || progress_ > Progress::kTickDue)
     throw RunError("the snapshot is damaged: its time or its progress is invalid");
   SetTime(time);
   failure_.clear();
+  internal::Load(next_step_, archive);
+  internal::Load(last_error_, archive);
   internal::Load(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
+  internal::Load(internal::TypeInfoOf<std::vector<double>>(), &event_memory_, archive);
+  internal::Load(num_steps_, archive);
+  internal::Load(movement_, archive);
   internal::Load(step_start_.valid, archive);
   if (step_start_.valid) {
     internal::Load(internal::TypeInfoOf<StepStart>(), &step_start_, archive);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/systems/framework/context/context.h>
+#include <tenon/systems/simulation/internal/event_finder.h>
 #include <tenon/systems/simulation/internal/sundials_solver.h>
 #include <tenon/systems/simulation/simulator_options.h>
 
@@ -42,10 +43,17 @@ class SundialsIntegrator {
   /// The beginning and the end of the last step [s]; the beginning is known only after one_step.
   double begin() const;
   double finish() const;
+  /// The length of the next step after Start [s], at most.
+  double reach() const;
   /// Moves the context to `time` in the last step.
   void MoveContext(double time);
   /// Computes the values of all witnesses and kinks at `time` in the last step.
   void EvaluateWitnesses(double time, double* values);
+  /// The values of all witnesses and kinks near the context's time and states. EndMotion sets these back.
+  internal::EventFinder::Motion& BeginMotion();
+  void EndMotion();
+  /// Returns whether the derivatives jump at an event in the last step by so much that the next step is wrong.
+  bool JumpsAt(double event);
   IntegratorStatistics statistics() const;
 
  private:
