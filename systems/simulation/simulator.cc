@@ -394,10 +394,11 @@ void Simulator::DecideSides() {
   if (i == finder_->size()) return;
   const internal::WitnessPlan& plan = program_.witness_plans[i];
   throw RunError(
-      fmt::format("events of witness '{}' accumulate at t = {} s: its updates leave it at zero within rounding, and "
-                  "the motion then takes it across. Add a Mode for the motion that follows (rest, contact), and "
-                  "enter it when the speed is small",
-                  plan.witness->path(), time),
+      fmt::format(
+          "events of witness '{}' accumulate at t = {} s: its updates leave it at zero within rounding, and "
+          "the motion then takes it across. Add a Mode for the motion that follows (rest, contact), and "
+          "enter it when the speed is small",
+          plan.witness->path(), time),
       plan.witness->owner().path());
 }
 
@@ -442,8 +443,10 @@ void Simulator::FindEvent(double from) {
   context_->step_start_.witnesses = context_->witness_memory_;
   is_event_ = from < next_stop_ && finder_->Find(from, integrator_->finish(), &next_stop_, &fired_);
   if (!is_event_ || !whole || !EventFeeds()) return;
-  // For a multistep method a restart costs more than an event inside a step.
-  if (IsMultistep() || !integrator_->RetakeBefore(next_stop_)) return;
+  // For a multistep method a restart costs more than an event inside a step, unless the derivatives jump
+  // there.
+  if (IsMultistep() && !(KinkFires() && integrator_->JumpsAt(next_stop_))) return;
+  if (!integrator_->RetakeBefore(next_stop_)) return;
   context_->witness_memory_ = context_->step_start_.witnesses;
   next_stop_ = integrator_->finish();
   stop_is_due_ = is_event_ = false;
@@ -607,6 +610,10 @@ void Simulator::Fire(std::size_t witness) {
 }
 
 void Simulator::HandleEvent() {
+  if (EventFeeds()) {
+    finder_->CheckSpeeds(fired_, integrator_->BeginMotion());
+    integrator_->EndMotion();
+  }
   for (const std::size_t i : fired_) Fire(i);
   EvaluateWitnesses();
   MeasureRounding();
@@ -619,6 +626,11 @@ void Simulator::HandleEvent() {
 void Simulator::MeasureRounding() {
   finder_->MeasureRounding(witness_values_.data(), integrator_->BeginMotion());
   integrator_->EndMotion();
+}
+
+bool Simulator::KinkFires() const {
+  return std::any_of(fired_.begin(), fired_.end(),
+                     [this](std::size_t i) { return program_.witness_plans[i].is_kink; });
 }
 
 bool Simulator::IsMultistep() const {

@@ -27,11 +27,13 @@ using Values = std::array<double, kNumPlaces>;
 /// A function after its event is sampled at this many resolutions of time, and then at multiples of the time
 /// since the event, because it may return to zero at once.
 constexpr double kFirstProbe = 2, kNextProbe = 4;
-/// The slope of a function at its event is measured over this many resolutions of time, at most, and over this
-/// part of the time since the search began.
+/// The slope of a function at its event is measured over this many resolutions of time, at most, and over
+/// this part of the time since the search began.
 constexpr double kSlope = 256, kSlopePart = 0.125;
 /// Of where a function came from while it is undecided: a start or a jump. Otherwise it is the side.
 constexpr double kNoSide = 2;
+/// Of the origin, as a factor of the side: the states had no speed through zero at the event.
+constexpr double kUnresolved = 3;
 /// Patterns of signs by which all states are moved to measure the rounding of a function.
 constexpr int kPatterns = 3;
 
@@ -141,7 +143,8 @@ void EventFinder::StartAgain(std::size_t i, double value, bool found, bool moved
     return;
   }
   Memory(kZeros, i) = std::max(found ? Memory(kZeros, i) : 0, rounding_[i]);
-  Memory(kOrigins, i) = !moved ? 0 : found ? side : kNoSide;
+  const bool unresolved = Memory(kOrigins, i) == kUnresolved;
+  Memory(kOrigins, i) = !moved ? 0 : !found ? kNoSide : unresolved ? kUnresolved * side : side;
   side = 0;
   if (std::abs(value) <= Memory(kZeros, i)) return;
   side = value > 0 ? 1 : -1;
@@ -183,13 +186,25 @@ void EventFinder::MeasureRounding(const double* values, Motion& motion) {
   }
 }
 
+void EventFinder::CheckSpeeds(const std::vector<std::size_t>& fired, Motion& motion) {
+  const double ahead = kSlopePart * (high_.time - begin_);
+  motion.EvaluateStraight(ahead, try_.values.data());
+  motion.EvaluateStraight(-ahead, last_.values.data());
+  for (const std::size_t i : fired) {
+    if (kinds_[i] == Kind::kPiece) continue;
+    const bool passes = (try_.values[i] - last_.values[i]) * Memory(kSides, i) < 0;
+    Memory(kOrigins, i) = passes ? 0 : kUnresolved;
+  }
+}
+
 std::size_t EventFinder::Decide(double time, double reach, Motion& motion) {
   motion.EvaluateStraight(0, first_.values.data());
   auto open = std::count_if(memory_->begin() + static_cast<std::ptrdiff_t>(kOrigins * kinds_.size()),
                             memory_->end(), [](double origin) { return origin != 0; });
   const double begin = std::max(kFirstProbe * kTimeResolution * std::abs(time), kEpsilon * reach);
   for (double ahead = begin; open > 0 && ahead < reach; ahead *= 2) {
-    std::vector<double>&values = low_.values, &rough = high_.values, &line = try_.values, &back = last_.values;
+    std::vector<double>&values = low_.values, &rough = high_.values, &line = try_.values,
+    &back = last_.values;
     motion.Evaluate(ahead, 3, values.data());
     const auto leaves = [&](std::size_t i) {
       return Memory(kOrigins, i) != 0 && std::abs(values[i]) > Memory(kZeros, i);
@@ -206,7 +221,10 @@ std::size_t EventFinder::Decide(double time, double reach, Motion& motion) {
       const double side = values[i] > 0 ? 1 : -1;
       // A function passes through zero only with a speed that accounts for most of its way.
       const double by_speed = side * (line[i] - back[i]) / 2;
-      if (side == -Memory(kOrigins, i) && !(by_speed >= 0.5 * side * (values[i] - first_.values[i]))) return i;
+      const double origin = Memory(kOrigins, i);
+      const bool resolved =
+          std::abs(origin) != kUnresolved && by_speed >= 0.5 * side * (values[i] - first_.values[i]);
+      if (!resolved && origin * side < 0 && std::abs(origin) != kNoSide) return i;
       Memory(kSides, i) = side;
       Memory(kOrigins, i) = 0;
       --open;
@@ -256,8 +274,7 @@ bool EventFinder::Look(const Sample& a, const Sample& b, std::size_t depth, doub
       smallest = std::min(smallest, std::abs(value));
     }
     const double miss = std::max(std::abs(MissOfCubic(values, 2)), std::abs(MissOfCubic(values, 3)));
-    if (miss > kBends * largest && miss > kReachesZero * smallest && miss > kRounding * largest)
-      bends = true;
+    if (miss > kBends * largest && miss > kReachesZero * smallest && miss > kRounding * largest) bends = true;
     if (const double dip = FindDip(values); dip > 0 && num_dips < dips.size()) dips[num_dips++] = dip;
   }
   if (bends && depth + 1 < kMaxDepth) {

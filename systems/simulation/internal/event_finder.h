@@ -13,8 +13,8 @@ inline constexpr double kTimeResolution = 0x1p-50;
 /// Finds the first event in an integrator step: the first instant at which a function is zero or on the other
 /// side of zero, or at which an integer-valued function (the index of a piece) changes.
 ///
-/// All criteria are relative: to the rounding of the time, to the rounding of the function's own value, and to
-/// the step.
+/// All criteria are relative: to the rounding of the time, to the rounding of the function's own value, and
+/// to the step.
 ///
 /// A function that starts at zero, or whose event has just been handled and that is still zero within
 /// rounding, has no side. Decide gives it the side to which the motion takes it, without an event.
@@ -58,15 +58,19 @@ class EventFinder {
   /// the event, so that the function was zero within rounding, and false if the function jumped. `moved` is
   /// true if the event's updates may have changed the motion.
   void StartAgain(std::size_t i, double value, bool found, bool moved);
+  /// Checks that the states at an event that Find found, before its updates, move the functions through zero:
+  /// where the error of the states is larger than their motion, they need not.
+  void CheckSpeeds(const std::vector<std::size_t>& fired, Motion& motion);
   /// The first of the functions that have jumped to another side; the number of functions if none has.
   std::size_t FindJump(const double* values) const;
   /// Ends the search up to here without an event: sets the side of every function that is not zero.
   void Settle(const double* values);
   /// True if Decide must be called before the motion goes on.
   bool undecided() const;
-  /// Gives functions that are zero within rounding the side to which the motion takes them within `reach` [s].
-  /// Returns the first function for which that cannot be resolved: whose event stopped it at zero, within
-  /// rounding, and which is then driven to the other side. Returns the number of functions if there is none.
+  /// Gives functions that are zero within rounding the side to which the motion takes them within `reach`
+  /// [s]. Returns the first function for which that cannot be resolved: whose event stopped it at zero,
+  /// within rounding, and which is then driven to the other side. Returns the number of functions if there is
+  /// none.
   std::size_t Decide(double time, double reach, Motion& motion);
   /// Returns whether there is an event in (from, to]. If there is, sets `time` and `fired` to its time and
   /// functions; if not, sets the sides to those at `to`.

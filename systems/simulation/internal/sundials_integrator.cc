@@ -349,7 +349,8 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
     step_begin = finish;
     refused = 0;
     const bool watched = context.num_steps_ >= static_cast<double>(options.max_steps);
-    if (one_step || checks_stages || watched) std::copy_n(solver.states(), program.num_continuous, step_states.data());
+    if (one_step || checks_stages || watched)
+      std::copy_n(solver.states(), program.num_continuous, step_states.data());
     if (checks_stages) KeepStage(finish, nullptr);
     if (solver.multistep()) solver.SetMaxStep(LargestStep(finish));
     const int flag = solver.Step(Target(), &t);
@@ -505,9 +506,9 @@ bool SundialsIntegrator::Run::RetakeBefore(double event) {
   return true;
 }
 
-/// Throws RunError if max_steps successive steps have not been as long as they may be, and the states then move
-/// by less than a tolerance per step, or the time by less than its rounding: the length of the steps is not
-/// limited by the accuracy. A tick or a declared jump limits a step, too.
+/// Throws RunError if max_steps successive steps have not been as long as they may be, and the states then
+/// move by less than a tolerance per step, or the time by less than its rounding: the length of the steps is
+/// not limited by the accuracy. A tick or a declared jump limits a step, too.
 void SundialsIntegrator::Run::CheckProgress(double from, double to, bool arrived) {
   if (before.empty() || (arrived && !before_event) || options.fixed_step > 0 ||
       (options.max_step > 0 && to - from > 0.5 * options.max_step)) {
@@ -526,9 +527,10 @@ void SundialsIntegrator::Run::CheckProgress(double from, double to, bool arrived
   }
   if (context.num_steps_ < limit + kWatched) return;
   if (context.movement_ < kWatched) {
-    ThrowFailure(to, to - from,
-                 fmt::format("it makes no progress: in {} steps, the states move by {:.2g} tolerances per step",
-                             options.max_steps, context.movement_ / kWatched));
+    ThrowFailure(
+        to, to - from,
+        fmt::format("it makes no progress: in {} steps, the states move by {:.2g} tolerances per step",
+                    options.max_steps, context.movement_ / kWatched));
   }
   context.num_steps_ = context.movement_ = 0;
 }

@@ -52,7 +52,8 @@ class SundialsIntegrator {
   /// The values of all witnesses and kinks near the context's time and states. EndMotion sets these back.
   internal::EventFinder::Motion& BeginMotion();
   void EndMotion();
-  /// Returns whether the derivatives jump at an event in the last step by so much that the next step is wrong.
+  /// Returns whether the derivatives jump at an event in the last step by so much that the next step is
+  /// wrong.
   bool JumpsAt(double event);
   IntegratorStatistics statistics() const;
 

@@ -1,5 +1,5 @@
-// The memory of a run stands in its context: a clone, a restored context and a context that is restored in the
-// same simulator continue bit for bit like the undisturbed run, wherever it is interrupted.
+// The memory of a run stands in its context: a clone, a restored context and a context that is restored in
+// the same simulator continue bit for bit like the undisturbed run, wherever it is interrupted.
 
 #include <tenon/systems/simulation.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
@@ -14,15 +14,14 @@
 
 namespace tenon::run_memory_test {
 
-/// A ball that bounces, a relay with a declared kink, a declared and two undeclared jumps in time, and a sampled
-/// input. All meet in one vector of states, so that each affects the steps of the others.
+/// A ball that bounces, a relay with a declared kink, a declared and two undeclared jumps in time, and a
+/// sampled input. All meet in one vector of states, so that each affects the steps of the others.
 struct Everything final : LeafSystem<void> {
   ContinuousState<Vec<5>> x{this, {"x"}, Vec<5>{1, 0, 0.7, 0.1, 0}};
   DiscreteState<int> impacts{this, "impacts"}, passes{this, "passes"};
   OutputPort<double> held{this, "held", Sampled{Seconds(0.37)}, Uses(x),
                           [](const Vec<5>& x) { return std::sin(3 * x[2]); }};
-  TimeDerivative<Vec<5>> dx{x, Uses(time, x, held),
-                            [](double t, const Vec<5>& x, double held) -> Vec<5> {
+  TimeDerivative<Vec<5>> dx{x, Uses(time, x, held), [](double t, const Vec<5>& x, double held) -> Vec<5> {
                               const double jumps = (t < 0.611 ? 1 : -1) + (t < 2.357 ? 0 : 2);
                               return {x[1], -9.81, x[3], (x[2] > 0.5 ? -1 : 1) - 0.1 * x[3] + 0.2 * held,
                                       jumps + (t < 1.234 ? 0 : 3)};
@@ -128,14 +127,14 @@ TEST_P(RunMemoryTest, ARunBeginsAfreshAfterSetTime) {
   EXPECT_EQ(StateOf(used.context()), Undisturbed());
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    AllMethods, RunMemoryTest,
-    testing::Values(Integrator{Method::kErk, 2}, Integrator{Method::kErk, 3}, Integrator{Method::kErk, 4},
-                    Integrator{Method::kErk, 5}, Integrator{Method::kErk, 3, 0, 0},
-                    Integrator{Method::kErk, 3, 0.01}, Integrator{Method::kDirk, 3},
-                    Integrator{Method::kDirk, 4}, Integrator{Method::kDirk, 5}, Integrator{Method::kDirk, 3, 0.01},
-                    Integrator{Method::kBdf, 5}, Integrator{Method::kAdams, 5}, Integrator{Method::kStabilized, 2},
-                    Integrator{Method::kStabilized, 3}, Integrator{Method::kErkOpen, 3}),
-    testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(AllMethods, RunMemoryTest,
+                         testing::Values(Integrator{Method::kErk, 2}, Integrator{Method::kErk, 3},
+                                         Integrator{Method::kErk, 4}, Integrator{Method::kErk, 5},
+                                         Integrator{Method::kErk, 3, 0, 0}, Integrator{Method::kErk, 3, 0.01},
+                                         Integrator{Method::kDirk, 3}, Integrator{Method::kDirk, 4},
+                                         Integrator{Method::kDirk, 5}, Integrator{Method::kBdf, 5},
+                                         Integrator{Method::kAdams, 5}, Integrator{Method::kStabilized, 2},
+                                         Integrator{Method::kStabilized, 3}, Integrator{Method::kErkOpen, 3}),
+                         testing::PrintToStringParamName());
 
 }  // namespace tenon::run_memory_test
