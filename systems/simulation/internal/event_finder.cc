@@ -192,8 +192,8 @@ void EventFinder::CheckSpeeds(const std::vector<std::size_t>& fired, Motion& mot
   motion.EvaluateStraight(-ahead, last_.values.data());
   for (const std::size_t i : fired) {
     if (kinds_[i] == Kind::kPiece) continue;
-    const bool passes = (try_.values[i] - last_.values[i]) * Memory(kSides, i) < 0;
-    Memory(kOrigins, i) = passes ? 0 : kUnresolved;
+    const bool returns = (try_.values[i] - last_.values[i]) * Memory(kSides, i) > 0;
+    Memory(kOrigins, i) = returns ? kUnresolved : 0;
   }
 }
 

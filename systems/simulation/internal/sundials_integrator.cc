@@ -117,6 +117,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
         interpolant(program.num_continuous, std::max(3, options.order), options.method == Method::kDirk),
         before(static_cast<std::size_t>(program.num_continuous)),
         step_states(before.size()),
+        watched(before.size()),
         checks_stages(options.fixed_step == 0 && (options.method == Method::kDirk ||
                                                   (options.method == Method::kErk && options.order > 3))),
         checks_bends(checks_stages && options.method == Method::kErk && options.order == 5) {
@@ -187,6 +188,8 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   std::vector<double> before;       // states at the beginning of the last Advance
   double begin = 0;                 // time of the beginning of the last Advance
   std::vector<double> step_states;  // states at the beginning of the last step
+  std::vector<double> watched;      // states after max_steps steps, see CheckProgress
+  bool watches = false;             // these are known
   double step_begin = 0;            // time of the beginning of the last step
   // Open tables meet jumps only at the ticks that end their steps.
   const bool seeks_jumps =
@@ -201,6 +204,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   } stages;                       // of the present step, the first at its beginning
   double end = 0;                 // of the interval
   bool before_event = false;      // the interval ends just before an event
+  bool after_retake = false;      // the interval before did
   double last_instant = 0;        // last instant at which the interval's dynamics may be evaluated
   double interval_begin = 0;      // time of the last Start that did not repeat a step
   double step = 0;                // first step after a restart; with a fixed step, all steps
@@ -292,7 +296,9 @@ void SundialsIntegrator::Run::ThrowNonFiniteState(double time) {
 }
 
 bool SundialsIntegrator::Run::Start(double to, bool jumps) {
+  if (edition != context.edition_) watches = false;
   end = to;
+  after_retake = before_event;
   before_event = false;
   last_instant = jumps ? to - 8 * Tiny(to) : to;
   if (context.step_start_.valid) return TakeStepAgain();
@@ -311,17 +317,19 @@ bool SundialsIntegrator::Run::TakeStepAgain() {
   context.next_step_ = from.next_step;
   context.last_error_ = from.last_error;
   interval_begin = from.interval_begin;
-  const double num_steps = context.num_steps_, movement = context.movement_;
+  const double num_steps = context.num_steps_;
   before_event = std::isfinite(from.end_before_event);
   if (before_event) end = last_instant = from.end_before_event;
   Restart(from.time, from.size);
+  after_retake = from.jump_step < 0;
   jump = {from.jump_step > 0, from.jump_from, from.jump_to, from.jump_step};
   first_evaluation = false;  // the context's values are for another time
   const std::vector<double> held(context.continuous_data(),
                                  context.continuous_data() + program.num_continuous);
   while (finish < time - Tiny(time)) Advance(true);
   MoveContext(time);
-  context.num_steps_ = num_steps, context.movement_ = movement;
+  context.num_steps_ = num_steps;
+  watches = false;
   if (std::equal(held.begin(), held.end(), context.continuous_data())) return true;
   // With other options the step would differ, so start from the present states instead.
   from.valid = false;
@@ -494,6 +502,8 @@ void SundialsIntegrator::Run::Retake(double time) {
 /// beginning of the step. Returns whether it went back.
 bool SundialsIntegrator::Run::RetakeBefore(double event) {
   constexpr double kBefore = 1e-3, kBeginning = 1e-2;
+  // A restart of a multistep method costs many small steps, so it comes close to an event only once.
+  if (solver.multistep() && after_retake) return false;
   if (event - step_begin <= kBeginning * (finish - step_begin)) return false;
   const double size = (1 - kBefore) * (event - step_begin);
   if (size <= 100 * Tiny(event)) return false;
@@ -516,21 +526,28 @@ void SundialsIntegrator::Run::CheckProgress(double from, double to, bool arrived
     return;
   }
   const auto limit = static_cast<double>(options.max_steps);
-  if (++context.num_steps_ <= limit) return;
+  if (++context.num_steps_ < limit) return;
+  if (context.num_steps_ == limit || !watches) {
+    std::copy_n(solver.states(), before.size(), watched.data());
+    watches = true;
+    context.num_steps_ = limit;
+    context.movement_ = 0;
+    return;
+  }
+  // The way from the beginning of the window: an explicit method at the limit of its stability moves to and
+  // fro.
   if (to - from > internal::kTimeResolution * std::abs(to)) {
-    double largest = 0;
     for (std::size_t i = 0; i < before.size(); ++i) {
-      const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
-      largest = std::max(largest, std::abs(solver.states()[i] - step_states[i]) / tolerance);
+      const double tolerance = options.rtol * std::abs(watched[i]) + tolerances[i];
+      context.movement_ = std::max(context.movement_, std::abs(solver.states()[i] - watched[i]) / tolerance);
     }
-    context.movement_ += largest;
   }
   if (context.num_steps_ < limit + kWatched) return;
   if (context.movement_ < kWatched) {
     ThrowFailure(
         to, to - from,
-        fmt::format("it makes no progress: in {} steps, the states move by {:.2g} tolerances per step",
-                    options.max_steps, context.movement_ / kWatched));
+        fmt::format("it makes no progress: after {} steps, {} more move the states by {:.2g} tolerances",
+                    options.max_steps, kWatched, context.movement_));
   }
   context.num_steps_ = context.movement_ = 0;
 }
@@ -764,7 +781,7 @@ void SundialsIntegrator::Run::KeepStepControl(double h) {
 void SundialsIntegrator::Run::KeepJump() {
   context.step_start_.jump_from = jump.from;
   context.step_start_.jump_to = jump.to;
-  context.step_start_.jump_step = jump.known ? jump.step : 0;
+  context.step_start_.jump_step = jump.known ? jump.step : after_retake ? -1 : 0;
 }
 
 /// Handles a jump of the derivatives, in time or state, that is not declared. The error test alone would

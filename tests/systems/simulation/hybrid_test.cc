@@ -343,12 +343,19 @@ TEST(HybridDefaultsTest, BallsOfAnySizeBounceAndComeToRestWhereverTheFloorIs) {
 }
 
 TEST(HybridDefaultsTest, EventsOfShrinkingIntervalsThatCanBeToldApartAreNoAccumulation) {
-  const auto clicks = [](double t, const Vec<2>&) {
-    double product = 1;
-    for (const double at : {1.0, 2.0, 2.9, 2.9012, 2.90120001, 5.0}) product *= t < at ? 1 : -1;
-    return product;
+  struct Clicks final : LeafSystem<void> {
+    DiscreteState<int> n{this, "n"};
+    Witness click{this, "click", Crossing::kRising, Uses(time, n), [](double t, int n) {
+                    const double at[] = {1, 2, 2.9, 2.9012, 2.90120001, 5};
+                    return t - at[n];
+                  }};
+    Update<int> count{n, click, Uses(n), [](int n) { return n + 1; }};
   };
-  EXPECT_EQ(Simulate({.witness = clicks}, {}, 0, 4).count, 5);
+  DiagramBuilder builder;
+  const auto& clicks = builder.Add<Clicks>("clicks");
+  Simulator simulator(builder.Build());
+  simulator.RunTo(4);
+  EXPECT_EQ(simulator.context().Eval(clicks.n), 5);
 }
 
 TEST(HybridDefaultsTest, FastMotionIsProgress) {
