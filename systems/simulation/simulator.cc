@@ -15,7 +15,6 @@
 #include <thread>
 namespace tenon {
 
-using internal::kInstant;
 using internal::Profiled;
 using internal::Profiler;
 using internal::TickPlan;
@@ -42,10 +41,14 @@ std::exception_ptr WithEachLog(const RatedLogs& logs, void (SignalLog::*act)()) 
   return first;
 }
 
-/// Events accumulate if this many successive intervals between them have shrunk, and the remaining time of
-/// the geometric series with their ratio is less than this part of the first interval.
-constexpr int kShrinking = 2;
-constexpr double kAccumulated = 2e-6;
+/// Events less than this part of the time apart are at one instant: they cannot be told apart.
+constexpr double kInstant = 16 * internal::kTimeResolution;
+/// Number of successive shrinking intervals between events from which their limit is extrapolated.
+constexpr double kSeries = 4;
+/// What Context::event_memory_ keeps of each witness: the time of its last event [s], the number of events at
+/// this instant, the last interval between two events [s], and the number of successive intervals that were
+/// each shorter than the one before.
+enum { kLast, kCount, kInterval, kShrinking, kEventMemory };
 
 /// Times of the run are exact enough if their rounding is less than this part of the shortest period of ticks
 /// that restart the integrator, or of the longest step if there are none.
@@ -142,7 +145,6 @@ void Simulator::MakeEventFinder() {
       std::move(kinds), [this](double time, double* values) { integrator_->EvaluateWitnesses(time, values); },
       &context_->witness_memory_);
   witness_values_.resize(program_.witness_plans.size());
-  events_.resize(program_.witness_plans.size());
   fired_.reserve(program_.witness_plans.size());
 }
 
@@ -426,7 +428,8 @@ void Simulator::IntegrateTo(double target) {
 void Simulator::StartFinder() {
   if (finder_->empty() || finder_->started()) return;
   EvaluateWitnesses();
-  finder_->Start(witness_values_.data());
+  finder_->Start(witness_values_.data(), integrator_->BeginMotion());
+  integrator_->EndMotion();
 }
 
 /// Starts at the present time and states, towards the next instant at which the dynamics change.
@@ -439,21 +442,55 @@ void Simulator::StartIntegrator() {
   interval.local = IsCoarse(std::isinf(interval.end) ? context_->time() : interval.end);
   if (interval.local && tick <= jump) interval.end_rest = schedule_->next_feeding_rest();
   const double time = context_->time(), rest = context_->time_rest_;
+  const bool inside = context_->step_start_.valid;
+  if (inside) present_memory_ = context_->witness_memory_;
   const bool again = integrator_->Start(interval);
   const double now = integrator_->Local(time, rest);
   horizon_ = integrator_->Local(interval.end, interval.end_rest);
   next_stop_ = integrator_->finish();
   stop_is_due_ = next_stop_ > now;
   is_event_ = false;
-  if (!again || finder_->empty()) return;
-  // The step was repeated, and with it the search for events; those already handled do not fire again.
-  FindEvent(integrator_->begin());
-  while (is_event_ && next_stop_ <= now) {
-    for (const std::size_t i : fired_) finder_->StartAgain(i, 0, true);
-    FindEvent(next_stop_);
+  if (finder_->empty()) return;
+  if (again) {
+    // The step was repeated, and with it the search for the next event in it.
+    context_->witness_memory_ = context_->step_start_.witnesses;
+    FindEvent(context_->step_start_.searched_from);
+    if (next_stop_ <= now) context_->witness_memory_ = present_memory_;
+    stop_is_due_ = next_stop_ > now;
+    integrator_->MoveContext(time, rest);
+    return;
   }
-  stop_is_due_ = next_stop_ > now;
-  integrator_->MoveContext(time, rest);
+  if (inside) context_->witness_memory_.clear();  // it belongs to a time ahead
+  StartFinder();
+  if (finder_->undecided()) DecideSides();
+}
+
+/// Gives witnesses that are zero the side to which the motion takes them.
+void Simulator::DecideSides() {
+  const double time = context_->time();
+  const std::size_t i = finder_->Decide(time, integrator_->reach(), integrator_->BeginMotion());
+  integrator_->EndMotion();
+  if (i == finder_->size()) return;
+  const internal::WitnessPlan& plan = program_.witness_plans[i];
+  throw RunError(
+      fmt::format(
+          "events of witness '{}' accumulate at t = {} s: its updates leave it at zero within rounding, and "
+          "the motion then takes it across. Add a Mode for the motion that follows (rest, contact), and "
+          "enter it when the speed is small",
+          plan.witness->path(), time),
+      plan.witness->owner().path());
+}
+
+/// The part of Context::event_memory_ for a witness.
+double* Simulator::EventMemory(std::size_t witness) {
+  std::vector<double>& memory = context_->event_memory_;
+  const std::size_t size = kEventMemory * program_.witness_plans.size();
+  if (memory.size() != size) {
+    memory.assign(size, 0);
+    for (std::size_t i = 0; i < size; i += kEventMemory)
+      memory[i + kLast] = -std::numeric_limits<double>::infinity();
+  }
+  return memory.data() + kEventMemory * witness;
 }
 
 /// The next declared jump of a block that feeds the integrator [s].
@@ -481,15 +518,15 @@ void Simulator::FindEvent(double from) {
   is_event_ = false;
   if (finder_->empty()) return;
   const bool whole = from == integrator_->begin();
-  if (whole) memory_at_begin_ = context_->witness_memory_;
+  context_->step_start_.searched_from = from;
+  context_->step_start_.witnesses = context_->witness_memory_;
   is_event_ = from < next_stop_ && finder_->Find(from, integrator_->finish(), &next_stop_, &fired_);
   if (!is_event_ || !whole || !EventFeeds()) return;
-  const bool kink = std::any_of(fired_.begin(), fired_.end(),
-                                [this](std::size_t i) { return program_.witness_plans[i].is_kink; });
-  // For a multistep method a restart costs more than a witness at which the derivatives may jump.
-  if (!kink && (options_.method == Method::kBdf || options_.method == Method::kAdams)) return;
+  // For a multistep method a restart costs more than an event inside a step, unless the derivatives jump
+  // there.
+  if (IsMultistep() && !(KinkFires() && integrator_->JumpsAt(next_stop_))) return;
   if (!integrator_->RetakeBefore(next_stop_)) return;
-  context_->witness_memory_ = memory_at_begin_;
+  context_->witness_memory_ = context_->step_start_.witnesses;
   next_stop_ = integrator_->finish();
   stop_is_due_ = is_event_ = false;
   integrator_->MoveContext(next_stop_);  // from the time of the last evaluation of the search
@@ -612,19 +649,21 @@ void Simulator::EvaluateWitnesses() {
 void Simulator::Fire(std::size_t witness) {
   const internal::WitnessPlan& plan = program_.witness_plans[witness];
   const double now = context_->time();
-  Events& events = events_[witness];
-  const double interval = now - events.instant;
-  events.count = interval <= kInstant ? events.count + 1 : 1;
-  const double ratio = interval / events.interval;
-  events.shrinking = ratio < 1 && std::isfinite(events.interval) ? events.shrinking + 1 : 0;
-  if (events.shrinking == 0) events.first_interval = interval;
-  events.interval = interval;
-  events.instant = now;
-  const bool accumulate =
-      events.shrinking >= kShrinking && interval * ratio / (1 - ratio) < kAccumulated * events.first_interval;
-  if (accumulate || events.count > options_.max_events) {
+  double* const events = EventMemory(witness);
+  const double interval = now - events[kLast], before = events[kInterval];
+  const double instant = kInstant * std::abs(now);
+  const bool same = interval <= instant;
+  events[kCount] = same ? events[kCount] + 1 : 1;
+  const bool shrinks = interval < before + instant && std::isfinite(before);
+  events[kShrinking] = shrinks ? events[kShrinking] + 1 : 0;
+  events[kInterval] = interval;
+  events[kLast] = now;
+  // The sum of the intervals to come, if they shrink like the last one.
+  const double left = interval * interval / (before - interval);
+  const bool accumulate = events[kShrinking] >= kSeries && interval < before && left <= instant;
+  if (accumulate || events[kCount] > options_.max_events) {
     const std::string what =
-        accumulate ? "accumulate" : fmt::format("occur {} times at one instant", events.count);
+        accumulate ? "accumulate" : fmt::format("occur {} times at one instant", events[kCount]);
     if (plan.is_kink) {
       throw RunError(
           fmt::format("changes of kink '{}' {} at t = {} s: the state slides along the discontinuity, "
@@ -641,17 +680,41 @@ void Simulator::Fire(std::size_t witness) {
         plan.witness->owner().path());
   }
   if (plan.is_kink) {
-    integrator_->Halt();
-  } else {
-    Apply(plan.updates);
+    // A multistep method crosses a kink by its error test, and restarts only where the derivatives jump.
+    if (!IsMultistep() || !integrator_->can_go_on() || integrator_->JumpsAt(integrator_->Local(now, context_->time_rest_)))
+      integrator_->Halt();
+    return;
   }
+  if (!same) context_->num_steps_ = context_->movement_ = 0;
+  Apply(plan.updates);
 }
 
 void Simulator::HandleEvent() {
+  if (EventFeeds()) {
+    finder_->CheckSpeeds(fired_, integrator_->BeginMotion());
+    integrator_->EndMotion();
+  }
   for (const std::size_t i : fired_) Fire(i);
   EvaluateWitnesses();
-  for (const std::size_t i : fired_) finder_->StartAgain(i, witness_values_[i], true);
+  MeasureRounding();
+  for (const std::size_t i : fired_) {
+    finder_->StartAgain(i, witness_values_[i], true, program_.witness_plans[i].updates.feeds);
+  }
   HandleJumps();
+}
+
+void Simulator::MeasureRounding() {
+  finder_->MeasureRounding(witness_values_.data(), integrator_->BeginMotion());
+  integrator_->EndMotion();
+}
+
+bool Simulator::KinkFires() const {
+  return std::any_of(fired_.begin(), fired_.end(),
+                     [this](std::size_t i) { return program_.witness_plans[i].is_kink; });
+}
+
+bool Simulator::IsMultistep() const {
+  return options_.method == Method::kBdf || options_.method == Method::kAdams;
 }
 
 /// Fires the witnesses that were moved across zero at one instant, until none remains. Kinks moved to another
@@ -666,8 +729,9 @@ void Simulator::HandleJumps() {
     if (!program_.witness_plans[i].is_kink) {
       Fire(i);
       EvaluateWitnesses();
+      MeasureRounding();
     }
-    finder_->StartAgain(i, witness_values_[i], false);
+    finder_->StartAgain(i, witness_values_[i], false, true);
   }
   finder_->Settle(witness_values_.data());
 }

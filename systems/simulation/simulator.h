@@ -116,6 +116,11 @@ class Simulator {
   void HandleEvent();
   void Fire(std::size_t witness);
   void EvaluateWitnesses();
+  void MeasureRounding();
+  void DecideSides();
+  double* EventMemory(std::size_t witness);
+  bool IsMultistep() const;
+  bool KinkFires() const;
   // Functions called at every tick have hidden visibility, so that GCC can inline them.
   [[gnu::visibility("hidden")]] void IntegrateTo(double target);
   [[gnu::visibility("hidden")]] void StartFinder();
@@ -162,16 +167,8 @@ class Simulator {
 
   std::unique_ptr<internal::EventFinder> finder_;
   std::vector<double> witness_values_;
-  std::vector<double> memory_at_begin_;  ///< state of the finder at the beginning of the last step
-  std::vector<std::size_t> fired_;       ///< witnesses and kinks of the event at next_stop_
-  struct Events {
-    double instant = -std::numeric_limits<double>::infinity();  ///< time of the last event [s]
-    int count = 0;                                              ///< number at this instant
-    double interval = 0;                                        ///< between the last two [s]
-    double first_interval = 0;  ///< at the beginning of the shrinking sequence
-    int shrinking = 0;          ///< number of successive intervals shorter than the one before
-  };
-  std::vector<Events> events_;  ///< events of each witness and kink
+  std::vector<double> present_memory_;  ///< of the finder, while a step is repeated
+  std::vector<std::size_t> fired_;      ///< witnesses and kinks of the event at next_stop_
 
   std::optional<std::string> end_reason_;
   const Source* ended_by_ = nullptr;        ///< see RunStatus::monitor

@@ -54,14 +54,18 @@ struct SimulatorOptions {
   double rtol = 1e-6;
   double atol = 1e-9;
   std::vector<StateTolerance> state_atol = {};
-  double fixed_step = 0;  ///< [s]; 0 for step-size control by the tolerances. Not for CVODE.
+  /// [s]; 0 for step-size control by the tolerances. Not for CVODE. Steps also end at ticks, kinks and
+  /// events.
+  double fixed_step = 0;
   /// Upper limit of the step size [s]; 0 for none. Pulses shorter than a quarter of a step, and pairs of zero
-  /// crossings that close together, can lie between the samples of a step and be missed.
+  /// crossings that close together, can lie between the samples of a step and be missed. The default suits
+  /// machines that move in seconds; the first step of a run is a hundredth of it.
   double max_step = 0.1;
-  /// Maximum number of integrator steps within a tenth of a second; more is an error, because the run makes
-  /// no progress. It does not depend on the length of a run or its division into advances.
+  /// After this many successive steps, the motion is checked: if steps much shorter than max_step, with no
+  /// tick or event of a witness between them, move no state by more than its tolerance on average, the run
+  /// makes no progress, which is an error. The number of steps of a run is not limited.
   long max_steps = 100000;
-  int max_events = 100;       ///< maximum events of one witness or kink at one instant
+  int max_events = 100;       ///< maximum events of one witness or kink at one instant, within rounding
   double real_time_rate = 0;  ///< 1 runs in real time, 0 as fast as possible
   LatePolicy late_policy = LatePolicy::kCatchUp;
   double late_tolerance = 1e-3;  ///< [s] of wall-clock time; a tick that begins later by more is missed

@@ -80,6 +80,9 @@ Context::Context(const Context& other, const internal::Program& program)
       next_step_(other.next_step_),
       last_error_(other.last_error_),
       witness_memory_(other.witness_memory_),
+      event_memory_(other.event_memory_),
+      num_steps_(other.num_steps_),
+      movement_(other.movement_),
       step_start_(other.step_start_) {
   std::memcpy(memory_.get(), other.memory_.get(), program.memory_size);  // all but the objects, copied next
   for (const Cell& cell : program.objects) {
@@ -301,11 +304,17 @@ void Context::EnsureFresh(int calculation) {
   RunStale(std::span(&op, 1));
 }
 
-/// Marks every computed value stale after a change from outside the run.
-void Context::MarkAllStale(bool settled) {
+void Context::ForgetRun() {
   ++edition_;
   step_start_.valid = false;
   witness_memory_.clear();
+  event_memory_.clear();
+  num_steps_ = movement_ = 0;
+}
+
+/// Marks every computed value stale after a change from outside the run.
+void Context::MarkAllStale(bool settled) {
+  ForgetRun();
   const auto& calculations = diagram_->program().calculations;
   for (std::size_t i = 0; i < calculations.size(); ++i) {
     const Source& source = *calculations[i].source;
@@ -322,6 +331,7 @@ void Context::SetTime(double time) {
   SetRunTime(time);
   time_rest_ = 0;
   MarkAllStale();
+  next_step_ = last_error_ = 0;
 }
 
 Eigen::Map<const Eigen::VectorXd> Context::continuous_state() const {
@@ -350,9 +360,7 @@ Eigen::VectorXd Context::EvalTimeDerivatives() {
 }
 
 void Context::CalcTimeDerivatives(double t, const double* x, double* xdot) {
-  ++edition_;
-  step_start_.valid = false;
-  witness_memory_.clear();
+  ForgetRun();
   time_rest_ = 0;
   CalcRunDerivatives(t, x, xdot);
 }

@@ -158,6 +158,8 @@ class Context {
   bool IsFresh(const internal::Op& op) const;
   /// Marks all calculations stale; with `settled`, also those that depend only on Parameters.
   void MarkAllStale(bool settled = true);
+  /// Forgets what follows from the values before a change from outside.
+  void ForgetRun();
   [[gnu::visibility("hidden")]] double* continuous_data();
   [[gnu::visibility("hidden")]] double* derivative_data();
   /// Copies `x` to all continuous states.
@@ -217,12 +219,25 @@ class Context {
   double last_error_ = 0;
   /// The side of zero of each witness, see internal::EventFinder; empty if it follows from the values.
   std::vector<double> witness_memory_;
+  /// The last events of each witness, see Simulator::Fire; empty if there were none.
+  std::vector<double> event_memory_;
+  /// Successive integrator steps, and the sum of the movements of those that are watched, see
+  /// SimulatorOptions::max_steps.
+  double num_steps_ = 0, movement_ = 0;
   /// Initial data that brings the integrator back to the present time if the context is inside a step or at
   /// its end: the states, the step size, and the memories of the step-size control and the witnesses.
   struct StepStart {
     bool valid = false;
-    double origin = 0, time = 0, size = 0, next_step = 0, last_error = 0;  ///< `time` counts from the origin
-    std::vector<double> states = {}, witnesses = {};
+    /// Times count from the origin.
+    double origin = 0, time = 0, size = 0, next_step = 0, last_error = 0;
+    double interval_begin = 0;  ///< time at which the integrator was started [s]
+    std::vector<double> states = {};
+    /// Time from which the step was last searched for events [s], and the memory of the witnesses there.
+    double searched_from = 0;
+    std::vector<double> witnesses = {};
+    /// An undeclared jump of the derivatives that the step ends before or crosses: the interval that contains
+    /// it [s], and the size of the step that met it, 0 if there is no jump.
+    double jump_from = 0, jump_to = 0, jump_step = 0;
     /// End of the integration interval [s] if it lies just before an event, else infinity.
     double end_before_event = std::numeric_limits<double>::infinity();
 
@@ -232,8 +247,13 @@ class Context {
               {"size", &StepStart::size},
               {"next_step", &StepStart::next_step},
               {"last_error", &StepStart::last_error},
+              {"interval_begin", &StepStart::interval_begin},
               {"states", &StepStart::states},
+              {"searched_from", &StepStart::searched_from},
               {"witnesses", &StepStart::witnesses},
+              {"jump_from", &StepStart::jump_from},
+              {"jump_to", &StepStart::jump_to},
+              {"jump_step", &StepStart::jump_step},
               {"end_before_event", &StepStart::end_before_event},
               Undescribed(&StepStart::valid)};  // saved separately, before the others
     }

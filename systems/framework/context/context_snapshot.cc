@@ -73,6 +73,9 @@ std::vector<std::byte> Context::Save() const {
   internal::Save(next_step_, archive);
   internal::Save(last_error_, archive);
   internal::Save(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
+  internal::Save(internal::TypeInfoOf<std::vector<double>>(), &event_memory_, archive);
+  internal::Save(num_steps_, archive);
+  internal::Save(movement_, archive);
   internal::Save(step_start_.valid, archive);
   if (step_start_.valid) internal::Save(internal::TypeInfoOf<StepStart>(), &step_start_, archive);
   for (const Cell& cell : program.saved) {
@@ -116,14 +119,17 @@ void Context::Load(std::span<const std::byte> bytes) {
   internal::Load(progress_, archive);
   double time_rest = 0;
   internal::Load(time_rest, archive);
-  internal::Load(next_step_, archive);
-  internal::Load(last_error_, archive);
   if (!std::isfinite(time) || progress_ > Progress::kTickDue)
     throw RunError("the snapshot is damaged: its time or its progress is invalid");
   SetTime(time);
   time_rest_ = time_rest;
   failure_.clear();
+  internal::Load(next_step_, archive);
+  internal::Load(last_error_, archive);
   internal::Load(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
+  internal::Load(internal::TypeInfoOf<std::vector<double>>(), &event_memory_, archive);
+  internal::Load(num_steps_, archive);
+  internal::Load(movement_, archive);
   internal::Load(step_start_.valid, archive);
   if (step_start_.valid) {
     internal::Load(internal::TypeInfoOf<StepStart>(), &step_start_, archive);

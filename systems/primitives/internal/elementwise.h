@@ -80,9 +80,10 @@ std::int64_t PieceOf(F piece, const T& first, const More&... more) {
     std::uint64_t combined = 0;
     for (Eigen::Index i = 0; i < first.size(); ++i) {
       const auto each = static_cast<std::int64_t>(piece(first.data()[i], more.data()[i]...));
+      // An odd factor keeps the difference that any one element makes in the low bits.
       combined = combined * 1000003 + static_cast<std::uint64_t>(each);
     }
-    return static_cast<std::int64_t>(combined >> 12);  // a double holds 53 bits exactly
+    return static_cast<std::int64_t>(combined & ((std::uint64_t{1} << 53) - 1));  // a double holds 53 bits
   }
 }
 

@@ -10,7 +10,7 @@ namespace tenon::internal {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr double kRounding = 64 * kEpsilon;  ///< of a value, relative to the largest in recent steps
+constexpr double kRounding = 64 * kEpsilon;  ///< of a value, relative to the largest beside it
 constexpr std::size_t kMaxDepth = 9;         ///< levels of halving a step
 constexpr std::size_t kMaxDips = 2;          ///< maximum number of dips that are sampled per interval
 /// An interval is halved if a middle value differs from the cubic through the others by more than these
@@ -24,8 +24,18 @@ constexpr std::size_t kNumPlaces = 6;
 constexpr std::array<double, kNumPlaces> kPlaces{0, 0.13, 0.32, 0.55, 0.79, 1};
 constexpr std::size_t kPerDepth = kNumPlaces - 2 + kMaxDips;  ///< maximum samples per level
 using Values = std::array<double, kNumPlaces>;
-/// Fractions of a step after an event, because a function may return to zero at once.
-constexpr std::array<double, 7> kProbes{1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3};
+/// A function after its event is sampled at this many resolutions of time, and then at multiples of the time
+/// since the event, because it may return to zero at once.
+constexpr double kFirstProbe = 2, kNextProbe = 4;
+/// The slope of a function at its event is measured over this many resolutions of time, at most, and over
+/// this part of the time since the search began.
+constexpr double kSlope = 256, kSlopePart = 0.125;
+/// Of where a function came from while it is undecided: a start or a jump. Otherwise it is the side.
+constexpr double kNoSide = 2;
+/// Of the origin, as a factor of the side: the states had no speed through zero at the event.
+constexpr double kUnresolved = 3;
+/// Patterns of signs by which all states are moved to measure the rounding of a function.
+constexpr int kPatterns = 3;
 
 /// The k-th Lagrange polynomial of `nodes`, which is 1 at the k-th node and 0 at the others, evaluated at
 /// `s`.
@@ -91,47 +101,54 @@ EventFinder::EventFinder(std::vector<Kind> kinds, Evaluate evaluate, std::vector
   samples_.resize(kPerDepth * (kMaxDepth + 1));
   for (Sample& sample : samples_) sample.values.resize(kinds_.size());
   for (Sample* sample : {&first_, &last_, &low_, &high_, &try_}) sample->values.resize(kinds_.size());
+  rounding_.resize(kinds_.size());
 }
 
-void EventFinder::Start(const double* values) {
-  memory_->assign(3 * kinds_.size(), 0.0);
+void EventFinder::Start(const double* values, Motion& motion) {
+  memory_->assign(kMemory * kinds_.size(), 0.0);
+  MeasureRounding(values, motion);
+  for (std::size_t i = 0; i < kinds_.size(); ++i) {
+    if (kinds_[i] == Kind::kPiece) continue;
+    Memory(kOrigins, i) = kNoSide;
+    Memory(kZeros, i) = rounding_[i];
+  }
   Settle(values);
-}
-
-/// Returns whether a witness with this value is on a side of zero.
-bool EventFinder::IsSide(std::size_t i, double value) const {
-  return std::abs(value) > std::max(Memory(kZeros, i), kRounding * Memory(kScales, i));
 }
 
 bool EventFinder::Fires(std::size_t i, double value) const {
   const double side = Memory(kSides, i);
   if (kinds_[i] == Kind::kPiece) return value != side;
-  return (side > 0 && value <= 0 && kinds_[i] != Kind::kRising) ||
-         (side < 0 && value >= 0 && kinds_[i] != Kind::kFalling);
+  // Until it has left zero, a function is there within rounding.
+  const double zero = Memory(kZeros, i);
+  const auto passes = [zero](double towards) { return zero > 0 ? towards > zero : towards >= 0; };
+  return (side > 0 && passes(-value) && kinds_[i] != Kind::kRising) ||
+         (side < 0 && passes(value) && kinds_[i] != Kind::kFalling);
 }
 
 void EventFinder::Settle(const double* values) {
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
     if (kinds_[i] == Kind::kPiece) {
       Memory(kSides, i) = values[i];
-    } else if (IsSide(i, values[i])) {
+    } else if (std::abs(values[i]) > Memory(kZeros, i)) {
       Memory(kSides, i) = values[i] > 0 ? 1 : -1;
-      Memory(kZeros, i) = 0;
+      Memory(kZeros, i) = Memory(kOrigins, i) = 0;
     }
   }
 }
 
-void EventFinder::StartAgain(std::size_t i, double value, bool found) {
+void EventFinder::StartAgain(std::size_t i, double value, bool found, bool moved) {
+  double& side = Memory(kSides, i);
   if (kinds_[i] == Kind::kPiece) {
-    Memory(kSides, i) = value;
+    side = value;
     return;
   }
-  if (!found) Memory(kZeros, i) = 0;
-  Memory(kSides, i) = 0;
-  if (IsSide(i, value)) {
-    Memory(kSides, i) = value > 0 ? 1 : -1;
-    Memory(kZeros, i) = 0;
-  }
+  Memory(kZeros, i) = std::max(found ? Memory(kZeros, i) : 0, rounding_[i]);
+  const bool unresolved = Memory(kOrigins, i) == kUnresolved;
+  Memory(kOrigins, i) = !moved ? 0 : !found ? kNoSide : unresolved ? kUnresolved * side : side;
+  side = 0;
+  if (std::abs(value) <= Memory(kZeros, i)) return;
+  side = value > 0 ? 1 : -1;
+  Memory(kZeros, i) = Memory(kOrigins, i) = 0;
 }
 
 std::size_t EventFinder::FindJump(const double* values) const {
@@ -140,30 +157,101 @@ std::size_t EventFinder::FindJump(const double* values) const {
   return i;
 }
 
+bool EventFinder::undecided() const {
+  const auto begin = memory_->begin() + static_cast<std::ptrdiff_t>(kOrigins * kinds_.size());
+  return started() && std::any_of(begin, memory_->end(), [](double origin) { return origin != 0; });
+}
+
+/// Returns whether a function has no side, or has not left zero.
+bool EventFinder::AnyAtZero() const {
+  for (std::size_t i = 0; i < kinds_.size(); ++i) {
+    if (kinds_[i] != Kind::kPiece && (Memory(kSides, i) == 0 || Memory(kZeros, i) > 0)) return true;
+  }
+  return false;
+}
+
+/// Measures by how much rounding changes each function. Changes that do not grow with the movement of the
+/// states are jumps of the function instead.
+void EventFinder::MeasureRounding(const double* values, Motion& motion) {
+  constexpr double kParts = 2 * kEpsilon, kMore = 4;
+  std::fill(rounding_.begin(), rounding_.end(), 0.0);
+  for (int pattern = 0; pattern < kPatterns; ++pattern) {
+    motion.EvaluateRounded(kParts, pattern, low_.values.data());
+    motion.EvaluateRounded(kMore * kParts, pattern, high_.values.data());
+    for (std::size_t i = 0; i < kinds_.size(); ++i) {
+      const double change = std::abs(low_.values[i] - values[i]);
+      if (std::abs(high_.values[i] - values[i]) >= kMore / 2 * change)
+        rounding_[i] = std::max(rounding_[i], 2 * change);
+    }
+  }
+}
+
+void EventFinder::CheckSpeeds(const std::vector<std::size_t>& fired, Motion& motion) {
+  const double ahead = kSlopePart * (high_.time - begin_);
+  motion.EvaluateStraight(ahead, try_.values.data());
+  motion.EvaluateStraight(-ahead, last_.values.data());
+  for (const std::size_t i : fired) {
+    if (kinds_[i] == Kind::kPiece) continue;
+    const bool returns = (try_.values[i] - last_.values[i]) * Memory(kSides, i) > 0;
+    Memory(kOrigins, i) = returns ? kUnresolved : 0;
+  }
+}
+
+std::size_t EventFinder::Decide(double time, double reach, Motion& motion) {
+  motion.EvaluateStraight(0, first_.values.data());
+  auto open = std::count_if(memory_->begin() + static_cast<std::ptrdiff_t>(kOrigins * kinds_.size()),
+                            memory_->end(), [](double origin) { return origin != 0; });
+  const double begin = std::max(kFirstProbe * kTimeResolution * std::abs(time), kEpsilon * reach);
+  for (double ahead = begin; open > 0 && ahead < reach; ahead *= 2) {
+    std::vector<double>&values = low_.values, &rough = high_.values, &line = try_.values,
+    &back = last_.values;
+    motion.Evaluate(ahead, 3, values.data());
+    const auto leaves = [&](std::size_t i) {
+      return Memory(kOrigins, i) != 0 && std::abs(values[i]) > Memory(kZeros, i);
+    };
+    std::size_t i = 0;
+    while (i < kinds_.size() && !leaves(i)) ++i;
+    if (i == kinds_.size()) continue;
+    motion.Evaluate(ahead, 2, rough.data());
+    motion.EvaluateStraight(ahead, line.data());
+    motion.EvaluateStraight(-ahead, back.data());
+    for (; i < kinds_.size(); ++i) {
+      // Farther ahead the two orders differ, and neither is right.
+      if (!leaves(i) || !(std::abs(values[i] - rough[i]) <= 0.25 * std::abs(values[i]))) continue;
+      const double side = values[i] > 0 ? 1 : -1;
+      // A function passes through zero only with a speed that accounts for most of its way.
+      const double by_speed = side * (line[i] - back[i]) / 2;
+      const double origin = Memory(kOrigins, i);
+      const bool resolved =
+          std::abs(origin) != kUnresolved && by_speed >= 0.5 * side * (values[i] - first_.values[i]);
+      if (!resolved && origin * side < 0 && std::abs(origin) != kNoSide) return i;
+      Memory(kSides, i) = side;
+      Memory(kOrigins, i) = 0;
+      --open;
+    }
+  }
+  // The others stay at zero; the search goes on to watch them.
+  for (std::size_t i = 0; i < kinds_.size(); ++i) Memory(kOrigins, i) = 0;
+  return kinds_.size();
+}
+
 void EventFinder::Take(double time, Sample* sample) {
   sample->time = time;
   evaluate_(time, sample->values.data());
-  for (std::size_t i = 0; i < kinds_.size(); ++i) {
-    if (std::isfinite(sample->values[i]))
-      Memory(kScales, i) = std::max(Memory(kScales, i), std::abs(sample->values[i]));
-  }
 }
 
 bool EventFinder::Find(double from, double to, double* time, std::vector<std::size_t>* fired) {
   fired->clear();
-  for (std::size_t i = 0; i < kinds_.size(); ++i) Memory(kScales, i) *= 0.5;
+  begin_ = from;
   Take(to, &last_);
   Take(from, &first_);
-  bool undecided = false;
-  for (std::size_t i = 0; i < kinds_.size(); ++i)
-    undecided |= kinds_[i] != Kind::kPiece && Memory(kSides, i) == 0;
-  if (undecided) {
-    Sample& probe = samples_.back();
-    for (const double part : kProbes) {
-      Take(from + part * (to - from), &probe);
-      if (LookBetween(first_, probe, time, fired)) return true;
-      std::swap(first_, probe);
-    }
+  const double step = to - from;
+  double ahead = std::max(kFirstProbe * kTimeResolution * std::abs(from), kEpsilon * step);
+  Sample& probe = samples_.back();
+  for (; ahead < kPlaces[1] * step && AnyAtZero(); ahead *= kNextProbe) {
+    Take(from + ahead, &probe);
+    if (LookBetween(first_, probe, time, fired)) return true;
+    std::swap(first_, probe);
   }
   return Look(first_, last_, 0, time, fired);
 }
@@ -186,8 +274,7 @@ bool EventFinder::Look(const Sample& a, const Sample& b, std::size_t depth, doub
       smallest = std::min(smallest, std::abs(value));
     }
     const double miss = std::max(std::abs(MissOfCubic(values, 2)), std::abs(MissOfCubic(values, 3)));
-    if (miss > kBends * largest && miss > kReachesZero * smallest && miss > kRounding * Memory(kScales, i))
-      bends = true;
+    if (miss > kBends * largest && miss > kReachesZero * smallest && miss > kRounding * largest) bends = true;
     if (const double dip = FindDip(values); dip > 0 && num_dips < dips.size()) dips[num_dips++] = dip;
   }
   if (bends && depth + 1 < kMaxDepth) {
@@ -228,13 +315,16 @@ bool EventFinder::LookBetween(const Sample& a, const Sample& b, double* time,
   low_ = a;
   high_ = b;
   double low_weight = 1, high_weight = 1;  // weights of the Illinois method
-  for (int iteration = 0; iteration < 200; ++iteration) {
+  for (int iteration = 0; iteration < 1000; ++iteration) {
     const double width = high_.time - low_.time;
-    const double resolution = 4 * kEpsilon * std::max(std::abs(low_.time), std::abs(high_.time));
+    const double resolution = kTimeResolution * std::max(std::abs(low_.time), std::abs(high_.time));
     if (width <= resolution) break;
-    double at = low_.time + width / 2;
+    // Far from the beginning of the search the interval is halved, close to it the order of magnitude.
+    const double before = std::max(low_.time - begin_, resolution), after = high_.time - begin_;
+    const bool close = after > 16 * before;
+    double at = close ? begin_ + std::sqrt(before * after) : low_.time + width / 2;
     const std::size_t i = FindJump(high_.values.data());
-    if (kinds_[i] != Kind::kPiece && iteration % 4 != 3) {
+    if (kinds_[i] != Kind::kPiece && iteration % 4 != 3 && !close) {
       const double low = low_weight * low_.values[i], high = high_weight * high_.values[i];
       if ((low > 0) != (high > 0) && std::isfinite(low - high)) {
         const double secant = low_.time + low / (low - high) * width;
@@ -258,9 +348,23 @@ bool EventFinder::LookBetween(const Sample& a, const Sample& b, double* time,
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
     if (!Fires(i, high_.values[i])) continue;
     fired->push_back(i);
-    Memory(kZeros, i) = 4 * std::abs(high_.values[i]);
   }
+  KeepZeros(a.time, *fired);
   return true;
+}
+
+/// The magnitude below which functions count as zero after their event at `high_`: what they change by while
+/// the time changes by its resolution. A function that is farther from zero has jumped there. One that had
+/// not left zero before is still there.
+void EventFinder::KeepZeros(double from, const std::vector<std::size_t>& fired) {
+  const double resolution = kTimeResolution * std::abs(high_.time);
+  const double window = std::max(4 * resolution, kSlopePart * (high_.time - begin_));
+  Take(std::max(from, high_.time - std::min(kSlope * resolution, window)), &low_);
+  const double distance = high_.time - low_.time;
+  for (const std::size_t i : fired) {
+    const double slope = std::abs(high_.values[i] - low_.values[i]) / distance;
+    Memory(kZeros, i) = 2 * Memory(kZeros, i) + (distance > 0 ? 2 * resolution * slope : 0);
+  }
 }
 
 }  // namespace tenon::internal

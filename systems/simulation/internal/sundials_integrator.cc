@@ -34,9 +34,10 @@ constexpr double kJumps = 3;
 constexpr double kShows = 0.1;
 /// Error of a step with a kink, over the change of the derivative's rate times the step squared.
 constexpr double kKinkWeight = 0.02;
-constexpr double kFirstTry = 1e-3;  // first step [s] without further information; the error test corrects it
-/// A run that takes SimulatorOptions::max_steps steps within this time [s] makes no progress.
-constexpr double kProgress = 0.1;
+/// First step over the largest one, without further information; the error test corrects it.
+constexpr double kFirstTry = 1e-2;
+/// After max_steps steps, the movements of this many are averaged.
+constexpr double kWatched = 100;
 
 void CheckOptions(const SimulatorOptions& options) {
   const auto demand = [](bool holds, const std::string& text) {
@@ -85,9 +86,6 @@ std::vector<double> AbsoluteTolerances(const SimulatorOptions& options, const Di
   return tolerances;
 }
 
-/// Length of an interval without end, for SUNDIALS [s].
-constexpr double kFarAway = 1e6;
-
 /// Returns whether ticks restart the integrator: open tables are accurate only up to a restart.
 bool HasFeedingTicks(const internal::Program& program) {
   return std::any_of(program.groups.begin(), program.groups.end(),
@@ -104,7 +102,9 @@ double EvenStep(double remaining, double wanted) {
 }  // namespace
 
 /// Times in it are the solver's: the run's time minus `origin`.
-struct SundialsIntegrator::Run final : internal::SundialsClient, internal::DerivativeSource {
+struct SundialsIntegrator::Run final : internal::SundialsClient,
+                                       internal::DerivativeSource,
+                                       internal::EventFinder::Motion {
   Run(Context& c, const SimulatorOptions& o)
       : context(c),
         program(c.diagram().program()),
@@ -115,10 +115,12 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
         interpolant(program.num_continuous, std::max(3, options.order), options.method == Method::kDirk),
         before(static_cast<std::size_t>(program.num_continuous)),
         step_states(before.size()),
+        watched(before.size()),
         checks_stages(options.fixed_step == 0 && (options.method == Method::kDirk ||
                                                   (options.method == Method::kErk && options.order > 3))),
         checks_bends(checks_stages && options.method == Method::kErk && options.order == 5) {
     for (std::vector<double>& each : jump_work) each.resize(before.size());
+    for (std::vector<double>& each : motion) each.resize(before.size());
     if (checks_stages) stages.slopes.resize(stages.times.size() * before.size());
   }
 
@@ -128,11 +130,15 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   [[gnu::visibility("hidden")]] void Advance(bool one_step);
   [[gnu::visibility("hidden")]] void MoveContext(double t, double time, double rest);
   [[gnu::visibility("hidden")]] void LoadInside(double t);
-  [[gnu::visibility("hidden")]] double FirstStep(double time) const;
+  [[gnu::visibility("hidden")]] double FirstStep(double time);
   [[gnu::visibility("hidden")]] double LargestStep(double time) const;
   [[gnu::visibility("hidden")]] void Count(double step);
   bool TakeStepAgain();
-  void CheckProgress(double time);
+  void CheckProgress(double from, double to, bool arrived);
+  double FirstGuess(double time);
+  void BeginMotion();
+  void EndMotion();
+  bool JumpsAt(double event);
   void KeepStage(double t, const double* xdot);
   std::size_t SortStages(std::array<std::size_t, 16>* order) const;
   bool StagesJump() const;
@@ -141,7 +147,6 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   bool RetakeBefore(double event);
   void EvaluateWitnesses(double t, double* values);
   void KeepStepStart();
-  double Target() const { return std::isinf(end) ? finish + kFarAway : end; }
   void SetOrigin(double time);
   void EndAt(double time);
   /// The solver's time at the run's time `time` + `rest`.
@@ -151,6 +156,9 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   /// The time of an evaluation at `t`: not after a jump at the end of the interval.
   double Instant(double t) const { return Global(std::min(t, last_instant)); }
   double Tiny(double t) const { return 1e-14 * (unit + std::abs(t)); }
+  void KeepStepControl(double h);
+  void KeepJump();
+  double Target() const;
   bool has_past() const { return !internal::IsExplicit(options.method); }
   [[noreturn]] void ThrowNonFiniteState(double time);
   [[noreturn]] void ThrowFailure(int flag);
@@ -168,6 +176,10 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   double ChooseStep(double t, double h, double error, int order) override;
   void ErrorWeights(const double* y, double* weights) override;
   void EvaluateForInterpolant(double t, const double* x, double* xdot) override;
+  void Evaluate(double ahead, int order, double* values) override;
+  void EvaluateStraight(double ahead, double* values) override;
+  void EvaluateRounded(double parts, int pattern, double* values) override;
+  void EvaluateWitnessesAt(double t, const double* x, double* values);
 
   Context& context;
   const internal::Program& program;
@@ -188,6 +200,8 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   std::vector<double> before;       // states at the beginning of the last Advance
   double begin = 0;                 // time of the beginning of the last Advance
   std::vector<double> step_states;  // states at the beginning of the last step
+  std::vector<double> watched;      // states after max_steps steps, see CheckProgress
+  bool watches = false;             // these are known
   double step_begin = 0;            // time of the beginning of the last step
   // Open tables meet jumps only at the ticks that end their steps.
   const bool seeks_jumps =
@@ -202,11 +216,11 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   } stages;                       // of the present step, the first at its beginning
   double end = 0;                 // of the interval
   bool before_event = false;      // the interval ends just before an event
+  bool after_retake = false;      // the interval before did
   double last_instant = 0;        // last instant at which the interval's dynamics may be evaluated
-  long steps = 0;                 // in the present window of progress
-  double window = 0;              // beginning of the window, in the run's time
+  double interval_begin = 0;      // time of the last Start that did not repeat a step
   double step = 0;                // first step after a restart; with a fixed step, all steps
-  int refused = 0;                // non-finite evaluations since the restart
+  int refused = 0;                // non-finite evaluations in the present step
   bool first_evaluation = false;  // the next evaluation is the first after the restart
   struct {
     bool known = false;
@@ -214,6 +228,10 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
     double step = 0;          // size of the step that met it
   } jump;
   std::array<std::vector<double>, 5> jump_work;  // of FindJump
+  bool has_slope = false;                        // motion[1] is known
+  double motion_begin = 0;                       // of Motion: its time,
+  double motion_time = 0;                        // and that in the run's time
+  std::array<std::vector<double>, 5> motion;     // states, derivatives there, at two stages, moved states
   bool at_end = false;                           // the last evaluation was at the end of the interval
   // Open tables have no stage at the end of a step. SUNDIALS evaluates there to start the next step, which is
   // unnecessary if a restart comes first.
@@ -230,20 +248,42 @@ struct SundialsIntegrator::Run final : internal::SundialsClient, internal::Deriv
   double last_step = 0, smallest_step = 0, largest_step = 0;
 };
 
-double SundialsIntegrator::Run::FirstStep(double time) const {
+double SundialsIntegrator::Run::FirstStep(double time) {
   const double remaining = end - time;
   if (options.fixed_step > 0) return EvenStep(remaining, options.fixed_step);
   double wanted = context.next_step_;
-  if (wanted <= 0) wanted = std::min(remaining, kFirstTry);
+  if (wanted <= 0) wanted = std::min(remaining, FirstGuess(time));
   return EvenStep(remaining, std::min(wanted, LargestStep(time)));
 }
 
-/// Without a limit and an end of the interval by a tick, a step at most doubles the time: a motion that is
-/// integrated exactly would otherwise lead to steps too long to separate events.
+/// A first step without the experience of earlier ones. Without the scale that max_step sets, the derivatives
+/// change the states in it by a part of about sqrt(rtol), so that its error is about a tolerance.
+double SundialsIntegrator::Run::FirstGuess(double time) {
+  if (options.max_step > 0) return kFirstTry * options.max_step;
+  std::vector<double> slope(before.size());
+  context.CalcRunDerivatives(context.time(), solver.states(), slope.data());
+  double rate = 0;
+  for (std::size_t i = 0; i < slope.size(); ++i) {
+    const double tolerance = options.rtol * std::abs(solver.states()[i]) + tolerances[i];
+    rate = std::max(rate, std::sqrt(options.rtol) * std::abs(slope[i]) / tolerance);
+  }
+  if (rate > 0 && std::isfinite(rate)) return 1 / rate;
+  return std::isfinite(end) ? kFirstTry * (end - time) : std::max(1.0, std::abs(context.time()));
+}
+
+/// Without a limit and an end of the interval by a tick, a step at most doubles the time since the interval
+/// began: a motion that is integrated exactly would otherwise lead to steps too long to separate events.
 double SundialsIntegrator::Run::LargestStep(double time) const {
   if (options.max_step > 0) return options.max_step;
-  if (std::isinf(end)) return kFirstTry + std::abs(time);
+  if (std::isinf(end) && time > interval_begin) return time - interval_begin;
   return std::numeric_limits<double>::infinity();
+}
+
+/// A time that SUNDIALS may take as the end of the integration; CVODE derives its first step from it.
+double SundialsIntegrator::Run::Target() const {
+  if (std::isfinite(end)) return end;
+  const double largest = LargestStep(finish);
+  return finish + 100 * (std::isfinite(largest) ? largest : step);
 }
 
 void SundialsIntegrator::Run::Restart(double time, double first_step) {
@@ -252,6 +292,7 @@ void SundialsIntegrator::Run::Restart(double time, double first_step) {
   first_evaluation = true;
   refused = 0;
   jump.known = false;
+  stages.count = 0;
   finish = time;
   live = true;
   edition = context.edition_;
@@ -269,13 +310,15 @@ void SundialsIntegrator::Run::ThrowNonFiniteState(double time) {
 }
 
 bool SundialsIntegrator::Run::Start(const Interval& next) {
+  if (edition != context.edition_) watches = false;
   interval = next;
+  after_retake = before_event;
   before_event = false;
   if (context.step_start_.valid) return TakeStepAgain();
   SetOrigin(interval.local ? context.time() : 0);
+  interval_begin = Local(context.time(), context.time_rest_);
   std::copy_n(context.continuous_data(), program.num_continuous, solver.states());
-  const double now = Local(context.time(), context.time_rest_);
-  Restart(now, FirstStep(now));
+  Restart(interval_begin, FirstStep(interval_begin));
   return false;
 }
 
@@ -305,17 +348,22 @@ bool SundialsIntegrator::Run::TakeStepAgain() {
   std::copy(from.states.begin(), from.states.end(), solver.states());
   context.next_step_ = from.next_step;
   context.last_error_ = from.last_error;
-  context.witness_memory_ = from.witnesses;
+  interval_begin = from.interval_begin;
+  const double num_steps = context.num_steps_;
   before_event = std::isfinite(from.end_before_event);
   SetOrigin(from.origin);
   if (before_event) EndAt(from.end_before_event);
   Restart(from.time, from.size);
+  after_retake = from.jump_step < 0;
+  jump = {from.jump_step > 0, from.jump_from, from.jump_to, from.jump_step};
   first_evaluation = false;  // the context's values are for another time
   const std::vector<double> held(context.continuous_data(),
                                  context.continuous_data() + program.num_continuous);
   const double now = Local(time, rest);
   while (finish < now - Tiny(now)) Advance(true);
   MoveContext(now, time, rest);
+  context.num_steps_ = num_steps;
+  watches = false;
   if (std::equal(held.begin(), held.end(), context.continuous_data())) return true;
   // With other options the step would differ, so start from the present states instead.
   from.valid = false;
@@ -323,7 +371,8 @@ bool SundialsIntegrator::Run::TakeStepAgain() {
   std::copy(held.begin(), held.end(), solver.states());
   context.SetRunTime(time);
   SetOrigin(interval.local ? time : 0);
-  Restart(Local(time, rest), FirstStep(Local(time, rest)));
+  interval_begin = Local(time, rest);
+  Restart(interval_begin, FirstStep(interval_begin));
   return false;
 }
 
@@ -341,7 +390,10 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
   do {
     double t = finish;
     step_begin = finish;
-    if (one_step || checks_stages) std::copy_n(solver.states(), program.num_continuous, step_states.data());
+    refused = 0;
+    const bool watched = context.num_steps_ >= static_cast<double>(options.max_steps);
+    if (one_step || checks_stages || watched)
+      std::copy_n(solver.states(), program.num_continuous, step_states.data());
     if (checks_stages) KeepStage(finish, nullptr);
     if (solver.multistep()) solver.SetMaxStep(LargestStep(finish));
     const int flag = solver.Step(Target(), &t);
@@ -365,7 +417,7 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
     } else if (options.fixed_step > 0) {
       Count(step);
     }
-    if (++steps > options.max_steps) CheckProgress(Global(finish));
+    CheckProgress(step_begin, finish, arrived);
   } while (!one_step && !arrived);
   if (one_step) interpolant.SetStep(begin, before.data(), finish, solver.states());
 }
@@ -485,7 +537,9 @@ void SundialsIntegrator::Run::Retake(double time) {
 /// beginning of the step. Returns whether it went back.
 bool SundialsIntegrator::Run::RetakeBefore(double event) {
   constexpr double kBefore = 1e-3, kBeginning = 1e-2;
-  if (options.fixed_step > 0 || event - step_begin <= kBeginning * (finish - step_begin)) return false;
+  // A restart of a multistep method costs many small steps, so it comes close to an event only once.
+  if (solver.multistep() && after_retake) return false;
+  if (event - step_begin <= kBeginning * (finish - step_begin)) return false;
   const double size = (1 - kBefore) * (event - step_begin);
   if (size <= 100 * Tiny(event)) return false;
   const double next = finish - step_begin;
@@ -497,15 +551,40 @@ bool SundialsIntegrator::Run::RetakeBefore(double event) {
   return true;
 }
 
-/// Throws RunError if too many steps are taken up to `time`, in the run's time, within a short time; a long
-/// run may take many.
-void SundialsIntegrator::Run::CheckProgress(double time) {
-  if (time - window < kProgress && options.fixed_step == 0) {
-    ThrowFailure(finish, solver.last_step(),
-                 fmt::format("it makes no progress: {} steps since t = {} s", steps, window));
+/// Throws RunError if max_steps successive steps have not been as long as they may be, and the states then
+/// move by less than a tolerance per step, or the time by less than its rounding: the length of the steps is
+/// not limited by the accuracy. A tick or a declared jump limits a step, too.
+void SundialsIntegrator::Run::CheckProgress(double from, double to, bool arrived) {
+  if (before.empty() || (arrived && !before_event) || options.fixed_step > 0 ||
+      (options.max_step > 0 && to - from > 0.5 * options.max_step)) {
+    context.num_steps_ = context.movement_ = 0;
+    return;
   }
-  steps = 0;
-  window = time;
+  const auto limit = static_cast<double>(options.max_steps);
+  if (++context.num_steps_ < limit) return;
+  if (context.num_steps_ == limit || !watches) {
+    std::copy_n(solver.states(), before.size(), watched.data());
+    watches = true;
+    context.num_steps_ = limit;
+    context.movement_ = 0;
+    return;
+  }
+  // The way from the beginning of the window: an explicit method at the limit of its stability moves to and
+  // fro.
+  if (to - from > internal::kTimeResolution * std::abs(Global(to))) {
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const double tolerance = options.rtol * std::abs(watched[i]) + tolerances[i];
+      context.movement_ = std::max(context.movement_, std::abs(solver.states()[i] - watched[i]) / tolerance);
+    }
+  }
+  if (context.num_steps_ < limit + kWatched) return;
+  if (context.movement_ < kWatched) {
+    ThrowFailure(
+        to, to - from,
+        fmt::format("it makes no progress: after {} steps, {} more move the states by {:.2g} tolerances",
+                    options.max_steps, kWatched, context.movement_));
+  }
+  context.num_steps_ = context.movement_ = 0;
 }
 
 /// Keeps the data needed to repeat the last step. For an explicit Runge-Kutta method that is the step;
@@ -520,7 +599,8 @@ void SundialsIntegrator::Run::KeepStepStart() {
   from.size = step;
   from.next_step = context.next_step_;
   from.last_error = context.last_error_;
-  from.witnesses = context.witness_memory_;
+  from.interval_begin = interval_begin;
+  KeepJump();
   from.end_before_event = before_event ? end : std::numeric_limits<double>::infinity();
 }
 
@@ -558,6 +638,85 @@ void SundialsIntegrator::Run::EvaluateWitnesses(double t, double* values) {
   context.RunAll(program.witnesses);
   ++context.instant_;  // RunAll leaves no stamps
   context.ReadWitnesses(values);
+}
+
+void SundialsIntegrator::Run::EvaluateWitnessesAt(double t, const double* x, double* values) {
+  context.LoadStates(x);
+  context.SetRunTime(Global(std::min(t, std::max(last_instant, motion_begin))));
+  context.RunAll(program.witnesses);
+  ++context.instant_;  // RunAll leaves no stamps
+  context.ReadWitnesses(values);
+}
+
+void SundialsIntegrator::Run::BeginMotion() {
+  motion_time = context.time();
+  motion_begin = Local(motion_time, context.time_rest_);
+  std::copy_n(context.continuous_data(), program.num_continuous, motion[0].data());
+  has_slope = false;
+}
+
+void SundialsIntegrator::Run::EndMotion() {
+  context.LoadStates(motion[0].data());
+  context.SetRunTime(motion_time);
+}
+
+void SundialsIntegrator::Run::EvaluateRounded(double parts, int pattern, double* values) {
+  std::vector<double>& moved = motion[4];
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    // Pseudo-random signs: terms that cancel for one pattern do not for another.
+    const std::uint64_t hash = (i + 1) * (2 * static_cast<std::uint64_t>(pattern) + 1) * 0x9E3779B97F4A7C15u;
+    moved[i] = motion[0][i] * (1 + (pattern == 0 || hash >> 63 != 0 ? parts : -parts));
+  }
+  context.LoadStates(moved.data());
+  context.SetRunTime(motion_time * (1 + (pattern % 2 == 0 ? parts : -parts)));
+  context.RunAll(program.witnesses);
+  ++context.instant_;
+  context.ReadWitnesses(values);
+}
+
+void SundialsIntegrator::Run::EvaluateStraight(double ahead, double* values) {
+  if (!has_slope) context.CalcRunDerivatives(motion_time, motion[0].data(), motion[1].data());
+  has_slope = true;
+  std::vector<double>& moved = motion[4];
+  for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = motion[0][i] + ahead * motion[1][i];
+  EvaluateWitnessesAt(motion_begin + ahead, moved.data(), values);
+}
+
+/// The explicit midpoint rule and Kutta's method of order 3.
+void SundialsIntegrator::Run::Evaluate(double ahead, int order, double* values) {
+  const std::vector<double>&x = motion[0], &first = motion[1];
+  std::vector<double>&second = motion[2], &third = motion[3], &moved = motion[4];
+  const auto derivatives = [&](double t, std::vector<double>& slope) {
+    context.CalcRunDerivatives(Instant(t), moved.data(), slope.data());
+  };
+  for (std::size_t i = 0; i < x.size(); ++i) moved[i] = x[i] + ahead / 2 * first[i];
+  derivatives(motion_begin + ahead / 2, second);
+  if (order == 2) {
+    for (std::size_t i = 0; i < x.size(); ++i) moved[i] = x[i] + ahead * second[i];
+  } else {
+    for (std::size_t i = 0; i < x.size(); ++i) moved[i] = x[i] + ahead * (2 * second[i] - first[i]);
+    derivatives(motion_begin + ahead, third);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      moved[i] = x[i] + ahead / 6 * (first[i] + 4 * second[i] + third[i]);
+  }
+  EvaluateWitnessesAt(motion_begin + ahead, moved.data(), values);
+}
+
+bool SundialsIntegrator::Run::JumpsAt(double event) {
+  std::vector<double>&low = jump_work[0], &high = jump_work[1], &x = jump_work[2];
+  const auto derivatives = [&](double t, std::vector<double>& slope) {
+    LoadInside(t);
+    std::copy_n(context.continuous_data(), x.size(), x.data());
+    context.CalcRunDerivatives(Instant(t), x.data(), slope.data());
+  };
+  const double step = finish - begin, width = 16 * internal::kTimeResolution * std::abs(Global(event));
+  derivatives(std::max(begin, event - width), low);
+  derivatives(std::min(finish, event + width), high);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double tolerance = options.rtol * std::abs(x[i]) + tolerances[i];
+    if (std::abs(high[i] - low[i]) * step > kShows * tolerance) return true;
+  }
+  return false;
 }
 
 void SundialsIntegrator::Run::EvaluateForInterpolant(double t, const double* x, double* xdot) {
@@ -629,10 +788,7 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
   const bool accepted = measured <= 1;
   if (!accepted && checks_stages) KeepStage(step_begin, nullptr);
   if (accepted) {
-    if (!has_past()) {
-      context.step_start_.size = h;
-      context.step_start_.next_step = context.next_step_;
-    }
+    KeepStepControl(h);
     // A small error that has not grown permits the maximum growth without computing powers.
     if (error > kNegligible[static_cast<std::size_t>(order)] || error > context.last_error_) {
       factor = kSafety * std::pow(error, -kProportional / order);
@@ -651,20 +807,32 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
   return remaining > Tiny(t) ? EvenStep(remaining, wanted) : wanted;
 }
 
+/// Keeps the size of an accepted step and the memory of the step-size control before it, to repeat the step.
+void SundialsIntegrator::Run::KeepStepControl(double h) {
+  if (has_past()) return;
+  context.step_start_.size = h;
+  context.step_start_.next_step = context.next_step_;
+  context.step_start_.last_error = context.last_error_;
+  KeepJump();
+}
+
+void SundialsIntegrator::Run::KeepJump() {
+  context.step_start_.jump_from = jump.from;
+  context.step_start_.jump_to = jump.to;
+  context.step_start_.jump_step = jump.known ? jump.step : after_retake ? -1 : 0;
+}
+
 /// Handles a jump of the derivatives, in time or state, that is not declared. The error test alone would
 /// approach it in ever smaller steps, and some tables hardly detect it. One step ends just before the jump,
 /// another one crosses it, and then the step size is restored. Returns 0 if there is no such jump.
 double SundialsIntegrator::Run::StepRoundJump(double t, double h, bool accepted) {
+  if (accepted) KeepStepControl(h);
   if (!jump.known) {
     if (!FindJump(t, t, t + h)) return 0;
     jump.step = h;
   }
   if (accepted) {
     Count(h);
-    if (!has_past()) {
-      context.step_start_.size = h;
-      context.step_start_.next_step = context.next_step_;
-    }
   } else if (t + h <= jump.to + 64 * Tiny(t)) {
     jump.known = false;  // another jump
     return 0;
@@ -881,6 +1049,9 @@ bool SundialsIntegrator::ends_before_event() const {
 double SundialsIntegrator::begin() const {
   return run_->begin;
 }
+double SundialsIntegrator::reach() const {
+  return run_->solver.multistep() ? run_->Target() - run_->finish : run_->step;
+}
 double SundialsIntegrator::finish() const {
   return run_->finish;
 }
@@ -904,6 +1075,19 @@ void SundialsIntegrator::MoveContext(double time, double rest) {
 }
 void SundialsIntegrator::EvaluateWitnesses(double time, double* values) {
   run_->EvaluateWitnesses(time, values);
+}
+
+internal::EventFinder::Motion& SundialsIntegrator::BeginMotion() {
+  run_->BeginMotion();
+  return *run_;
+}
+void SundialsIntegrator::EndMotion() {
+  run_->EndMotion();
+}
+bool SundialsIntegrator::JumpsAt(double event) {
+  const bool jumps = run_->JumpsAt(event);
+  MoveContext(event);
+  return jumps;
 }
 
 IntegratorStatistics SundialsIntegrator::statistics() const {

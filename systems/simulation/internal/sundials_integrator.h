@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/systems/framework/context/context.h>
+#include <tenon/systems/simulation/internal/event_finder.h>
 #include <tenon/systems/simulation/internal/sundials_solver.h>
 #include <tenon/systems/simulation/simulator_options.h>
 
@@ -56,12 +57,20 @@ class SundialsIntegrator {
   double Local(double time, double rest) const;
   /// Tolerance for a time that is computed in two ways. A shorter interval cannot be integrated.
   double rounding(double time) const;
+  /// The length of the next step after Start [s], at most.
+  double reach() const;
   /// Moves the context to `time` in the last step.
   void MoveContext(double time);
   /// Moves the context to `time` + `rest` of the run, in the last step.
   void MoveContext(double time, double rest);
   /// Computes the values of all witnesses and kinks at `time` in the last step.
   void EvaluateWitnesses(double time, double* values);
+  /// The values of all witnesses and kinks near the context's time and states. EndMotion sets these back.
+  internal::EventFinder::Motion& BeginMotion();
+  void EndMotion();
+  /// Returns whether the derivatives jump at an event in the last step by so much that the next step is
+  /// wrong.
+  bool JumpsAt(double event);
   IntegratorStatistics statistics() const;
 
  private:

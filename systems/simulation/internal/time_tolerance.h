@@ -21,8 +21,4 @@ inline double TickRounding(double time) {
   return std::min(1e-10 * (1 + std::abs(time)), 1e-7);
 }
 
-/// Events closer together than this [s] belong to one instant: chattering advances by some 1e-8 s from one
-/// event to the next and would otherwise never end.
-inline constexpr double kInstant = 1e-7;
-
 }  // namespace tenon::internal

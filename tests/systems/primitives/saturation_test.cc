@@ -17,6 +17,17 @@ TEST(SaturationTest, LimitsElementByElement) {
   EXPECT_THAT(rig.Fix(rig->u, {-5, -50})[rig->y], IsNear(Vec<2>(-1, -10), 0));
 }
 
+TEST(SaturationTest, AnyElementChangesThePiece) {
+  TestRig<Saturation<Vec<3>>> rig({.lower = Vec<3>(-1, -1, -1), .upper = Vec<3>(1, 1, 1)});
+  const std::int64_t inside = rig.Fix(rig->u, Vec<3>(0, 0, 0))[rig->kink];
+  for (int i = 0; i < 3; ++i) {
+    for (const double side : {-1.0, 1.0}) {
+      const Vec<3> outside = 2 * side * Vec<3>::Unit(i);
+      EXPECT_NE(rig.Fix(rig->u, outside)[rig->kink], inside) << i << ' ' << side;
+    }
+  }
+}
+
 TEST(SaturationTest, DoesNotHideNan) {
   TestRig<Saturation<>> rig({.lower = -1, .upper = 2});
   EXPECT_TRUE(std::isnan(rig.Fix(rig->u, test::kNan)[rig->y]));
