@@ -2,6 +2,7 @@
 
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/moving_anchors.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/signals/imu_signals.h>
 #include <tenon/systems/framework/block/parameter.h>
