@@ -17,10 +17,16 @@ install(FILES ${PROJECT_BINARY_DIR}/tenon-config.cmake ${PROJECT_BINARY_DIR}/ten
   DESTINATION ${cmake_dir} COMPONENT tenon_development)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/tenon
   COMPONENT tenon_development)
+# The pages link to each other and to the examples.
+set(doc_dir ${CMAKE_INSTALL_DATADIR}/doc/tenon)
+install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md DESTINATION ${doc_dir} COMPONENT tenon_doc)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${doc_dir} COMPONENT tenon_doc
+  PATTERN examples EXCLUDE PATTERN catalogue EXCLUDE PATTERN api EXCLUDE)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/examples DESTINATION ${doc_dir}/docs COMPONENT tenon_doc)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tenon_runtime)
 
-# `cpack`, run in the build directory, writes the Debian packages `libtenon`, `libtenon-dev`, `tenon-apps` and
-# `python3-tenon`, or archives of them.
+# `cpack`, run in the build directory, writes the Debian packages `libtenon`, `libtenon-dev`, `tenon-apps`,
+# `python3-tenon` and `tenon-doc`, or archives of them.
 set(CPACK_PACKAGE_NAME tenon)
 set(CPACK_PACKAGE_VENDOR "The Tenon authors")
 set(CPACK_PACKAGE_CONTACT "The Tenon authors <tenon@example.org>")
@@ -28,7 +34,7 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
-set(CPACK_COMPONENTS_ALL tenon_runtime tenon_development tenon_apps tenon_python)
+set(CPACK_COMPONENTS_ALL tenon_runtime tenon_development tenon_apps tenon_python tenon_doc)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_ARCHIVE_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -56,6 +62,11 @@ set(CPACK_DEBIAN_TENON_PYTHON_PACKAGE_RECOMMENDS "tenon-apps (= ${PROJECT_VERSIO
 set(CPACK_DEBIAN_TENON_PYTHON_PACKAGE_SUGGESTS "python3-pandas")
 set(CPACK_DEBIAN_TENON_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/debian/postinst
   ${PROJECT_SOURCE_DIR}/cmake/debian/prerm)
+set(CPACK_DEBIAN_TENON_DOC_PACKAGE_NAME tenon-doc)
+set(CPACK_DEBIAN_TENON_DOC_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_TENON_DOC_PACKAGE_SECTION doc)
+set(CPACK_DEBIAN_TENON_DOC_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_COMPONENT_TENON_DOC_DESCRIPTION "Documentation and examples")
 set(CPACK_COMPONENT_TENON_RUNTIME_DESCRIPTION "Shared libraries, robots, gaits, profiles and scenarios")
 set(CPACK_COMPONENT_TENON_DEVELOPMENT_DESCRIPTION "Headers, CMake package and examples")
 set(CPACK_COMPONENT_TENON_APPS_DESCRIPTION "Simulations from the command line")

@@ -56,15 +56,51 @@ function(tenon_add_library name component)
   if(type STREQUAL SHARED_LIBRARY)
     set(map ${PROJECT_SOURCE_DIR}/cmake/tenon.map)
     target_link_options(${target} PRIVATE LINKER:--version-script=${map})
+    # See the file that is added.
+    set(adopt ${PROJECT_SOURCE_DIR}/systems/framework/types/internal/adopt_eigen_memory.cc)
+    target_sources(${target} PRIVATE ${adopt})
+    set_source_files_properties(${adopt} PROPERTIES SKIP_PRECOMPILE_HEADERS ON SKIP_UNITY_BUILD_INCLUSION ON)
+    target_link_options(${target} PRIVATE LINKER:--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free)
     set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${map})
   endif()
   tenon_warnings(${target})
+  if(NOT PROJECT_IS_TOP_LEVEL)
+    set_target_properties(${target} PROPERTIES SYSTEM ON)  # no warnings of headers, as from an installed library
+  endif()
   if(TENON_INSTALL)
+    if(type STREQUAL SHARED_LIBRARY)
+      tenon_pkg_config(${name} ${arg_LINK_PUBLIC})
+    endif()
     install(TARGETS ${target} EXPORT tenon-${component}-targets
       LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT tenon_runtime NAMELINK_COMPONENT tenon_development
       ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT tenon_development)
     set_property(GLOBAL APPEND PROPERTY TENON_EXPORTS ${component})
   endif()
+endfunction()
+
+# tenon_pkg_config(NAME LIBRARIES…): installs tenon-NAME.pc. LIBRARIES are those of its LINK_PUBLIC.
+function(tenon_pkg_config name)
+  set(needs ${ARGN})
+  list(TRANSFORM needs REPLACE "^tenon::" "tenon-")
+  list(TRANSFORM needs REPLACE "^Eigen3::Eigen$" "eigen3")
+  list(JOIN needs " " needs)
+  set(directory ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig)
+  file(RELATIVE_PATH to_prefix ${directory} ${CMAKE_INSTALL_PREFIX})
+  # Not -I: warnings of the user's compiler do not apply to the headers.
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/pkgconfig/tenon-${name}.pc CONTENT "prefix=\${pcfiledir}/${to_prefix}
+libdir=\${prefix}/${CMAKE_INSTALL_LIBDIR}
+includedir=\${prefix}/${CMAKE_INSTALL_INCLUDEDIR}
+
+Name: tenon-${name}
+Description: ${PROJECT_DESCRIPTION}: ${name}
+URL: ${PROJECT_HOMEPAGE_URL}
+Version: ${PROJECT_VERSION}
+Requires: ${needs}
+Cflags: -isystem \${includedir}
+Libs: -L\${libdir} -ltenon_${name}
+" @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/pkgconfig/tenon-${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+    COMPONENT tenon_development)
 endfunction()
 
 # tenon_precompile(TARGET): the target uses the common precompiled headers, Eigen and tenon/systems/block.h.

@@ -30,8 +30,8 @@ struct CdprMpcWeights {
 
 /// The weights in the form of the solver: L_k and phi of CdprTrackingProblem.
 struct CdprMpcCost {
-  CentroidalState Q = CentroidalState::Zero();  ///< diagonal, per second
-  double R = 0;                                 ///< weight of each tension, per second
+  Vec<12> Q = Vec<12>::Zero();  ///< diagonal, per second
+  double R = 0;                 ///< weight of each tension, per second
   Eigen::Matrix<double, 12, 12, Eigen::DontAlign> Q_f = Eigen::Matrix<double, 12, 12>::Zero();
 };
 

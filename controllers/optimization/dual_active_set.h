@@ -2,6 +2,7 @@
 
 #include <tenon/controllers/optimization/lanes/cost_factor.h>
 #include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/framework/types/internal/border.h>
 
 #include <Eigen/Core>
 

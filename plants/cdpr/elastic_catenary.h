@@ -37,7 +37,7 @@ struct ElasticCatenary {
   double elastic_energy = 0;  ///< [J]
   double potential_energy =
       0;  ///< potential energy of the weight relative to the middle between the ends [J]
-  Eigen::Matrix2d stiffness =
+  Eigen::Matrix<double, 2, 2, Eigen::DontAlign> stiffness =
       Eigen::Matrix2d::Zero();  ///< d(H, V_m) / d(x, z), symmetric, positive definite [N/m]
   int iterations = 0;
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tenon/systems/framework/types/internal/border.h>
+
 #include <Eigen/Core>
 
 namespace tenon {

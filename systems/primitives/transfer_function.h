@@ -89,7 +89,7 @@ auto TransferFunction<Order>::Realize(const TransferFunctionParams& params) -> R
   const double lead = params.denominator.front();
   const auto coefficient = [lead](const std::vector<double>& list, int power) {
     const int i = static_cast<int>(list.size()) - 1 - power;
-    return i < 0 ? 0.0 : list[i] / lead;
+    return i < 0 ? 0.0 : list[static_cast<std::size_t>(i)] / lead;
   };
   Realization form{.w = 0, .a = {}, .c = {}, .d = coefficient(params.numerator, Order)};
   for (int i = 0; i < Order; ++i) {

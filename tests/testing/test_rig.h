@@ -3,10 +3,13 @@
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/simulation/simulator.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace tenon {
 
@@ -70,6 +73,24 @@ class TestRig {
     started_ = true;
     return *this;
   }
+  /// Runs the block from its present values to `time` [s] in two copies of the context. Throws RunError that
+  /// names an output or state that differs. Then a calculation remembers something outside of the context,
+  /// in a `mutable` member or a static variable, say, and runs cannot be repeated. The rig itself stays at
+  /// its time.
+  TestRig& CheckRepeats(double time) {
+    const auto first = ValuesAt(time), second = ValuesAt(time);
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const auto& [source, values] = first[i];
+      if (std::equal(values.begin(), values.end(), second[i].second.begin(), second[i].second.end(),
+                     [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); })) {
+        continue;
+      }
+      throw RunError("'" + source->path() + "' differs at t = " + std::to_string(time) +
+                     " s when the run is repeated: keep what its calculations remember in a DiscreteState or "
+                     "a Scratch, not in a `mutable` member or a static variable");
+    }
+    return *this;
+  }
   double time() const { return simulator_->context().time(); }
 
   /// The value of a port, state, derivative, shared value or witness.
@@ -97,6 +118,19 @@ class TestRig {
     diagram_ = builder.BuildWithOpenInputs();
     simulator_ =
         std::make_unique<Simulator>(*diagram_, SimulatorOptions{.order = 5, .rtol = 1e-10, .atol = 1e-12});
+  }
+  std::vector<std::pair<const Source*, std::vector<double>>> ValuesAt(double time) {
+    Simulator copy(context().Clone(),
+                   SimulatorOptions{.order = 5, .rtol = 1e-10, .atol = 1e-12, .publish = false});
+    static_cast<void>(copy.AdvanceTo(time));
+    std::vector<std::pair<const Source*, std::vector<double>>> values;
+    for (const Source* source : block_->sources()) {
+      const SourceKind kind = source->kind();
+      if (kind == SourceKind::kOutput || kind == SourceKind::kContinuous || kind == SourceKind::kDiscrete) {
+        values.emplace_back(source, copy.context().EvalDoubles(*source));
+      }
+    }
+    return values;
   }
 
   Block* block_;

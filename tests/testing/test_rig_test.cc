@@ -68,6 +68,28 @@ TEST(TestRigTest, HoldsSamplesUntilTheNextTick) {
   EXPECT_EQ(rig[rig->u], 0);
 }
 
+/// Counts its ticks where no context sees it.
+class Forgetful final : public LeafSystem<void> {
+ public:
+  OutputPort<int> count{this, "count", Sampled{Hz(10)}, Uses(), [this] { return ++count_; }};
+
+ private:
+  mutable int count_ = 0;
+};
+
+TEST(TestRigTest, NamesWhatDoesNotRepeatItself) {
+  TestRig<Forgetful> rig;
+  EXPECT_TRUE(Throws<RunError>([&] { rig.CheckRepeats(1); }, "block.count"));
+}
+
+TEST(TestRigTest, ABlockThatRemembersInItsContextRepeatsItself) {
+  TestRig<Oscillator> rig;
+  rig.Fix(rig->force, 1).RunTo(0.25);
+  rig.CheckRepeats(1);
+  EXPECT_EQ(rig.time(), 0.25);
+  EXPECT_EQ(rig[rig->ticks], 3);
+}
+
 TEST(TestRigTest, RefusesReadingBeforeTheFirstTick) {
   TestRig<Pd> rig;
   rig.Fix(rig->x, {1, 0}).Fix(rig->ref, 2);

@@ -37,7 +37,7 @@ void CentroidalWalkProblem::AddStageCost(int k, const State& x, const Input& u, 
 }
 
 double CentroidalWalkProblem::TerminalCost(const State& x) const {
-  const State& ref = nodes.back().x;
+  const auto& ref = nodes.back().x;
   double cost = 0;
   for (int i = 0; i < kStates; ++i) cost += Q_f[i] * (x[i] - ref[i]) * (x[i] - ref[i]);
   for (int i = 0; i < 2; ++i) {
@@ -48,7 +48,7 @@ double CentroidalWalkProblem::TerminalCost(const State& x) const {
 }
 
 void CentroidalWalkProblem::AddTerminalCost(const State& x, State& gx, StateMatrix& Hxx) const {
-  const State& ref = nodes.back().x;
+  const auto& ref = nodes.back().x;
   for (int i = 0; i < kStates; ++i) {
     gx[i] += Q_f[i] * (x[i] - ref[i]);
     Hxx(i, i) += Q_f[i];

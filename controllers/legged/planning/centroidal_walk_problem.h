@@ -3,6 +3,7 @@
 #include <tenon/controllers/optimization/runge_kutta.h>
 #include <tenon/controllers/optimization/slq_options.h>
 #include <tenon/plants/signals/leg.h>
+#include <tenon/systems/framework/types/signal.h>
 
 #include <Eigen/Core>
 
@@ -49,25 +50,25 @@ class CentroidalWalkProblem {
 
   /// Contacts, reference and bounds from a node to the next one.
   struct Node {
-    std::array<double, kNumLegs> stands{};          ///< s_i, 0 to 1
-    std::array<bool, kNumLegs> lands{};             ///< whether the foothold is chosen here; s_i is 0 then
-    std::array<Eigen::Vector2d, kNumLegs> nominal;  ///< H p_nom,i
-    std::array<double, kNumLegs> height{};          ///< z_i
-    Eigen::Matrix<double, 6, 1> load = Eigen::Matrix<double, 6, 1>::Zero();  ///< (f, t)
-    Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Identity();           ///< J
-    Eigen::Matrix2d heading = Eigen::Matrix2d::Identity();                   ///< H
-    Vector turn = Vector::Zero();                                            ///< w_ref
-    State x = State::Zero();                                                 ///< x_ref
-    Input u = Input::Zero(), lower = Input::Zero(), upper = Input::Zero();
-    Input R = Input::Ones();  ///< weights of the inputs, per time
+    std::array<double, kNumLegs> stands{};  ///< s_i, 0 to 1
+    std::array<bool, kNumLegs> lands{};     ///< whether the foothold is chosen here; s_i is 0 then
+    std::array<Vec<2>, kNumLegs> nominal;   ///< H p_nom,i
+    std::array<double, kNumLegs> height{};  ///< z_i
+    Vec<6> load = Vec<6>::Zero();           ///< (f, t)
+    Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Identity();                        ///< J
+    Eigen::Matrix<double, 2, 2, Eigen::DontAlign> heading = Eigen::Matrix2d::Identity();  ///< H
+    Vector turn = Vector::Zero();                                                         ///< w_ref
+    Vec<kStates> x = Vec<kStates>::Zero();                                                ///< x_ref
+    Vec<kInputs> u = Vec<kInputs>::Zero(), lower = Vec<kInputs>::Zero(), upper = Vec<kInputs>::Zero();
+    Vec<kInputs> R = Vec<kInputs>::Ones();  ///< weights of the inputs, per time
 
-    Node() { nominal.fill(Eigen::Vector2d::Zero()); }
+    Node() { nominal.fill(Vec<2>::Zero()); }
   };
 
   std::vector<Node> nodes;  ///< N + 1; only x of the last one is used
-  Eigen::Matrix<double, 3, 4> edges = Eigen::Matrix<double, 3, 4>::Zero();  ///< e_j
-  State Q = State::Zero();    ///< weights of the errors of the state, per time
-  State Q_f = State::Zero();  ///< weights of the final errors
+  Eigen::Matrix<double, 3, 4, Eigen::DontAlign> edges = Eigen::Matrix<double, 3, 4>::Zero();  ///< e_j
+  Vec<kStates> Q = Vec<kStates>::Zero();    ///< weights of the errors of the state, per time
+  Vec<kStates> Q_f = Vec<kStates>::Zero();  ///< weights of the final errors
   /// weight of |c + v|^2, horizontally, at the end: the divergent component of the motion
   double final_divergence = 0;
 
@@ -80,8 +81,8 @@ class CentroidalWalkProblem {
                     InputMatrix& Huu) const;
   double TerminalCost(const State& x) const;
   void AddTerminalCost(const State& x, State& gx, StateMatrix& Hxx) const;
-  const Input& Lower(int k) const { return At(k).lower; }
-  const Input& Upper(int k) const { return At(k).upper; }
+  const Vec<kInputs>& Lower(int k) const { return At(k).lower; }
+  const Vec<kInputs>& Upper(int k) const { return At(k).upper; }
 
   struct StepWorkspace {
     explicit StepWorkspace(int) {}

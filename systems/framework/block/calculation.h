@@ -148,6 +148,29 @@ struct MemberFunction<R (C::*)(P...)> {
   static constexpr bool kIs = true, kConst = false;
 };
 
+template <class T>
+inline constexpr bool kIsUses = false;
+template <class... A>
+inline constexpr bool kIsUses<UsesList<A...>> = true;
+template <class F>
+concept Function = MemberFunction<F>::kIs || std::is_function_v<F> || requires {
+  &F::operator();
+};
+/// True for the arguments of a calculation if they end with its function but lack Uses(...).
+template <class... Args>
+inline constexpr bool kLacksUses = false;
+template <class First, class... Rest>
+inline constexpr bool kLacksUses<First, Rest...> = !kIsUses<First> && kLacksUses<Rest...>;
+template <class Last>
+inline constexpr bool kLacksUses<Last> = Function<Last>;
+template <class F>
+void ReportMissingUses() {
+  static_assert(
+      kFalse<F>,
+      "Uses(...) is missing before the function: it names the values that the function receives, in "
+      "the order of its parameters; Uses() if there are none.");
+}
+
 /// Target of a calculation that is run for its side effect. A muted one is not run.
 struct Published {
   bool muted = false;
@@ -183,6 +206,16 @@ struct Calculation {
       return std::is_same_v<typename Traits::Signature, void(std::remove_cvref_t<A>..., Target*)>;
     } else {
       return std::is_invocable_v<const F&, A..., Target*>;
+    }
+  }
+
+  /// True for a lambda that would fit if it were not `mutable`.
+  static constexpr bool IsMutable() {
+    if constexpr (Traits::kIs) {
+      return false;
+    } else {
+      return !Returns() && !FillsInPlace() &&
+             (std::is_invocable_v<F&, A...> || std::is_invocable_v<F&, A..., Target*>);
     }
   }
 

@@ -50,6 +50,19 @@ class InputPort : public Source {
 /// A source that has a calculation.
 template <class T>
 class Calculated : public Source {
+ public:
+  /// Constructors without Uses(...), which report that it is missing.
+  template <class... Args>
+  requires internal::kLacksUses<Args...> Calculated(System* owner, Spec spec, const Args&...)
+      : Calculated(owner, SourceKind::kOutput, std::move(spec)) {
+    internal::ReportMissingUses<UsesList<Args...>>();
+  }
+  template <class... Args>
+  requires internal::kLacksUses<Args...> Calculated(const Source&, const Args&...)
+      : Calculated(nullptr, SourceKind::kOutput, Spec("")) {
+    internal::ReportMissingUses<UsesList<Args...>>();
+  }
+
  protected:
   Calculated(System* owner, SourceKind kind, Spec spec)
       : Source(owner, kind, std::move(spec), internal::TypeInfoOf<T>(), &model_) {}
@@ -61,9 +74,11 @@ class Calculated : public Source {
     using Code = internal::Calculation<T, F, A...>;
     if constexpr ((std::is_same_v<A, internal::Refused> || ...)) {
       // Uses has already reported the error.
-    } else if constexpr (!Code::Traits::kConst) {
-      static_assert(internal::kFalse<F>,
-                    "A calculation must be const: all that changes is kept in the context.");
+    } else if constexpr (!Code::Traits::kConst || Code::IsMutable()) {
+      static_assert(
+          internal::kFalse<F>,
+          "A calculation must be const, and a lambda not `mutable`: all that changes is kept in the "
+          "context, in a DiscreteState or a Scratch.");
     } else if constexpr (!Code::Returns() && !Code::FillsInPlace()) {
       static_assert(internal::kFalse<F>,
                     "The function's parameters must be exactly the values of Uses(...), in that order.");
@@ -92,6 +107,7 @@ class OutputPort : public Calculated<T> {
  public:
   using Value = T;
   using Argument = const T&;
+  using Calculated<T>::Calculated;
 
   template <class... A, class F>
   OutputPort(Leaf* owner, Spec spec, UsesList<A...> uses, F function,

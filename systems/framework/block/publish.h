@@ -24,6 +24,7 @@ namespace tenon {
 /// set SimulatorOptions::publish to false. An exception ends the run with a RunError that names the Publish.
 class Publish : public Calculated<internal::Published> {
  public:
+  using Calculated<internal::Published>::Calculated;
   template <class... A, class F>
   Publish(Leaf* owner, std::string name, Trigger trigger, UsesList<A...> uses, F function,
           std::uint64_t tag = internal::TagOf<F>::value)

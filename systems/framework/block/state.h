@@ -41,6 +41,7 @@ class ContinuousState : public Source {
 template <class T>
 class TimeDerivative : public Calculated<T> {
  public:
+  using Calculated<T>::Calculated;
   using Value = T;
   template <class... A, class F>
   TimeDerivative(const ContinuousState<T>& state, UsesList<A...> uses, F function,
@@ -97,6 +98,7 @@ enum class Crossing { kRising, kFalling, kBoth };
 /// number.
 class Witness : public Calculated<double> {
  public:
+  using Calculated<double>::Calculated;
   using Value = double;
   using Argument = const double&;
   template <class... A, class F>
@@ -125,6 +127,7 @@ inline Trigger::Trigger(const Witness& witness)
 /// the run with a RunError that names the kink: give the block a Mode for the sliding motion.
 class Kink : public Calculated<std::int64_t> {
  public:
+  using Calculated<std::int64_t>::Calculated;
   using Value = std::int64_t;
   using Argument = const std::int64_t&;
   template <class... A, class F>
@@ -144,6 +147,7 @@ class Kink : public Calculated<std::int64_t> {
 /// A run throws RunError if the instant is not later than the time, or not a number.
 class NextJump : public Calculated<double> {
  public:
+  using Calculated<double>::Calculated;
   using Value = double;
   using Argument = const double&;
   template <class... A, class F>
@@ -176,6 +180,7 @@ struct JumpsAt {
 template <class T>
 class Update : public Calculated<T> {
  public:
+  using Calculated<T>::Calculated;
   using Value = T;
   template <class State, class... A, class F>
   Update(const State& state, Trigger trigger, UsesList<A...> uses, F function,
@@ -198,6 +203,7 @@ class Update : public Calculated<T> {
 template <class T>
 class Shared : public Calculated<T> {
  public:
+  using Calculated<T>::Calculated;
   using Value = T;
   using Argument = const T&;
   template <class... A, class F>
@@ -266,6 +272,7 @@ using Verdict = std::optional<std::string>;
 /// A termination condition, evaluated at its sample times or after every step.
 class Monitor : public Calculated<Verdict> {
  public:
+  using Calculated<Verdict>::Calculated;
   using Value = Verdict;
   template <class When, class... A, class F>
   requires(std::is_same_v<When, Sampled> || std::is_same_v<When, EachStep>)

@@ -160,6 +160,14 @@ class Assembly {
     return MakeFunctionBlock(std::move(spec), uses, std::move(function), std::move(initial), sampled).output;
   }
 
+  /// A call without Uses(...), which reports that it is missing.
+  template <class... Args>
+  requires internal::kLacksUses<Args...>
+  const OutputPort<double>& AddFunction(Spec, const Args&...) {
+    internal::ReportMissingUses<UsesList<Args...>>();
+    throw BuildError("");
+  }
+
   const std::vector<std::unique_ptr<System>>& blocks() const { return blocks_; }
 
   const Time time{};
@@ -179,11 +187,25 @@ class Assembly {
 
   template <class... A, class F, class... When>
   auto& MakeFunctionBlock(Spec spec, const UsesList<A...>& uses, F function, When... when);
+  /// True if the argument is the block's parameters.
+  template <class Block, class... Args>
+  static constexpr bool LacksConstructors() {
+    if constexpr (requires { typename ParamsOf<Block>; } && sizeof...(Args) == 1) {
+      return (std::is_same_v<std::remove_cvref_t<Args>, ParamsOf<Block>> && ...);
+    } else {
+      return false;
+    }
+  }
   /// Returns a System: a unique_ptr<Block> would cost every block of a program its compile time.
   template <class Block, class... Args>
   static std::unique_ptr<System> Make(const std::string& name, Args&&... args) {
     if constexpr (!std::is_base_of_v<System, Block>) {
       static_assert(kFalse<Block>, "Add: a block must derive from LeafSystem or Subdiagram.");
+      throw BuildError("");
+    } else if constexpr (!std::is_constructible_v<Block, Args&&...> && LacksConstructors<Block, Args...>()) {
+      static_assert(
+          kFalse<Block>,
+          "Add: the block does not take its parameters: write `using LeafSystem::LeafSystem;` in it.");
       throw BuildError("");
     } else if constexpr (!std::is_constructible_v<Block, Args&&...>) {
       static_assert(kFalse<Block>, "Add: the block's constructor does not take these arguments.");

@@ -252,7 +252,7 @@ void Compiler::CheckDeclarations() {
         source->trigger().sampled.offset > 0 && !source->has_initial_value_) {
       Fault(fmt::format(
           "sampled output '{}' first runs at t = {} s but has no initial value: declare one before Sampled",
-          source->path(), source->trigger().sampled.offset));
+          source->path(), double{source->trigger().sampled.offset}));
     }
     if (source->kind() == SourceKind::kOutput && source->run_ != nullptr && source->has_initial_value_ &&
         source->type_->kind == TypeInfo::Kind::kMatrix && CountScalars(*source->type_, source->model_) == 0) {

@@ -111,7 +111,7 @@ std::string Shortened(std::string name) {
 std::string Demangled(const char* name) {
   int status = 0;
   const std::unique_ptr<char, void (*)(void*)> text(abi::__cxa_demangle(name, nullptr, nullptr, &status),
-                                                    std::free);
+                                                    FreeMalloced);
   return status == 0 ? text.get() : name;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/framework/types/internal/border.h>
 #include <tenon/systems/framework/types/internal/member_count.h>
 
 #include <Eigen/Core>
