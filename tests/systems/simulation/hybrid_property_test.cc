@@ -17,6 +17,7 @@
 
 #include <array>
 #include <cfloat>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
@@ -99,14 +100,14 @@ struct RelayParams {
   double x, center, gain;
   std::array<double, 2> slope;
   double low, high, moves;
-  double period;
+  Rate rate = Hz(1);
 };
 struct Relay final : LeafSystem<RelayParams> {
   using LeafSystem::LeafSystem;
   ContinuousState<double> x{this, "x", params.x};
   DiscreteState<int> mode{this, "mode"}, n{this, "n"}, tick{this, "tick"};
-  Update<int> next_tick{tick, Sampled{Seconds(params.period)}, Uses(tick), [](int k) { return k + 1; }};
-  OutputPort<double> move{this, "move", Sampled{Seconds(params.period)}, Uses(tick),
+  Update<int> next_tick{tick, Sampled{params.rate}, Uses(tick), [](int k) { return k + 1; }};
+  OutputPort<double> move{this, "move", Sampled{params.rate}, Uses(tick),
                           [this](int k) { return params.moves * Scatter(k); }};
   TimeDerivative<double> dx{x, Uses(x, mode), [this](double x, int mode) {
                               return params.slope[mode] + params.gain * (x - params.center);
@@ -129,8 +130,8 @@ struct SampledRelay final : LeafSystem<RelayParams> {
   TimeDerivative<double> dx{x, Uses(x, mode), [this](double x, int mode) {
                               return params.slope[mode] + params.gain * (x - params.center);
                             }};
-  Update<int> decide{mode, Sampled{Seconds(params.period)}, Uses(x, mode), &SampledRelay::Decide};
-  Update<int> count{n, Sampled{Seconds(params.period)}, Uses(n, x, mode),
+  Update<int> decide{mode, Sampled{params.rate}, Uses(x, mode), &SampledRelay::Decide};
+  Update<int> count{n, Sampled{params.rate}, Uses(n, x, mode),
                     [this](int n, double x, int mode) { return n + (Decide(x, mode) != mode ? 1 : 0); }};
   int Decide(double x, int mode) const { return x > params.high ? 1 : x < params.low ? 0 : mode; }
 };
@@ -343,10 +344,13 @@ struct PuckPart final : Part {
 
 /// Ticks of one period from the beginning of the run on; `first` is the index of the first one.
 struct Ticks {
-  double period = 1;
-  std::int64_t denominator = 1;  ///< period is numerator / denominator
-  std::int64_t numerator = 1;
+  std::int64_t numerator = 1, denominator = 1;  ///< of the period [s]
   std::int64_t first = 0;
+  double period() const { return static_cast<double>(numerator) / static_cast<double>(denominator); }
+  /// A period below a microsecond can only be given as a frequency.
+  Rate rate() const {
+    return period() < 1e-6 ? Hz(static_cast<double>(denominator / numerator)) : Seconds(period());
+  }
   double start() const { return static_cast<double>(static_cast<Real>(first * numerator) / denominator); }
   /// The time of tick `k` since the beginning of the run.
   Real Time(int k) const { return static_cast<Real>((first + k) * numerator) / denominator - start(); }
@@ -412,7 +416,7 @@ struct RelayPart final : Part {
   void Describe(std::ostream& os) const override {
     os << "x " << p.x << " center " << p.center << " gain " << p.gain << " slopes " << p.slope[0] << ' '
        << p.slope[1] << " low " << p.low << " high " << p.high << " moves " << p.moves << " period "
-       << p.period;
+       << ticks.period();
   }
 };
 
@@ -697,7 +701,7 @@ std::unique_ptr<Part> MakeRelay(Random& random, const Scale& s, const Ticks& tic
              .low = low,
              .high = high,
              .moves = moves,
-             .period = ticks.period};
+             .rate = ticks.rate()};
   return part;
 }
 
@@ -713,9 +717,9 @@ std::unique_ptr<Part> MakePassage(Random& random, const Scale& s, double max_ste
   part->jumps = kind == 2;
   double node = s.offset;
   for (int i = 0; kind > 0 && i < 6; ++i) {
-    // Each undeclared piece lasts some steps.
+    // Each undeclared piece lasts a step at least.
     const double width =
-        std::max(s.length * random.Log(0.05, 1), part->is_declared ? 0 : 5 * max_step * s.speed());
+        std::max(s.length * random.Log(0.05, 1), part->is_declared ? 0 : 3.3 * max_step * s.speed());
     const double begin = part->jumps ? s.speed() * random.Log(0.3, 3)
                          : i == 0    ? p.values[0]
                                      : p.values[i] + p.gains[i] * (node - p.nodes[i]);
@@ -860,8 +864,7 @@ System MakeSystem(std::uint64_t number) {
     ticks.numerator = std::array{1, 2, 5}[random.Below(3)];
     for (int i = digits; i > 0; --i) ticks.numerator *= 10;
     for (int i = digits; i < 0; ++i) ticks.denominator *= 10;
-    ticks.period = static_cast<double>(ticks.numerator) / static_cast<double>(ticks.denominator);
-    ticks.first = std::llround(system.start / ticks.period);
+    ticks.first = std::llround(system.start / ticks.period());
     system.start = ticks.start();
 
     const auto [method, order] = kIntegrators[number % std::size(kIntegrators)];
@@ -894,7 +897,7 @@ System MakeSystem(std::uint64_t number) {
           part = MakePassage(random, scale, max_step, 0);
           break;
         case 7:
-          part = MakePassage(random, scale, max_step / scale.time * 3, 1 + random.Below(2));
+          part = MakePassage(random, scale, max_step, 1 + random.Below(2));
           break;
         case 8:
           part = MakeDriven(random, scale, system.start, max_step);
@@ -911,18 +914,23 @@ System MakeSystem(std::uint64_t number) {
       system.options.state_atol.push_back({part->name + ".v", 1e-9 * scale.speed()});
       system.parts.push_back(std::move(part));
     }
-    // Open tables and kStabilized do not detect undeclared jumps between ticks.
+    // Between ticks kErkOpen and kStabilized do not detect undeclared jumps, nor does kErkOpen of orders 4
+    // and 5.
+    const bool open = method == Method::kErkOpen || method == Method::kStabilized;
+    const bool sees_jumps = !open || (!ticking && order < 4);
     bool blind = false;
-    for (const auto& part : system.parts)
-      blind |= !part->declared() && ticking && (method == Method::kErkOpen || method == Method::kStabilized);
+    for (const auto& part : system.parts) blind |= !part->declared() && !sees_jumps;
     if (blind) continue;
     std::erase_if(system.options.state_atol, [&](const StateTolerance& own) {
       const Part& part = *system.parts[static_cast<std::size_t>(own.prefix[1] - '0')];
       return part.family() == "alarms" || (!part.has_speed() && own.prefix.ends_with("v"));
     });
     const bool multistage = method == Method::kDirk || method == Method::kBdf || method == Method::kAdams;
+    const bool flow_is_exact = polynomial && !multistage;
+    // With smaller tolerances, the errors of methods of order 2 are no longer proportional to them.
+    if (order == 2 && !flow_is_exact && offset > 100) continue;
     system.options.rtol =
-        (method == Method::kDirk && order == 2 ? 1e-4 : 1e-6) / (polynomial && !multistage ? 1 : offset);
+        (method == Method::kDirk && order == 2 ? 1e-4 : 1e-6) / (flow_is_exact ? 1 : offset);
     for (int i = 0; i < 20; ++i) {
       system.end = system.start + system.time_scale * random.Uniform(1, 8);
       Expect(&system, random);
@@ -1111,7 +1119,12 @@ TEST(HybridPropertyTest, RandomSystemsAgreeWithTheExactSolution) {
   for (std::uint64_t i = from; i <= to; ++i) {
     const System system = MakeSystem(i);
     if (one != 0) system.Describe(std::cout);
+    const auto begin = std::chrono::steady_clock::now();
     const Judgement judgement = RunAndJudge(system);
+    if (const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+        took.count() > 0.2)
+      std::cout << took.count() << " s: " << system.Line() << ' ' << judgement.text.substr(0, 200)
+                << std::endl;
     const auto verdict = static_cast<std::size_t>(judgement.verdict);
     if (judgement.verdict > Verdict::kRefused) {
       ADD_FAILURE() << kVerdicts[verdict] << ": " << system.Line() << "\n  " << judgement.text;
