@@ -126,7 +126,8 @@ struct Relay final : LeafSystem<RelayParams> {
 struct SampledRelay final : LeafSystem<RelayParams> {
   using LeafSystem::LeafSystem;
   ContinuousState<double> x{this, "x", params.x};
-  DiscreteState<int> mode{this, "mode"}, n{this, "n"};
+  DiscreteState<int> mode{this, "mode"}, n{this, "n"}, tick{this, "tick"};
+  Update<int> next_tick{tick, Sampled{params.rate}, Uses(tick), [](int k) { return k + 1; }};
   TimeDerivative<double> dx{x, Uses(x, mode), [this](double x, int mode) {
                               return params.slope[mode] + params.gain * (x - params.center);
                             }};
@@ -261,6 +262,7 @@ class Part {
   virtual bool has_speed() const { return false; }  ///< v is a state
   /// The update of a witness moves it to the next level. Two levels at one instant are one event.
   virtual bool has_levels() const { return false; }
+  virtual bool ticks() const { return false; }
   virtual std::string witness() const { return ""; }
   virtual void Describe(std::ostream&) const {}
 
@@ -361,7 +363,7 @@ struct Ticks {
 struct RelayPart final : Part {
   RelayParams p;
   bool at_ticks = false;  ///< a SampledRelay
-  Ticks ticks;
+  Ticks sampling;
   const Relay* relay = nullptr;
   const SampledRelay* sampled = nullptr;
   enum { kHigh, kLow, kTick };
@@ -376,8 +378,16 @@ struct RelayPart final : Part {
     }
   }
   Motion Read(Context& c) const override {
-    if (at_ticks) return {.x = c.Eval(sampled->x), .mode = c.Eval(sampled->mode), .n = c.Eval(sampled->n)};
-    return {.x = c.Eval(relay->x), .mode = c.Eval(relay->mode), .n = c.Eval(relay->n)};
+    if (at_ticks) {
+      return {.x = c.Eval(sampled->x),
+              .mode = c.Eval(sampled->mode),
+              .n = c.Eval(sampled->n),
+              .ticks = c.Eval(sampled->tick)};
+    }
+    return {.x = c.Eval(relay->x),
+            .mode = c.Eval(relay->mode),
+            .n = c.Eval(relay->n),
+            .ticks = c.Eval(relay->tick)};
   }
   Motion Begin() const override { return {.x = p.x}; }  // between the thresholds at the tick of the beginning
   std::array<Real, 2> Rates(const Motion& m) const override {
@@ -387,7 +397,7 @@ struct RelayPart final : Part {
     return m.ticks + tick < 0 ? 0 : p.moves * Scatter(m.ticks - 1 + tick);
   }
   Next FindNext(const Motion& m) const override {
-    const Next tick{std::max(ticks.Time(m.ticks) - m.t, Real{0}), kTick};
+    const Next tick{std::max(sampling.Time(m.ticks) - m.t, Real{0}), kTick};
     if (at_ticks) return tick;
     const Real f = Rates(m)[0], move = Move(m, 0);
     const Next cross{Reach(f, p.gain, (m.mode == 0 ? p.high : p.low) + move - m.x),
@@ -415,10 +425,11 @@ struct RelayPart final : Part {
     m.mode = what == kHigh;
   }
   bool polynomial() const override { return p.gain == 0; }
+  bool ticks() const override { return true; }
   void Describe(std::ostream& os) const override {
     os << "x " << p.x << " center " << p.center << " gain " << p.gain << " slopes " << p.slope[0] << ' '
        << p.slope[1] << " low " << p.low << " high " << p.high << " moves " << p.moves << " period "
-       << ticks.period();
+       << sampling.period();
   }
 };
 
@@ -615,7 +626,8 @@ enum class Division { kAdvance, kClone, kRestore, kRestoreInNew, kRollout };
 struct Cut {
   double time;
   Division division;
-  double ahead;  ///< end of a rollout
+  double ahead;   ///< end of a rollout
+  int ticks = 0;  ///< that have run at `time`, which is that of a tick; 0: not checked
 };
 
 /// What the oracle expects of one block at the end of the run.
@@ -702,7 +714,7 @@ std::unique_ptr<Part> MakePuck(Random& random, const Scale& s, double) {
 
 std::unique_ptr<Part> MakeRelay(Random& random, const Scale& s, const Ticks& ticks, int kind) {
   auto part = std::make_unique<RelayPart>();
-  part->ticks = ticks;
+  part->sampling = ticks;
   part->at_ticks = kind == 2;
   const double width = s.length * (kind == 0 ? random.Log(0.02, 0.5) : random.Uniform(0.2, 0.5));
   const double low = s.offset - width / 2, high = s.offset + width / 2;
@@ -959,13 +971,23 @@ System MakeSystem(std::uint64_t number) {
     }
     if (unfit) continue;
     const double duration = system.end - system.start;
-    std::vector<double> at;
-    for (int i = 1 + random.Below(4); i > 0; --i)
-      at.push_back(system.start + duration * random.Uniform(0, 1));
+    std::vector<std::pair<double, int>> at;  // times and numbers of ticks
+    for (int i = 1 + random.Below(4); i > 0; --i) {
+      const double t = system.start + duration * random.Uniform(0, 1);
+      const int tick = static_cast<int>(std::floor((t - system.start) / ticks.period()));
+      if (random.Chance(0.1)) {
+        at.push_back({system.start, ticking ? 1 : 0});
+      } else if (ticking && tick > 0 && random.Chance(0.3)) {
+        at.push_back({static_cast<double>(system.start + ticks.Time(tick)), tick + 1});
+      } else {
+        at.push_back({t, 0});
+      }
+    }
     std::sort(at.begin(), at.end());
-    for (const double t : at)
-      system.cuts.push_back(
-          {t, static_cast<Division>(random.Below(5)), t + (system.end - t) * random.Uniform(0, 1)});
+    for (const auto& [t, tick] : at) {
+      const double ahead = t + (system.end - t) * random.Uniform(0, 1);
+      system.cuts.push_back({t, static_cast<Division>(random.Below(5)), ahead, tick});
+    }
     return system;
   }
 }
@@ -973,7 +995,8 @@ System MakeSystem(std::uint64_t number) {
 // ---- Runs and their judgement ----
 
 struct RunEnd {
-  std::string error;  ///< empty: the run finished
+  std::string error;        ///< empty: the run finished
+  std::string wrong_ticks;  ///< empty: each tick has run until its time, and no other
   std::vector<Motion> motions;
 };
 
@@ -989,6 +1012,13 @@ RunEnd Run(const System& system, bool divided) {
     if (divided) {
       for (const Cut& cut : system.cuts) {
         simulator->RunTo(cut.time);
+        for (const auto& part : system.parts) {
+          const int ticks = part->Read(simulator->context()).ticks;
+          if (cut.ticks > 0 && part->ticks() && ticks != cut.ticks) {
+            end.wrong_ticks = part->name + " has run " + std::to_string(ticks) + " instead of " +
+                              std::to_string(cut.ticks) + " ticks at t = " + std::to_string(cut.time);
+          }
+        }
         switch (cut.division) {
           case Division::kAdvance:
             break;
@@ -1072,9 +1102,13 @@ Judgement Judge(const System& system, const RunEnd& end) {
   if (!system.decided) return {};  // beyond doubles
   std::ostringstream os;
   os.precision(12);
+  os << end.wrong_ticks;
   for (std::size_t i = 0; i < system.parts.size(); ++i) {
     const Motion &is = end.motions[i], &must = system.expected[i].end;
     const std::string& name = system.parts[i]->name;
+    if (system.parts[i]->ticks() && is.ticks != must.ticks) {
+      os << name << " has run " << is.ticks << " instead of " << must.ticks << " ticks; ";
+    }
     if (is.n != must.n) os << name << " has " << is.n << " events instead of " << must.n << "; ";
     if (!(std::abs(is.x - must.x) <= system.expected[i].x_error))
       os << name << ".x is " << is.x << " instead of " << must.x << " +- " << system.expected[i].x_error
@@ -1092,6 +1126,7 @@ Judgement RunAndJudge(const System& system) {
   Judgement judgement = Judge(system, whole), again = Judge(system, divided);
   if (again.verdict > judgement.verdict) judgement = {again.verdict, "divided: " + again.text};
   if (judgement.verdict > Verdict::kUnequal) return judgement;
+  if (!system.decided) return judgement;  // beyond doubles
   if (whole.error != divided.error)
     return {Verdict::kUnequal, "whole: " + whole.error + "; divided: " + divided.error};
   for (std::size_t i = 0; i < whole.motions.size(); ++i) {
