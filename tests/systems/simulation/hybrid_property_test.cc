@@ -672,7 +672,7 @@ struct System {
     for (const StateTolerance& own : options.state_atol)
       os << "  atol " << own.prefix << ' ' << own.atol << '\n';
     for (const Cut& cut : cuts)
-      os << "  cut " << cut.time << ' ' << static_cast<int>(cut.division) << ' ' << cut.ahead << '\n';
+      os << "  cut " << cut.time << ' ' << static_cast<int>(cut.division) << ' ' << cut.ahead << ' ' << cut.ticks << '\n';
     for (std::size_t i = 0; i < parts.size(); ++i) {
       os << "  " << parts[i]->name << ' ' << parts[i]->family() << ": ";
       parts[i]->Describe(os);
