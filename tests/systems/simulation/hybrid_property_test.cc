@@ -463,7 +463,8 @@ struct AlarmPart final : PartOf<AlarmParams, Alarm> {
   double start = 0;
   std::array<Real, 2> Rates(const Motion&) const override { return {0, 0}; }
   Next FindNext(const Motion& m) const override {
-    return {m.n < static_cast<int>(p.at.size()) ? std::max(Real{0}, Real{p.at[m.n]} - start - m.t) : kInfinity};
+    return {m.n < static_cast<int>(p.at.size()) ? std::max(Real{0}, Real{p.at[m.n]} - start - m.t)
+                                                : kInfinity};
   }
   void Flow(Motion&, Real) const override {}
   void Fire(Motion& m, int) const override { ++m.n; }
@@ -1021,7 +1022,7 @@ TEST(HybridPropertyTest, RandomSystemsAgreeWithTheExactSolution) {
   std::map<std::string, std::array<int, kVerdicts.size()>> counts;  // by a property of the systems
   for (std::uint64_t i = from; i <= to; ++i) {
     const System system = MakeSystem(i);
-    if (one != 0) fmt::print("{}", system.Report());
+    if (one != 0) (fmt::print("{}", system.Report()), std::fflush(stdout));
     const Judgement judgement = RunAndJudge(system);
     const auto verdict = static_cast<std::size_t>(judgement.verdict);
     if (judgement.verdict > Verdict::kRefused)
