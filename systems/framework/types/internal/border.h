@@ -66,7 +66,7 @@ namespace agree = the_library_does_not_fit_this_program_in_which;
 /// Makes the memory of the library's Eigen objects such that a program whose Eigen does not use malloc can
 /// free it, and the reverse. Has no effect on a library that is compiled like the program.
 int AdoptEigenMemory();
-/// Frees memory that a library of C has allocated, such as a demangled name.
+/// Frees memory that a library of C has allocated, such as the name of a type.
 void FreeMalloced(void* memory);
 #if EIGEN_DEFAULT_ALIGN_BYTES != 0 && !EIGEN_MALLOC_ALREADY_ALIGNED
 [[maybe_unused]] static const int kAdopted = AdoptEigenMemory();
