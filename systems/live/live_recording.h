@@ -35,7 +35,7 @@ struct LiveEntry {
 /// All inputs of a live run. The file live.jsonl has a line of JSON for the run, for each time at which
 /// values were set, and for the end:
 ///
-///     {"tenon_live": 1, "seed": 1, "tenon": "0.2.0"}
+///     {"tenon_live": 1, "seed": 1, "tenon": "0.3.0"}
 ///     {"time": 1.25, "set": {"loop_drive.velocity": [0.3, 0, 0]}}
 ///     {"end": 12.5, "tick": false}
 ///
