@@ -52,9 +52,9 @@ constexpr std::string_view kRead[] = {
 };
 
 /// Makes links and joints of the elements.
-class Reader {
+class UrdfReader {
  public:
-  Reader(const Element& robot, UrdfFile& file) : file_(file) {
+  UrdfReader(const Element& robot, UrdfFile& file) : file_(file) {
     NoteUnread(robot);
     for (const Element& each : robot.children) {
       owner_ = fmt::format("{} '{}'", Excerpt(each.name), Excerpt(each["name"]));
@@ -433,7 +433,7 @@ UrdfFile ReadUrdfFile(const std::filesystem::path& path) {
   UrdfFile file{.name = path.string(), .robot = {}, .links = {}, .joints = {}, .unread = {}};
   const Element robot = ParseXml(ReadBytes(path, file), file.name);
   file.robot = robot["name"];
-  Reader(robot, file);
+  UrdfReader(robot, file);
   return file;
 }
 
