@@ -227,6 +227,8 @@ std::size_t EventFinder::Decide(double time, double reach, Motion& motion) {
       if (!resolved && origin * side < 0 && std::abs(origin) != kNoSide) return i;
       Memory(kSides, i) = side;
       Memory(kOrigins, i) = 0;
+      // Until it has left zero, zero is no event.
+      Memory(kZeros, i) = std::max(Memory(kZeros, i), std::numeric_limits<double>::denorm_min());
       --open;
     }
   }

@@ -1050,7 +1050,7 @@ double SundialsIntegrator::begin() const {
   return run_->begin;
 }
 double SundialsIntegrator::reach() const {
-  return run_->solver.multistep() ? run_->Target() - run_->finish : run_->step;
+  return run_->solver.multistep() ? (run_->Target() - run_->finish) / 100 : run_->step;
 }
 double SundialsIntegrator::finish() const {
   return run_->finish;
