@@ -23,8 +23,8 @@
 namespace tenon {
 namespace {
 
-using UrdfLink;
-using UrdfShape;
+using internal::UrdfLink;
+using internal::UrdfShape;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using internal::LinkAxis;
