@@ -283,7 +283,7 @@ double SundialsIntegrator::Run::LargestStep(double time) const {
 double SundialsIntegrator::Run::Target() const {
   if (std::isfinite(end)) return end;
   const double largest = LargestStep(finish);
-  return finish + 100 * (std::isfinite(largest) ? largest : step);
+  return finish + 1e7 * (std::isfinite(largest) ? largest : step);
 }
 
 void SundialsIntegrator::Run::Restart(double time, double first_step) {
