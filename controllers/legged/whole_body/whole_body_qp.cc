@@ -193,7 +193,7 @@ TENON_VECTOR_CLONES void WholeBodyQp::MakeProblem(const QuadrupedDynamics& dynam
     const Eigen::Matrix3d& J = dynamics.foot(leg).J_leg;
     const double size2 = J.squaredNorm();
     const bool regular = std::abs(J.determinant()) > kStraight * size2 * std::sqrt(size2);
-    inverse[i] = regular ? internal::Inverse<3>(J) : InverseOfSingular(J);
+    inverse[i] = regular ? Eigen::Matrix3d(J.inverse()) : InverseOfSingular(J);  // inlined for the clones
     const auto J_b = TrunkJacobian(dynamics, leg);
     const auto M_b = dynamics.M.block<6, 3>(0, 6 + 3 * leg);
     by_trunk[i].noalias() = -inverse[i] * J_b;
