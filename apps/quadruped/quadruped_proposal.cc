@@ -23,12 +23,12 @@
 namespace tenon {
 namespace {
 
-using internal::UrdfLink;
-using internal::UrdfShape;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using internal::LinkAxis;
 using internal::UrdfJoint;
+using internal::UrdfLink;
+using internal::UrdfShape;
 using std::numbers::pi;
 
 constexpr double kFarFoot = 0.4;  // minimum distance of a foot from the knee, relative to the thigh

@@ -96,7 +96,7 @@ class Replay {
     for (const {frames, actors} of this.runs) {
       const step = Math.max(1, Math.floor(frames.time.length / 100));
       for (const actor of actors) {
-        // A rope may be much longer than the robot. What holds it at both ends is in view, or far away.
+        // A rope may be much longer than the robot. Its ends are in view, or far away.
         if (actor.shape.role === 'ground' || actor.shape.role === 'lines' || !actor.everSeen()) continue;
         for (let i = 0; i < frames.time.length; i += step) {
           for (const point of actor.points(i)) {

@@ -45,7 +45,7 @@ std::exception_ptr WithEachLog(const RatedLogs& logs, void (SignalLog::*act)()) 
 constexpr double kInstant = 16 * internal::kTimeResolution;
 /// Number of successive shrinking intervals between events from which their limit is extrapolated.
 constexpr double kSeries = 4;
-/// What Context::event_memory_ keeps of each witness: the time of its last event [s], the number of events at
+/// Parts of Context::event_memory_ for each witness: the time of its last event [s], the number of events at
 /// this instant, the last interval between two events [s], and the number of successive intervals that were
 /// each shorter than the one before.
 enum { kLast, kCount, kInterval, kShrinking, kEventMemory };
@@ -681,7 +681,8 @@ void Simulator::Fire(std::size_t witness) {
   }
   if (plan.is_kink) {
     // A multistep method crosses a kink by its error test, and restarts only where the derivatives jump.
-    if (!IsMultistep() || !integrator_->can_go_on() || integrator_->JumpsAt(integrator_->Local(now, context_->time_rest_)))
+    if (!IsMultistep() || !integrator_->can_go_on() ||
+        integrator_->JumpsAt(integrator_->Local(now, context_->time_rest_)))
       integrator_->Halt();
     return;
   }

@@ -16,7 +16,8 @@ constexpr double kRounding = 1e-9;
 
 /// Returns the least common multiple of all sample periods, 0 without samples.
 Rational CommonPeriod(const std::vector<SampleGroup>& groups) {
-  // For reduced fractions, it is the lcm of the numerators over the gcd of the denominators.
+  // For reduced fractions, it is the least common multiple of the numerators over the greatest common divisor
+  // of the denominators.
   Rational common{0, 1};
   for (const SampleGroup& group : groups) {
     const std::int64_t divisor = std::gcd(group.period.numerator, group.period.denominator);

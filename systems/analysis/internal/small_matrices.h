@@ -50,7 +50,8 @@ class Cholesky {
 
 /// The eigenvalues of a symmetric matrix, ascending, by iteration.
 SmallMatrix<3, 1> SymmetricEigenvalues3(const SmallMatrix<3>& A);
-/// The same from the roots of the characteristic polynomial: faster and less accurate.
+/// Eigenvalues of a symmetric matrix from the roots of the characteristic polynomial: faster and less
+/// accurate.
 SmallMatrix<3, 1> DirectSymmetricEigenvalues3(const SmallMatrix<3>& A);
 
 /// A symmetric matrix V diag(values) V^T with ascending values.

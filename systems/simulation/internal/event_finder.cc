@@ -30,9 +30,9 @@ constexpr double kFirstProbe = 2, kNextProbe = 4;
 /// The slope of a function at its event is measured over this many resolutions of time, at most, and over
 /// this part of the time since the search began.
 constexpr double kSlope = 256, kSlopePart = 0.125;
-/// Of where a function came from while it is undecided: a start or a jump. Otherwise it is the side.
+/// Origin of an undecided function that starts or has jumped. Otherwise the origin is its former side.
 constexpr double kNoSide = 2;
-/// Of the origin, as a factor of the side: the states had no speed through zero at the event.
+/// Factor of the side in the origin of a function whose states had no speed through zero at the event.
 constexpr double kUnresolved = 3;
 /// Patterns of signs by which all states are moved to measure the rounding of a function.
 constexpr int kPatterns = 3;

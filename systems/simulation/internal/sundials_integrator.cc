@@ -682,7 +682,7 @@ void SundialsIntegrator::Run::EvaluateStraight(double ahead, double* values) {
   EvaluateWitnessesAt(motion_begin + ahead, moved.data(), values);
 }
 
-/// The explicit midpoint rule and Kutta's method of order 3.
+/// The explicit midpoint rule, and the classical Runge-Kutta method of order 3.
 void SundialsIntegrator::Run::Evaluate(double ahead, int order, double* values) {
   const std::vector<double>&x = motion[0], &first = motion[1];
   std::vector<double>&second = motion[2], &third = motion[3], &moved = motion[4];

@@ -66,10 +66,12 @@ TEST_F(CampaignTableTest, TheSameRowsMakeTheSameFile) {
 
 TEST_F(CampaignTableTest, ResumesTheTableOfAKilledWriterWithoutItsTornLine) {
   { std::ofstream(file) << "run,case,end_reason\n4,D1,end of the run\n2,D1,end of t"; }
-  CampaignTable table(file, CampaignTable::Start::kResume);
-  EXPECT_EQ(Text(), "run,case,end_reason\n4,D1,end of the run\n");
-  table.Append({{"run", "2"}, {"case", "D1"}, {"end_reason", "end of the run"}});
-  EXPECT_EQ(Text(), "run,case,end_reason\n4,D1,end of the run\n2,D1,end of the run\n");
+  {
+    CampaignTable table(file, CampaignTable::Start::kResume);
+    EXPECT_EQ(Text(), "run,case,end_reason\n4,D1,end of the run\n");
+    table.Append({{"run", "2"}, {"case", "D1"}, {"end_reason", "end of the run"}});
+    EXPECT_EQ(Text(), "run,case,end_reason\n4,D1,end of the run\n2,D1,end of the run\n");
+  }
   { std::ofstream(file) << "run,ca"; }  // before the first row
   CampaignTable anew(file, CampaignTable::Start::kResume);
   anew.Append(Row(0, "1"));

@@ -57,7 +57,7 @@ class CustomisationTest : public test::AppTest {
     return CallIn(
         name, [&](int argc, char** argv) { return app.Run(argc, argv); }, arguments);
   }
-  /// The same for a main function.
+  /// Runs a main function in this way.
   int CallIn(const std::string& name, const auto& main, std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), "my_app");
     arguments.insert(arguments.end(), {"--out", (out / name).string()});

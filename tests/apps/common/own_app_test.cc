@@ -62,6 +62,7 @@ TEST_F(OwnAppTest, IsRunByCampaigns) {
   Write("step.yaml", Read(kExample + "/step.yaml"));
   const auto campaign = [&](const std::string& text) {
     const std::string file = Write("masses.yaml", "app: " + app + "\nscenario: step.yaml\n" + text);
+    fs::remove(out / "runs/runs.csv");  // a table is never overwritten
     return RunCommand("cd / && " + kCampaign + " " + file + " --out " + (out / "runs").string());
   };
   const Result result = campaign("vary: {mass_kg: {grid: [1, 4]}}\nduration_s: 2\n");
@@ -106,6 +107,7 @@ class ScriptAppTest : public OwnAppTest {
     Write("app.sh", "#!/bin/sh\n[ $2 = --keys ] && exit 0\n" + script);
     fs::permissions(out / "app.sh", fs::perms::owner_all);
     const std::string file = Write("c.yaml", "app: ./app.sh\nscenario: scenario.yaml\n" + more);
+    if (options.empty()) fs::remove(out / "runs/runs.csv");  // a table is never overwritten
     return RunCommand("timeout 60 " + kCampaign + " " + file + options + " --out " + (out / "runs").string());
   }
   std::string Table() const { return Read(out / "runs/runs.csv"); }

@@ -75,7 +75,7 @@ TEST_F(TenonGuideDogTest, ANearMissIsNoCollision) {
 
 TEST_F(TenonGuideDogTest, RefusesBadUsage) {
   ExpectRefused({{"flat", "run tenon-quadruped flat"},
-                 {"C1 --set person.phases.1.speed_m_per_s=-1", "C1.yaml:20:7: person.phases.1: "},
+                 {"C1 --set person.phases.1.speed_m_per_s=-1", "C1.yaml:21:7: person.phases.1: "},
                  {"C3 --set surroundings.obstacles.0.radius_m=0", "surroundings.obstacles.0.radius_m: "}});
   ExpectSettingsRefused("C1", {"walk.judged_from_s=76", "fall.min_height_ratio=2", "leash.stiffness=3",
                                "supervisor.release_N=60"});

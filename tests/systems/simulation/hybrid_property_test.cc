@@ -224,7 +224,7 @@ struct Motion {
   int ticks = 1;  ///< including the one at the beginning
 };
 
-/// What happens next in a motion, after some time.
+/// The next event of a motion, after some time.
 struct Next {
   Real after = kInfinity;
   int what = 0;
@@ -528,7 +528,7 @@ Solution Solve(const Part& part, Real duration, Real latest, const Errors& error
 
 // ---- Systems, and what the oracle expects of them ----
 
-/// What happens to a run where it is divided: nothing, a clone or a snapshot that goes on in a new simulator
+/// The treatment of a run where it is divided: nothing, a clone or a snapshot that goes on in a new simulator
 /// or in the same one, a run ahead and back as in predictive control.
 enum class Division { kAdvance, kClone, kRestore, kRestoreInNew, kRollout };
 struct Cut {
@@ -538,7 +538,7 @@ struct Cut {
   int ticks = 0;  ///< that have run at `time`, which is that of a tick; 0: not checked
 };
 
-/// What a block must be at the end of the run.
+/// Required values of a block at the end of the run.
 struct Expected {
   Motion end;
   Real x_error = 0, v_error = 0;                      ///< permitted
@@ -697,7 +697,7 @@ std::unique_ptr<Part> MakePuck(Random& random, const Scale& s) {
   return part;
 }
 
-/// Of kind 0 with fixed thresholds, 1 with sampled thresholds, 2 of a digital controller.
+/// Kind 0 has fixed thresholds, kind 1 sampled thresholds; kind 2 is a digital controller.
 std::unique_ptr<Part> MakeRelay(Random& random, const Scale& s, const Ticks& ticks, int kind) {
   auto part = std::make_unique<RelayPart>();
   part->family = std::array{"relay", "relay with sampled thresholds", "sampled relay"}[kind];
@@ -729,7 +729,7 @@ std::vector<double> Growing(Random& random, double first, double unit, int count
   return all;
 }
 
-/// Of kind 0 with levels alone, 1 with kinks, 2 with jumps. Each undeclared piece lasts a step at least.
+/// Kind 0 has levels alone, kind 1 kinks, kind 2 jumps. Each undeclared piece lasts a step at least.
 std::unique_ptr<Part> MakePassage(Random& random, const Scale& s, double max_step, int kind) {
   auto part = std::make_unique<PassagePart>();
   PassageParams& p = part->p;
@@ -1014,8 +1014,8 @@ Judgement RunAndJudge(const System& system) {
 
 /// The first 300 systems that are not right yet: balls without rest under kAdams and kBdf that pass the
 /// accumulation of their impacts (9, 25, 41, 105, 248), a kink and a jump in the state that are not declared
-/// under kDirk (70, 135), and a declared jump in the state under kErk of order 5 that ends the run (115). Runs
-/// that set TENON_HYBRID_SYSTEMS include them.
+/// under kDirk (70, 135), and a declared jump in the state under kErk of order 5 that ends the run (115).
+/// Runs that set TENON_HYBRID_SYSTEMS include them.
 constexpr std::array<std::uint64_t, 8> kNotYetRight{9, 25, 41, 70, 105, 115, 135, 248};
 
 TEST(HybridPropertyTest, RandomSystemsAgreeWithTheExactSolution) {
