@@ -131,7 +131,7 @@ void CdprEstimator::Correct(const PoseMeasurement& pose, const CdprNoise& noise,
   S << HP.leftCols<3>(), HP.rightCols<3>();
   S.diagonal().head<3>().array() += std::pow(noise.position, 2);
   S.diagonal().tail<3>().array() += std::pow(noise.attitude, 2);
-  const Eigen::Matrix<double, 6, 9> gain_transposed = internal::Cholesky<6>(S).Solve(HP);
+  const Eigen::Matrix<double, 6, 9> gain_transposed = internal::Cholesky<6>(S).Solve<9>(HP);
   const Vector9d error = gain_transposed.transpose() * innovation;
   const Covariance reduced = P - HP.transpose().lazyProduct(gain_transposed);
   memory.covariance = (reduced + reduced.transpose()) / 2;

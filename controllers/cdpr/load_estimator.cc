@@ -98,7 +98,7 @@ void LoadEstimator::CorrectArm(const Eigen::Vector3d& force_B, const Eigen::Vect
   const Eigen::Matrix3d HP = H * P;
   Eigen::Matrix3d S = HP * H.transpose();
   S.diagonal().array() += std::pow(params.torque_deviation, 2);
-  const Eigen::Matrix3d gain_transposed = internal::Cholesky<3>(S).Solve(HP);
+  const Eigen::Matrix3d gain_transposed = internal::Cholesky<3>(S).Solve<3>(HP);
   const Eigen::Vector3d innovation = torque_B - H * memory.arm_B;
   memory.arm_B += gain_transposed.transpose() * innovation;
   const Eigen::Matrix3d reduced = P - HP.transpose() * gain_transposed;

@@ -402,7 +402,7 @@ LeggedAcceleration QuadrupedBody::Acceleration(const Vec<12>& torque, std::span<
   for (int i = 0; i < kJointsPerLeg; ++i)
     load[i] = PerLeg::Of([&](int leg) { return joint_load[kJointsPerLeg * leg + i]; }) - work.joint_bias[i];
   for (int i = 0; i < 6; ++i) trunk_load[i] -= work.legs_per_trunk.col(i).dot(load).Sum();
-  const Vec<6> trunk = work.trunk_mass.Solve(trunk_load);
+  const Vec<6> trunk = work.trunk_mass.Solve<1>(trunk_load);
   const Vector3<PerLeg> legs =
       work.leg_mass_inverse * load - work.legs_per_trunk.lazyProduct(trunk.cast<PerLeg>());
   LeggedAcceleration out;

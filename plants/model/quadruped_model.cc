@@ -212,7 +212,7 @@ void QuadrupedModel::CalcDecoupled(const LeggedState& x, const QuadrupedDynamics
   const auto& M = dynamics.M;
   const Eigen::Matrix<double, 6, 12> M_bj = M.block<6, 12>(0, 6);
   const internal::Cholesky<6> M_bb(M.block<6, 6>(0, 0));
-  const Eigen::Matrix<double, 6, 12> X = M_bb.Solve(M_bj);
+  const Eigen::Matrix<double, 6, 12> X = M_bb.Solve<12>(M_bj);
   out->M_q = M.block<12, 12>(6, 6);
   out->M_q.noalias() -= M_bj.transpose() * X;
   out->coriolis = dynamics.coriolis.tail<12>() - X.transpose() * dynamics.coriolis.head<6>();

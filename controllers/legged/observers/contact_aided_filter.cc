@@ -183,7 +183,7 @@ int ContactAidedFilter::Correct(const std::array<FootMeasurement, kNumLegs>& fee
     const Vec<3> innovation =
         -FootResidual(mean, leg, foot.p_IF_B) - (error.segment<3>(Rows(leg)) - error.segment<3>(kPosition));
     const internal::Cholesky<3> factors(S);
-    const Vec<3> weighted = factors.Solve(innovation);
+    const Vec<3> weighted = factors.Solve<1>(innovation);
     if (innovation.dot(weighted) > outlier) {
       moved[At(leg)] = true;
       continue;

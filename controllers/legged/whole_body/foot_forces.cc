@@ -73,7 +73,7 @@ Vec<12> DecoupledGroundTorque(const QuadrupedDynamics& dynamics, const FootForce
   }
   const internal::Cholesky<6> inertia(dynamics.M.topLeftCorner<6, 6>());
   return GroundTorque(dynamics, forces, arm_W) -
-         dynamics.M.bottomLeftCorner<12, 6>() * inertia.Solve(on_trunk);
+         dynamics.M.bottomLeftCorner<12, 6>() * inertia.Solve<1>(on_trunk);
 }
 
 }  // namespace tenon

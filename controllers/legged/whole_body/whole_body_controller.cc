@@ -23,7 +23,7 @@ void NeglectAngularMomentumBias(QuadrupedDynamics* dynamics) {
   bias.tail<3>() = dynamics->angular_momentum_bias_W;
   const internal::Cholesky<6> trunk(dynamics->M.topLeftCorner<6, 6>());
   dynamics->coriolis.head<6>() -= bias;
-  dynamics->coriolis.tail<12>().noalias() -= dynamics->M.bottomLeftCorner<12, 6>() * trunk.Solve(bias);
+  dynamics->coriolis.tail<12>().noalias() -= dynamics->M.bottomLeftCorner<12, 6>() * trunk.Solve<1>(bias);
   dynamics->angular_momentum_bias_W.setZero();
 }
 

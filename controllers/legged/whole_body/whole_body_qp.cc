@@ -321,7 +321,7 @@ std::array<Vec<3>, kNumLegs> SwingFootAcceleration(const QuadrupedDynamics& dyna
   }
   const internal::Cholesky<18> mass(dynamics.M);
   const Eigen::Matrix<double, 18, 12> response = mass.Solve<12>(J.transpose());
-  Eigen::Matrix<double, 18, 1> acceleration = mass.Solve(push);
+  Eigen::Matrix<double, 18, 1> acceleration = mass.Solve<1>(push);
   A.noalias() += J * response;
   acceleration -= response * internal::SolveLdlt<12>(A, J * acceleration);
   std::array<Vec<3>, kNumLegs> out;

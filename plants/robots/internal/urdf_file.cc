@@ -134,7 +134,8 @@ class UrdfReader {
   /// Checks the numbers of an element and of all elements in it.
   void CheckNumbers(const Element& element) {
     NoteUnread(element);
-    for (const auto& [attribute, text] : element.attributes) {
+    for (const auto& each_attribute : element.attributes) {
+      const std::string &attribute = each_attribute.first, &text = each_attribute.second;
       const auto numbers = std::ranges::find_if(kNumbers, [&](const Numbers& each) {
         return each.element == element.name && each.attribute == attribute;
       });
@@ -316,7 +317,9 @@ class UrdfReader {
 
   /// Makes a tree of the links.
   void Connect() {
-    for (const auto& [name, joint] : file_.joints) {
+    for (const auto& named : file_.joints) {
+      const std::string& name = named.first;
+      const UrdfJoint& joint = named.second;
       const auto find = [&](const std::string& link) -> UrdfLink& {
         const auto at = file_.links.find(link);
         if (at == file_.links.end())
@@ -363,7 +366,9 @@ class UrdfReader {
       ring.push_back(link->parent_joint);
       link = link->parent;
     } while (link != &start);
-    std::ranges::rotate(ring, std::ranges::min_element(ring, {}, &UrdfJoint::name));
+    const auto first = std::min_element(ring.begin(), ring.end(),
+                                        [](const auto* a, const auto* b) { return a->name < b->name; });
+    std::rotate(ring.begin(), first, ring.end());
     std::string names;
     for (const UrdfJoint* joint : ring)
       names += fmt::format("{}'{}'", names.empty() ? "" : ", ", joint->name);
