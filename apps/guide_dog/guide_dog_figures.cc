@@ -34,26 +34,22 @@ GuideDogFigures::GuideDogFigures(const GuideDog& loop, bool judged)
 }
 
 std::vector<const Source*> GuideDogFigures::Signals(const GuideDog& loop) {
-  std::vector<const Source*> signals{&loop.leash.leash,
-                                     &loop.person.person,
-                                     &loop.person.intent,
-                                     &loop.supervisor.status,
-                                     &loop.admittance.motion,
-                                     &loop.observer.wrench,
-                                     &loop.obstacles.obstacle,
-                                     &loop.world.plant.state,
-                                     &loop.world.plant.joint_torque,
-                                     &loop.world.plant.external_wrench,
-                                     &loop.world.plant.foot_forces,
-                                     &loop.world.plant.foot_slips,
-                                     &loop.locomotion.body,
-                                     &loop.locomotion.schedule,
-                                     &loop.errors.errors};
-  if (loop.estimator) {
-    signals.push_back(&loop.estimator->estimate);
-    signals.push_back(&loop.errors.path);
-  }
-  return Present(signals);
+  const std::vector<const Source*> signals{&loop.leash.leash,
+                                           &loop.person.person,
+                                           &loop.person.intent,
+                                           &loop.supervisor.status,
+                                           &loop.admittance.motion,
+                                           &loop.observer.wrench,
+                                           &loop.obstacles.obstacle,
+                                           &loop.world.plant.state,
+                                           &loop.world.plant.joint_torque,
+                                           &loop.world.plant.external_wrench,
+                                           &loop.world.plant.foot_forces,
+                                           &loop.world.plant.foot_slips,
+                                           &loop.locomotion.body,
+                                           &loop.locomotion.schedule,
+                                           &loop.errors.errors};
+  return Present(WalkFigures::WithOptions(signals, loop));
 }
 
 std::vector<const Source*> GuideDogFigures::Judged(const GuideDog& loop) {

@@ -50,16 +50,21 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
     signals.push_back(&loop.world.plant.added_positions);
     signals.push_back(&loop.world.plant.added_speeds);
   }
-  if (IsExtended(loop.world.plant)) signals.push_back(&loop.world.plant.added_wrench);
   if (loop.ropes) {
     signals.push_back(&loop.ropes->tension);
     signals.push_back(&loop.tensions->wrench);
   }
+  return Present(WithOptions(std::move(signals), loop));
+}
+
+std::vector<const Source*> WalkFigures::WithOptions(std::vector<const Source*> signals,
+                                                    const QuadrupedWalk& loop) {
+  if (IsExtended(loop.world.plant)) signals.push_back(&loop.world.plant.added_wrench);
   if (loop.estimator) {
     signals.push_back(&loop.estimator->estimate);
     signals.push_back(&loop.errors.path);
   }
-  return Present(signals);
+  return signals;
 }
 
 std::vector<const Source*> WalkFigures::Judged(const QuadrupedWalk& loop) {

@@ -50,6 +50,10 @@ class WalkFigures final : public LogSink {
   }
   /// The signals that must be logged for the figures: Signals and the diagnostics of the solvers.
   static std::vector<const Source*> Judged(const QuadrupedWalk& loop);
+  /// `signals` and what the figures need of parts that not every walk has: the wrench of bodies that were
+  /// added to the plant, the estimate of the state and its errors.
+  static std::vector<const Source*> WithOptions(std::vector<const Source*> signals,
+                                                const QuadrupedWalk& loop);
   /// `signals` and the diagnostics of the solvers that the loop has.
   static std::vector<const Source*> WithSolvers(std::vector<const Source*> signals,
                                                 const QuadrupedWalk& loop);

@@ -28,7 +28,7 @@ FootForces SolveFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& tor
     const Vec<3> tau = torque.segment<3>(3 * leg);
     const double damping = Damping(J, min_singular_value);
     if (damping == 0) {
-      forces[leg] = internal::Inverse<3>(J.transpose()) * tau;
+      forces[leg] = J.transpose().inverse() * tau;
     } else {
       const Eigen::Matrix3d normal = J * J.transpose() + damping * Eigen::Matrix3d::Identity();
       forces[leg] = internal::SolveCholesky<3>(normal, J * tau);

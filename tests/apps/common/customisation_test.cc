@@ -331,12 +331,15 @@ TEST_F(CustomisationTest, FiguresAndLimitsAreThoseOfThePlantThatRuns) {
                     .mass = 1.5,
                     .centre = {-0.1, 0, 0},
                     .radius = 0.05};
-  QuadrupedApp walk;
-  walk.Customise([&](DiagramBuilder& builder, QuadrupedWalk& walk) {
+  const auto extend = [&](DiagramBuilder& builder, QuadrupedWalk& walk) {
     QuadrupedPlantParams params = walk.world.plant.params;
     params.extend = Attach({tail});
     builder.Replace<QuadrupedPlant>(walk.world.plant, params);
-  });
+  };
+  QuadrupedApp walk;
+  walk.Customise(extend);
+  GuideDogApp dog;
+  dog.Customise(extend);
   CdprApp fly;
   fly.Customise([&](DiagramBuilder& builder, CdprLoop& loop) {
     CdprPlantParams params = loop.world.plant.params;
@@ -359,6 +362,8 @@ TEST_F(CustomisationTest, FiguresAndLimitsAreThoseOfThePlantThatRuns) {
     ASSERT_EQ(RunIn("live", mine, With(run, {"--live"})), 0) << text_;
   };
   compare(walk, QuadrupedApp(), kShort);
+  ASSERT_EQ(RunIn("dog", dog, {"C1", "--duration", "0.05", "--set", "walk.judged_from_s=0"}), 0) << text_;
+  EXPECT_THAT(Read(out / "dog/signals.csv"), HasSubstr("added_wrench"));
   compare(fly, CdprApp(), {"D1", "--duration", "0.05"});
 }
 
