@@ -71,8 +71,8 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
 void CheckObserver(const std::optional<ObserverKind>& observer, const QuadrupedWalk& loop) {
   if (observer && IsReplaced(loop.observer))
     throw KeyError("observer",
-                   fmt::format("'{}' has no effect, because this program replaces the block '{}': remove the "
-                               "key, set custom.blocks to shipped, or use --compare",
+                   fmt::format("'{}' has no effect, because this program replaces the block '{}': set the "
+                               "key to null, set custom.blocks to shipped, or use --compare",
                                EnumName(*observer), loop.observer.path()));
 }
 
