@@ -64,7 +64,8 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, MakeSimulatorOptions(scenario, loop.world.plant));
   std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
-  const auto leash = std::make_shared<GuideDogFigures>(loop, options.live == nullptr);
+  const auto leash =
+      std::make_shared<GuideDogFigures>(loop, options.live ? std::nullopt : std::optional(scenario.task));
   const auto walk =
       std::make_shared<WalkFigures>(loop, scenario.walk.judged_from_s, observer != ObserverKind::kNone,
                                     MakePathVerdict(scenario.walk, options.live != nullptr));

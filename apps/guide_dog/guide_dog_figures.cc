@@ -3,6 +3,8 @@
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -19,17 +21,23 @@ bool Is(double value, auto enumerator) {
 
 }  // namespace
 
-GuideDogFigures::GuideDogFigures(const GuideDog& loop, bool judged)
+GuideDogFigures::GuideDogFigures(const GuideDog& loop, const std::optional<GuideDogTask>& task)
     : loop_(loop),
+      task_(task),
       desired_tension_(
           CurrentAs<LeafSystem<AdmittanceFilterParams>>(loop.admittance).params.gains.desired_tension),
       threshold_(CurrentAs<LeafSystem<SupervisorParams>>(loop.supervisor).params.gains.threshold) {
+  if (!task_) return;
+  const bool supervised = FindCurrent(loop.supervisor.status) != nullptr;
   double end = 0;  // of a phase [s]
   for (const PersonPhase& phase : CurrentAs<LeafSystem<PersonParams>>(loop.person).params.phases) {
     end += phase.duration;
-    if (!judged) continue;
-    if (phase.activity == Activity::kFollow && phase.speed > 0 && !tightens_.due) tightens_.due = end;
-    if (phase.activity == Activity::kPull && FindCurrent(loop.supervisor.status)) directed_.due = end;
+    const bool follows = phase.activity == Activity::kFollow && phase.speed > 0;
+    if (follows && !tightens_.due) tightens_.due = end;
+    crosses_.due = follows && supervised ? std::optional(end + task_->crossing) : std::nullopt;
+    if (phase.activity != Activity::kPull || !supervised) continue;
+    directed_.due = end;
+    restarts_.due = end + task_->restart;
   }
 }
 
@@ -79,12 +87,15 @@ void GuideDogFigures::Row(std::span<const double> row) {
   StopRow(row);
   HeadingRow(row);
   if (mode_) last_mode_ = row[*mode_];
+  time_ = row[0];
 }
 
 void GuideDogFigures::LeashRow(std::span<const double> row) {
   const double tension = row[tension_], distance = row[length_];
   tensions_.Add(tension);
   if (tension > 0) tightens_.Meet(row[0]);
+  if (tension > threshold_ && crosses_.due && row[0] >= *crosses_.due - task_->crossing)
+    crosses_.Meet(row[0]);
 
   if (!mode_ || !activity_) return;
   const bool together =
@@ -122,6 +133,23 @@ void GuideDogFigures::HeadingRow(std::span<const double> row) {
     pull_yaw_ = std::atan2(-row[direction_[1]], -row[direction_[0]]);
     directed_.Meet(row[0]);
   }
+  if (restarts_.met_at || !pull_yaw_) return;
+  if (!Is(row[*mode_], GuideMode::kMove)) {
+    moves_since_.reset();
+  } else if (!moves_since_) {
+    moves_since_ = row[0];
+  } else if (row[0] - *moves_since_ >= 1) {
+    if (*HeadingError() <= (task_ ? task_->heading : 0)) restarts_.Meet(row[0]);
+    moves_since_ = row[0];
+  }
+}
+
+std::optional<double> GuideDogFigures::HeadingError() const {
+  if (!pull_yaw_) return std::nullopt;
+  Vec<2> sum = Vec<2>::Zero();
+  for (const Vec<2>& heading : headings_) sum += heading;
+  return 180 / std::numbers::pi *
+         std::abs(std::remainder(std::atan2(sum[1], sum[0]) - *pull_yaw_, 2 * std::numbers::pi));
 }
 
 void GuideDogFigures::AddTo(Summary& summary) const {
@@ -136,16 +164,19 @@ void GuideDogFigures::AddTo(Summary& summary) const {
   summary.Set("distance_walking_min_m", distances_walking_.min());
   summary.Set("distance_walking_max_m", distances_walking_.max());
   summary.Set("stop_delay_s", stop_delay_);
-  std::optional<double> heading_error;
-  if (pull_yaw_) {
-    Vec<2> sum = Vec<2>::Zero();
-    for (const Vec<2>& heading : headings_) sum += heading;
-    heading_error = 180 / std::numbers::pi *
-                    std::abs(std::remainder(std::atan2(sum[1], sum[0]) - *pull_yaw_, 2 * std::numbers::pi));
-  }
+  const std::optional<double> heading_error = HeadingError();
   summary.Set("heading_error_deg", heading_error);
-  summary.Require(tightens_);
-  summary.Require(directed_);
+  for (const Condition& condition : {tightens_, crosses_, directed_, restarts_}) summary.Require(condition);
+  if (!task_) return;
+  summary.Limit("stop_delay_s", {.high = task_->stop});
+  if (stop_delay_.value_or(cause_ ? time_ - *cause_ : 0) > task_->stop)
+    summary.Break(*cause_ + task_->stop, fmt::format("the robot did not stop within {} s", task_->stop));
+  if (!restarts_.met_at) return;
+  summary.Limit("heading_error_deg", {.high = task_->heading});
+  if (*heading_error > task_->heading)
+    summary.Break(time_,
+                  fmt::format("the robot left the direction of the pull by {:.3g} degrees, more than {}",
+                              *heading_error, task_->heading));
 }
 
 }  // namespace tenon::apps

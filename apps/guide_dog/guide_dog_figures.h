@@ -2,6 +2,7 @@
 
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
+#include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/systems/simulation/signal_log.h>
 
@@ -32,10 +33,11 @@ class GuideDogFigures final : public LogSink {
   /// The shapes of a replay.
   static std::vector<const OutputPort<Geometry>*> Shapes(const GuideDog& loop);
 
-  /// The parameters of the loop, unlike those of its scenario, are scaled to the robot. With `judged`, the
-  /// leash must tighten by the end of the person's first phase of following, and the robot must take the
-  /// direction of her last pull by the end of that phase; see Condition.
-  explicit GuideDogFigures(const GuideDog& loop, bool judged = false);
+  /// The parameters of the loop, unlike those of its scenario, are scaled to the robot. Without a task, as in
+  /// a live run, nothing is judged. With one, the leash must tighten by the end of the person's first phase
+  /// of following; a person who stops at the end of her phases must stop the robot; and the robot must take
+  /// the direction of her last pull by the end of that phase, walk that way, and be on it at the end.
+  explicit GuideDogFigures(const GuideDog& loop, const std::optional<GuideDogTask>& task = {});
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
   void AddTo(Summary& summary) const;
@@ -44,8 +46,11 @@ class GuideDogFigures final : public LogSink {
   void LeashRow(std::span<const double> row);
   void StopRow(std::span<const double> row);
   void HeadingRow(std::span<const double> row);
+  /// Mean heading of the last second, relative to the pull [deg]; empty without a pull.
+  std::optional<double> HeadingError() const;
 
   const GuideDog& loop_;
+  std::optional<GuideDogTask> task_;
   double desired_tension_, threshold_;  // [N]
 
   std::size_t tension_ = 0, length_ = 0, obstacle_ = 0;
@@ -58,9 +63,13 @@ class GuideDogFigures final : public LogSink {
   std::optional<double> cause_, standing_, stop_delay_;   // [s]
   std::optional<double> pull_yaw_;                        // [rad]
   double last_mode_ = 0;
-  std::deque<Vec<2>> headings_;  // headings of the last second as unit vectors
+  std::optional<double> moves_since_;  // [s]
+  double time_ = 0;                    // [s]
+  std::deque<Vec<2>> headings_;        // headings of the last second as unit vectors
   Condition tightens_{"leash_tight_at_s", "the leash never tightened"};
+  Condition crosses_{"crossing_at_s", "the leash never reached the tension that stops the robot"};
   Condition directed_{"direction_given_at_s", "the person never gave a direction"};
+  Condition restarts_{"restart_at_s", "the robot did not walk along the pull"};
 };
 
 }  // namespace tenon::apps

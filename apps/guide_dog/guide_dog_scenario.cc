@@ -15,6 +15,12 @@ QuadrupedScenario WithoutPerson(const GuideDogScenario& scenario) {
 
 }  // namespace
 
+FieldList GuideDogTask::Fields() {
+  using T = GuideDogTask;
+  return {Field("crossing_s", &T::crossing).Positive(), Field("stop_s", &T::stop).Positive(),
+          Field("restart_s", &T::restart).Positive(), Field("heading_deg", &T::heading).Positive()};
+}
+
 FieldList GuideDogScenario::Fields() {
   using S = GuideDogScenario;
   FieldList fields = LeggedScenario::Fields();
@@ -25,6 +31,7 @@ FieldList GuideDogScenario::Fields() {
                                Required("person", &S::person),
                                {"leash", &S::leash},
                                {"surroundings", &S::surroundings},
+                               {"task", &S::task},
                                Field("log_rate_hz", &S::log_rate_hz).In(Rates())});
   return fields;
 }

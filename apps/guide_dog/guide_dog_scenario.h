@@ -9,6 +9,16 @@
 
 namespace tenon::apps {
 
+/// What the person and the robot must do in a case, see GuideDogFigures.
+struct GuideDogTask {
+  double crossing = 5;  ///< time after the person stopped until the leash stops the robot [s]
+  double stop = 1;      ///< time from the cause of the first stop until the robot stands [s]
+  double restart = 15;  ///< time after the last pull until the robot walks along it for 1 s [s]
+  double heading = 5;   ///< deviation of its heading from the pull, then and at the end [deg]
+
+  static FieldList Fields();
+};
+
 /// Scenario of tenon-guide-dog, read from a YAML file. With `scale_forces`, the forces and stiffnesses of the
 /// person and the leash are scaled to the robot's weight, too.
 struct GuideDogScenario : LeggedScenario {
@@ -19,6 +29,7 @@ struct GuideDogScenario : LeggedScenario {
   PersonParams person;
   LeashParams leash;
   ObstacleDetectorParams surroundings;  ///< obstacles and the range of the robot's obstacle detector
+  GuideDogTask task;                    ///< what the robot must do; otherwise the case is not finished
   double log_rate_hz = 100;             ///< sample rate of signals.csv
 
   static FieldList Fields();

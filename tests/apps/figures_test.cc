@@ -19,7 +19,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -207,6 +209,63 @@ TEST(GuideDogTest, WithAnotherSupervisor) {
       RunWith(simulator, GuideDogFigures::Signals(loop), GuideDogFigures::Shapes(loop), leash, walk);
   ExpectNull(summary, {"tension_mean_N", "stop_delay_s", "heading_error_deg"});
   ExpectNumbers(summary, {"tension_max_N", "com_error_max_m", "qp_time_median_us"});
+}
+
+// A script of C3 in place of the robot: the person pulls to the left from 35 to 38 s, the robot turns at 35 s
+// by `turned`, stands or walks, and ends `left` beside that direction.
+Summary Turn(double turned, bool walks, double left = 0) {
+  const auto scenario = Read<GuideDogScenario>("C3", "tenon-guide-dog");
+  DiagramBuilder builder;
+  auto& loop = builder.Add<GuideDog>("loop", MakeGuideDogParams(scenario));
+  Simulator simulator(builder.Build(), MakeSimulatorOptions(scenario, loop.world.plant));
+  const auto log = std::make_shared<MemoryLog>();
+  simulator.AddLog(Hz(1000), GuideDogFigures::Judged(loop), {log});
+  simulator.RunTo(0);
+  std::vector<double> row(log->row(0).begin(), log->row(0).end());
+  const auto set = [&](const std::string& signal, double value) {
+    const auto found = std::ranges::find_if(
+        log->names(), [&](const std::string& name) { return name.starts_with("loop." + signal); });
+    row.at(static_cast<std::size_t>(found - log->names().begin())) = value;
+  };
+  GuideDogFigures figures(loop, scenario.task);
+  figures.Begin(log->names(), {});
+  const auto step = [&](double time, GuideMode mode, double yaw) {
+    row[0] = time;
+    set("leash.leash.tension", 30);
+    set("leash.leash.direction_W.x", 0);
+    set("leash.leash.direction_W.y", -1);
+    set("supervisor.status.mode", static_cast<double>(mode));
+    set("world.plant.state.q_WB.w", std::cos(yaw / 2));
+    set("world.plant.state.q_WB.z", std::sin(yaw / 2));
+    figures.Row(row);
+  };
+  RunOutcome outcome;
+  outcome.status.time = 60;
+  for (int k = 33000; k <= 60000; ++k) {
+    const double time = 1e-3 * k;
+    const GuideMode after = walks ? GuideMode::kMove : GuideMode::kStop;
+    step(time,
+         time < 35   ? GuideMode::kStop
+         : time < 36 ? GuideMode::kTurn
+                     : after,
+         time < 36   ? 0
+         : time < 58 ? turned
+                     : turned + left);
+  }
+  Summary summary("case", 1, outcome);
+  figures.AddTo(summary);
+  return summary;
+}
+
+TEST(GuideDogTest, ACaseWithoutItsTurnIsNotFinished) {
+  const double pull = std::numbers::pi / 2;
+  EXPECT_EQ(Figure(Turn(pull, true), "finished"), "true");
+  for (const auto& [summary, why] : {std::pair{Turn(0.1, true), "along the pull"},
+                                     {Turn(pull, false), "along the pull"},
+                                     {Turn(pull, true, 0.1), "left the direction"}}) {
+    EXPECT_EQ(Figure(summary, "finished"), "false");
+    EXPECT_THAT(Figure(summary, "end_reason"), ::testing::HasSubstr(why));
+  }
 }
 
 /// Runs D1 with the controller of the scenario replaced.
