@@ -9,7 +9,7 @@
 
 namespace tenon::apps {
 
-/// What the person and the robot must do in a case, see GuideDogFigures.
+/// The task of a case, see GuideDogFigures.
 struct GuideDogTask {
   double crossing = 5;  ///< time after the person stopped until the leash stops the robot [s]
   double stop = 1;      ///< time from the cause of the first stop until the robot stands [s]
@@ -29,7 +29,7 @@ struct GuideDogScenario : LeggedScenario {
   PersonParams person;
   LeashParams leash;
   ObstacleDetectorParams surroundings;  ///< obstacles and the range of the robot's obstacle detector
-  GuideDogTask task;                    ///< what the robot must do; otherwise the case is not finished
+  GuideDogTask task;                    ///< task, without which the case is not finished
   double log_rate_hz = 100;             ///< sample rate of signals.csv
 
   static FieldList Fields();
