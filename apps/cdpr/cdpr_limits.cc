@@ -1,6 +1,7 @@
 #include <tenon/apps/cdpr/cdpr_limits.h>
 #include <tenon/apps/common/beside.h>
 #include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/customisation.h>
 #include <tenon/plants/model/segment_distance.h>
 
 #include <fmt/core.h>
@@ -37,6 +38,7 @@ std::vector<const Source*> CdprLimits::Signals(const CdprLoop& loop) {
 
 CdprLimits::CdprLimits(const CdprLoop& loop, double cable_diameter)
     : loop_(loop),
+      known_(KnowsLimits<CdprPlantParams>(loop.world.plant)),
       robot_(RobotOf(loop.world.plant)),
       anchors_(robot_),
       added_(ShapesAddedTo(loop.world.plant)),
@@ -68,6 +70,7 @@ void CdprLimits::Begin(const std::vector<std::string>& names, const std::vector<
 }
 
 void CdprLimits::Row(std::span<const double> row) {
+  if (!known_) return;
   const Eigen::Vector3d p_WB = VectorIn<3>(row, position_);
   const Eigen::Matrix3d R_WB = RotationFromQuaternion(VectorIn<4>(row, attitude_));
   CalcCableKinematics(robot_, p_WB, R_WB, &all_, anchors_, row[0]);
@@ -159,6 +162,7 @@ void CdprLimits::FloorRow(std::span<const double> row, const Eigen::Vector3d& p_
 }
 
 void CdprLimits::AddTo(Summary& summary) const {
+  if (!known_) return;
   summary.Set("cable_distance_min_m", distances_.min(), {.low = cable_diameter_});
   summary.Set("cable_platform_angle_min_rad", angles_.min(), {.low = 0});
   summary.Set("floor_clearance_min_m", heights_.min(), {.low = 0});

@@ -34,7 +34,8 @@ inline const CdprDescription& RobotOf(const CdprPlant& plant) {
 /// heading differs from its reference by at most a quarter turn: the restoring moment of the cables is
 /// proportional to the sine of that angle.
 ///
-/// Slack cables and the largest tension are checked by CdprMonitor.
+/// Slack cables and the largest tension are checked by CdprMonitor. The limits of a plant with other
+/// parameters than CdprPlantParams are unknown, and nothing is checked.
 class CdprLimits final : public LogSink {
  public:
   /// The signals that must be logged.
@@ -54,6 +55,7 @@ class CdprLimits final : public LogSink {
   void FloorRow(std::span<const double> row, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
 
   const CdprLoop& loop_;
+  bool known_;  // whether the limits of the plant in the diagram are known
   CdprDescription robot_;
   MovingAnchors anchors_;
   AddedShapes added_;

@@ -99,7 +99,9 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   outputs.AddTo(signals, shapes);
 
   const CdprDescription& robot = RobotOf(loop.world.plant);
-  const Limits tension{.low = robot.tension_min().minCoeff(), .high = robot.tension_max().maxCoeff()};
+  Limits tension;
+  if (KnowsLimits<CdprPlantParams>(plant))
+    tension = {.low = robot.tension_min().minCoeff(), .high = robot.tension_max().maxCoeff()};
   const System& control =
       loop.control.mpc != nullptr ? static_cast<const System&>(*loop.control.mpc) : *loop.control.pd;
   const std::string controller(IsReplaced(control) ? kMine : EnumName(scenario.controller));
@@ -121,7 +123,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
     summary.Limit("command_min_N", {.low = tension.low});
     summary.Limit("command_max_N", {.high = tension.high});
     if (scenario.forbid_slack) summary.Limit("tension_min_N", {.low = 0});
-    summary.Limit("tension_max_N", {.high = scenario.max_tension_ratio * *tension.high});
+    if (tension.high) summary.Limit("tension_max_N", {.high = scenario.max_tension_ratio * *tension.high});
     limits->AddTo(summary);
     figures->path().AddTo(summary);
     if (solves) {

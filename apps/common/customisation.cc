@@ -27,9 +27,14 @@ std::vector<const System*> BlocksOf(const Subdiagram& diagram) {
   return blocks;
 }
 
-void SayDropped(const std::vector<const System*>& shipped) {
+void SayOnce(const std::string& text) {
   static std::mutex mutex;
   static std::set<std::string> said;
+  const std::lock_guard lock(mutex);
+  if (said.insert(text).second) Say(text);
+}
+
+void SayDropped(const std::vector<const System*>& shipped) {
   for (const System* block : shipped) {
     if (block->replaced_by() == nullptr) continue;
     std::vector<std::string> inputs;
@@ -37,11 +42,8 @@ void SayDropped(const std::vector<const System*>& shipped) {
       if (input->kind() == SourceKind::kInput && input->driver() != nullptr && FindCurrent(*input) == nullptr)
         inputs.push_back(fmt::format("'{}' ({})", input->name(), input->type_name()));
     if (inputs.empty()) continue;
-    const std::string text =
-        fmt::format("note: your block '{}' has no input {}, to which the shipped one is connected\n",
-                    block->path(), fmt::join(inputs, ", "));
-    const std::lock_guard lock(mutex);
-    if (said.insert(text).second) Say(text);
+    SayOnce(fmt::format("note: your block '{}' has no input {}, to which the shipped one is connected\n",
+                        block->path(), fmt::join(inputs, ", ")));
   }
 }
 

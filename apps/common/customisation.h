@@ -44,6 +44,19 @@ void RefuseCustomKeys(const std::optional<YamlText>& custom);
 /// Replaces the key `custom` in a list of keys by the keys of a customisation.
 std::vector<ScenarioKey> WithCustomKeys(std::vector<ScenarioKey> keys, std::vector<ScenarioKey> own);
 
+/// Says a text on stderr, once in a program.
+void SayOnce(const std::string& text);
+/// Returns whether the block that stands in the place of `block` has parameters of type P, from which its
+/// limits are known. If not, says once that they are not judged.
+template <class P>
+bool KnowsLimits(const System& block) {
+  const bool known = dynamic_cast<const LeafSystem<P>*>(CurrentBlock(block)) != nullptr;
+  if (!known)
+    SayOnce("note: the limits of your block '" + block.path() +
+            "' are unknown and not judged, because its parameters have another type than the shipped ones\n");
+  return known;
+}
+
 /// All blocks of a diagram.
 std::vector<const System*> BlocksOf(const Subdiagram& diagram);
 /// Says on stderr, once in a program, which inputs of `shipped` blocks were connected and are missing in the

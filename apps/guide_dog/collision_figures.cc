@@ -1,4 +1,5 @@
 #include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/customisation.h>
 #include <tenon/apps/guide_dog/collision_figures.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 
@@ -36,6 +37,7 @@ double DistanceBelow(double top, Eigen::Vector3d a, Eigen::Vector3d b, const Eig
 
 CollisionFigures::CollisionFigures(const GuideDog& loop)
     : loop_(loop),
+      known_(KnowsLimits<QuadrupedPlantParams>(loop.world.plant)),
       clearance_(MakeClearance(loop.world.plant)),
       obstacles_(CurrentAs<LeafSystem<ObstacleDetectorParams>>(loop.obstacles).params.obstacles),
       attachment_B_(CurrentAs<LeafSystem<LeashParams>>(loop.leash).params.attachment_B) {
@@ -80,6 +82,7 @@ void CollisionFigures::Row(std::span<const double> row) {
 /// Checks the robot against a capsule on the vertical axis below the height `top` at `place_W`.
 void CollisionFigures::RobotRow(double time, const LeggedState& x, const Eigen::Vector3d& place_W, double top,
                                 double radius, const std::string& name, Tally* distances) {
+  if (!known_) return;
   // Bodies that are too far away to be the nearest need no closer look.
   const double least = (place_W - x.p_WB).head<2>().norm() - clearance_.reach() - radius;
   if (least > 0 && distances->min() && least >= *distances->min()) return;
@@ -92,6 +95,7 @@ void CollisionFigures::RobotRow(double time, const LeggedState& x, const Eigen::
 }
 
 void CollisionFigures::LeashRow(double time, const LeggedState& x, const Eigen::Vector3d& hand_W) {
+  if (!known_) return;
   const Eigen::Vector3d start_B = clearance_.OnTrunk(attachment_B_);
   const Eigen::Vector3d hand_B = x.R_WB().transpose() * (hand_W - x.p_WB);
   const QuadrupedClearances::Gap gap = clearance_.To(x.q, start_B, hand_B - start_B, kSoft);

@@ -40,6 +40,7 @@ class CollisionFigures final : public LogSink {
   void Collide(double time, const std::string& one, const std::string& other, double depth);
 
   const GuideDog& loop_;
+  bool known_;  // whether the limits of the robot are known
   QuadrupedClearance clearance_;
   std::vector<Obstacle> obstacles_;
   Vec<3> attachment_B_;             // of the leash [m]

@@ -1,4 +1,5 @@
 #include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/customisation.h>
 #include <tenon/apps/quadruped/drive_limits.h>
 
 #include <fmt/core.h>
@@ -9,7 +10,7 @@ namespace tenon::apps {
 
 std::vector<SignalLimits> DriveLimits(const QuadrupedPlant& plant) {
   std::vector<SignalLimits> limits;
-  if (FindCurrent(plant.joint_torque) == nullptr) return limits;
+  if (FindCurrent(plant.joint_torque) == nullptr || !KnowsLimits<QuadrupedPlantParams>(plant)) return limits;
   const std::vector<Element> joints = Current(plant.joint_torque).elements();
   for (int i = 0; i < kNumJoints; ++i) {
     const JointDescription& joint = ParamsOf(plant).robot.joint(i);

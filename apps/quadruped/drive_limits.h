@@ -13,7 +13,7 @@ inline const QuadrupedPlantParams& ParamsOf(const QuadrupedPlant& plant) {
   return CurrentAs<LeafSystem<QuadrupedPlantParams>>(plant).params;
 }
 
-/// Limits of torque and speed of each joint [N m, rad/s], in both directions.
+/// Limits of torque and speed of each joint [N m, rad/s], in both directions; none if they are unknown.
 std::vector<SignalLimits> DriveLimits(const QuadrupedPlant& plant);
 
 }  // namespace tenon::apps

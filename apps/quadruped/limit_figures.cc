@@ -1,5 +1,6 @@
 #include <tenon/apps/common/beside.h>
 #include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/customisation.h>
 #include <tenon/apps/quadruped/drive_limits.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 
@@ -40,6 +41,7 @@ QuadrupedClearance MakeClearance(const QuadrupedPlant& plant) {
 
 LimitFigures::LimitFigures(const QuadrupedPlant& plant)
     : plant_(plant),
+      known_(KnowsLimits<QuadrupedPlantParams>(plant)),
       robot_(ParamsOf(plant).robot),
       clearance_(MakeClearance(plant)),
       terrain_(ParamsOf(plant).terrain),
@@ -57,6 +59,7 @@ void LimitFigures::Begin(const std::vector<std::string>& names, const std::vecto
 }
 
 void LimitFigures::Row(std::span<const double> row) {
+  if (!known_) return;
   if (!torque_.empty()) DriveRow(row);
   if (!depth_.empty()) FootRow(row);
   ClearanceRow(row);
@@ -123,6 +126,7 @@ void LimitFigures::ClearanceRow(std::span<const double> row) {
 }
 
 void LimitFigures::AddTo(Summary& summary) const {
+  if (!known_) return;
   double strongest = 0;
   for (int i = 0; i < kNumJoints; ++i) strongest = std::max(strongest, robot_.joint(i).torque_limit);
   summary.Set("torque_max_N_m", torques_.max(), {.high = strongest});

@@ -24,7 +24,8 @@ QuadrupedClearance MakeClearance(const QuadrupedPlant& plant);
 /// drive stays within the line. Links and trunk must not penetrate each other or the ground by more than
 /// `kPressedIn`, and a foot must not penetrate the ground by more than `kPressedRatio` of its radius, or
 /// kPressedIn if that is more. Neither must the shapes of bodies that were added to the robot enter the
-/// ground by more than kPressedIn.
+/// ground by more than kPressedIn. The limits of a plant with other parameters than QuadrupedPlantParams are
+/// unknown, and nothing is checked.
 class LimitFigures final : public LogSink {
  public:
   static constexpr double kPressedIn = 0.005;   ///< penetration of links and trunk [m]
@@ -45,6 +46,7 @@ class LimitFigures final : public LogSink {
   void ClearanceRow(std::span<const double> row);
 
   const QuadrupedPlant& plant_;
+  bool known_;  // whether the limits of the plant in the diagram are known
   QuadrupedDescription robot_;
   QuadrupedClearance clearance_;
   Terrain terrain_;

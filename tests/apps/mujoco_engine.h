@@ -26,9 +26,9 @@ struct MujocoEngine {
 
   void Replace(DiagramBuilder& builder, const QuadrupedWorld& world) const {
     if (engine == Engine::kMujoco)
-      builder.Replace<MujocoQuadruped>(
-          world.plant,
-          {.plant = world.plant.params, .steps_per_ms = steps_per_ms, .contact_time = contact_time});
+      builder.Replace<MujocoQuadruped>(world.plant, MujocoQuadrupedParams{.plant = world.plant.params,
+                                                                          .steps_per_ms = steps_per_ms,
+                                                                          .contact_time = contact_time});
   }
 };
 

@@ -15,7 +15,6 @@ namespace tenon {
 template <class T>
 class ExternalPort : public OutputPort<T> {
  public:
-  using OutputPort<T>::OutputPort;
   template <class... A, class F>
   ExternalPort(Leaf* owner, Spec spec, T initial, Sampled sampled, UsesList<A...> uses, F function,
                std::uint64_t tag = internal::TagOf<F>::value)

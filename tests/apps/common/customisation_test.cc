@@ -195,6 +195,7 @@ TEST_F(CustomisationTest, ReplacesTheSupervisorOfAGuideDogAndTheControllerOfACab
 /// A shipped example, the shipped app that it extends, and a fault at each place that its blocks read.
 struct Example {
   const char* name;
+  const char* program;
   int (*main)(int, char**);
   std::function<int(int, char**)> shipped;
   std::vector<std::string> scenario;
@@ -209,16 +210,24 @@ std::vector<Example> Examples() {
   const std::vector<std::string> joint{"at: joint, kind: stuck, elements: [front_left_knee]"},
       of_cables{"at: winch, kind: stuck, elements: [0]"},
       all{"torque", "torque_sensor", "foot_force", "imu", "state", "wrench"};
-  return {{"observer", observer::Main, walk, {"A1"}, {"torque", "foot_force", "state", "wrench"}, joint},
+  return {{"observer",
+           MY_OBSERVER,
+           observer::Main,
+           walk,
+           {"A1"},
+           {"torque", "foot_force", "state", "wrench"},
+           joint},
           {"estimated",
+           MY_OBSERVER,
            observer::Main,
            walk,
            {"estimated"},
            {"torque", "foot_force", "encoders", "imu", "state", "wrench"},
            joint},
-          {"planner", planner::Main, walk, {"A1"}, all, joint},
-          {"supervisor", supervisor::Main, dog, {"C1"}, all, joint},
+          {"planner", OWN_PLANNER_APP, planner::Main, walk, {"A1"}, all, joint},
+          {"supervisor", OWN_SUPERVISOR_APP, supervisor::Main, dog, {"C1"}, all, joint},
           {"controller",
+           OWN_CONTROLLER_APP,
            controller::Main,
            cables,
            {"D1", "--set", "controller=pd_offset_free"},
@@ -264,6 +273,33 @@ TEST_P(ExampleTest, MeetsAllFaultsAloneAndLive) {
 }
 INSTANTIATE_TEST_SUITE_P(Examples, ExampleTest, ::testing::ValuesIn(Examples()),
                          [](const auto& info) { return std::string(info.param.name); });
+
+// A campaign compares the program's blocks with the shipped ones, and refuses a key that does not act.
+TEST_P(ExampleTest, IsComparedByACampaign) {
+  const Example& example = GetParam();
+  const bool walks = example.scenario[0] != "D1";
+  const auto run = [&](const std::string& vary) {
+    const std::string file = Write(
+        "blocks.yaml",
+        std::string("app: ") + example.program + "\nscenario: " + example.scenario[0] +
+            "\nduration_s: 0.05\nset: {" + (walks ? "walk.judged_from_s: 0" : "controller: pd_offset_free") +
+            ", faults: [{at: " + example.places[0] + ", kind: late, samples: 2}]}\nvary: {" + vary + "}\n");
+    return test::RunCommand(std::string(TENON_CAMPAIGN) + " " + file + " --jobs 1 --out " +
+                            (out / "runs").string());
+  };
+  if (example.main == observer::Main) {
+    const test::Result refused = run("observer: {list: [legs, none]}");
+    EXPECT_EQ(refused.exit_code, 2) << refused.text;
+    EXPECT_THAT(refused.text, AllOf(HasSubstr("observer"), HasSubstr("custom.blocks")));
+  }
+  const test::Result result = run("custom.blocks: {list: [shipped, mine]}");
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const std::string table = Read(out / "runs/runs.csv");
+  EXPECT_THAT(table,
+              AllOf(HasSubstr("custom.blocks"), HasSubstr("\n0,1,shipped,"), HasSubstr("\n1,1,mine,")));
+  if (example.main == observer::Main)
+    EXPECT_THAT(table, AllOf(HasSubstr(",dogbot,hybrid,"), HasSubstr(",dogbot,mine,")));
+}
 
 class LongExampleTest : public ExampleTest {};
 
@@ -318,6 +354,42 @@ TEST_F(CustomisationTest, AnObserverThatActsNoLongerIsRefused) {
         << text_;
   }
   EXPECT_EQ(SummaryOf("yes")["observer"], "none");
+}
+
+/// Plants of another class, whose parameters the apps do not know.
+class OtherRobot final : public Subdiagram {
+ public:
+  InputPort<Vec<12>> torque{this, {"torque", "N m"}};
+  OutputPort<LeggedState> state{this, {"state"}};
+  OutputPort<Vec<12>> joint_torque{this, {"joint_torque", "N m"}},
+      external_torque{this, {"external_torque", "N m"}};
+  OutputPort<LeggedAcceleration> acceleration{this, {"acceleration"}};
+  OutputPort<FootForces> foot_forces{this, {"foot_forces"}};
+  OutputPort<WrenchEstimate> added_wrench{this, {"added_wrench"}}, external_wrench{this, {"external_wrench"}};
+  explicit OtherRobot(const QuadrupedPlantParams& params) {
+    auto& plant = Add<QuadrupedPlant>("inner", params);
+    Connect(torque, plant.torque);
+    Connect(plant.state, state);
+    Connect(plant.joint_torque, joint_torque);
+    Connect(plant.external_torque, external_torque);
+    Connect(plant.acceleration, acceleration);
+    Connect(plant.foot_forces, foot_forces);
+    Connect(plant.added_wrench, added_wrench);
+    Connect(plant.external_wrench, external_wrench);
+  }
+};
+
+TEST_F(CustomisationTest, LimitsOfAPlantWithUnknownParametersAreNotJudged) {
+  QuadrupedApp app;
+  app.Customise([](DiagramBuilder& builder, QuadrupedWalk& walk) {
+    builder.Replace<OtherRobot>(walk.world.plant, QuadrupedPlantParams(walk.world.plant.params));
+  });
+  ASSERT_EQ(RunIn("run", app, kShort), 0) << text_;
+  EXPECT_THAT(text_, AllOf(HasSubstr("limits of your block 'loop.world.plant'"), HasSubstr("not judged")));
+  EXPECT_FALSE(SummaryOf("run").contains("torque_max_N_m"));
+  EXPECT_TRUE(SummaryOf("run")["com_error_max_m"].is_number());
+  ASSERT_EQ(RunIn("again", app, kShort), 0);
+  EXPECT_THAT(text_, ::testing::Not(HasSubstr("not judged"))) << "it is said once";
 }
 
 // The oracle of a plant with other parameters is a scenario with these parameters.
@@ -426,28 +498,6 @@ TEST_F(CustomisationTest, CampaignsRunIt) {
   EXPECT_THAT(Read(out / "runs/runs.csv"),
               AllOf(HasSubstr("custom.bandwidth_rad_per_s"), HasSubstr("\n0,1,5,A1,true,false,"),
                     HasSubstr("\n1,1,50,A1,true,false,")));
-}
-
-// A campaign compares the program's block with the shipped one, and refuses a key that does not act.
-TEST_F(CustomisationTest, CampaignsVaryTheBlocks) {
-  const auto run = [&](const std::string& vary) {
-    const std::string file = Write(
-        "blocks.yaml", std::string("app: ") + MY_OBSERVER +
-                           "\nscenario: A1\nduration_s: 0.05\n"
-                           "set: {walk.judged_from_s: 0, faults: [{at: state, kind: late, samples: 2}]}\n"
-                           "vary: {" +
-                           vary + "}\n");
-    return test::RunCommand(std::string(TENON_CAMPAIGN) + " " + file + " --jobs 1 --out " +
-                            (out / "runs").string());
-  };
-  const test::Result refused = run("observer: {list: [legs, none]}");
-  EXPECT_EQ(refused.exit_code, 2) << refused.text;
-  EXPECT_THAT(refused.text, AllOf(HasSubstr("observer"), HasSubstr("custom.blocks")));
-  const test::Result result = run("custom.blocks: {list: [shipped, mine]}");
-  ASSERT_EQ(result.exit_code, 0) << result.text;
-  EXPECT_THAT(Read(out / "runs/runs.csv"),
-              AllOf(HasSubstr("custom.blocks"), HasSubstr("\n0,1,shipped,"), HasSubstr("\n1,1,mine,"),
-                    HasSubstr(",dogbot,hybrid,"), HasSubstr(",dogbot,mine,")));
 }
 
 }  // namespace

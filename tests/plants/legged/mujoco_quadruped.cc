@@ -145,15 +145,14 @@ void MujocoRobot::AddContacts(MujocoStep* step) {
 Vec<12> MujocoQuadruped::CalcJointTorque(const MujocoStep& step, const Vec<12>& command) const {
   Vec<12> torque;
   for (int j = 0; j < kNumJoints; ++j)
-    torque[j] = DriveTorque(command[j], step.state.qd[j], params.plant.robot.joint(j),
-                            params.plant.robot.drive, params.plant.limit_speed);
+    torque[j] = DriveTorque(command[j], step.state.qd[j], params.robot.joint(j), params.robot.drive,
+                            params.limit_speed);
   return torque;
 }
 
 void MujocoQuadruped::CalcGeometry(const MujocoStep& step, const ExternalForces& external,
                                    Geometry* out) const {
-  MoveQuadrupedGeometry(params.plant.robot, params.plant.payload, step.state, step.foot_forces, external,
-                        out);
+  MoveQuadrupedGeometry(params.robot, params.payload, step.state, step.foot_forces, external, out);
 }
 
 MujocoStep MujocoQuadruped::Advance(const MujocoStep& step, const Vec<12>& torque,

@@ -63,14 +63,17 @@ class MujocoRobot {
 /// joints. Masses, inertias, limits of the drives, the terrain and its friction are those of the
 /// QuadrupedPlant. The friction and the end stops of joints are MuJoCo's, and so are the contacts, whose
 /// friction cones are elliptic. Forces on the feet and accelerations are those at the begin of the last step.
-class MujocoQuadruped final : public LeafSystem<MujocoQuadrupedParams> {
+class MujocoQuadruped final : public LeafSystem<QuadrupedPlantParams> {
  public:
-  using LeafSystem::LeafSystem;
+  explicit MujocoQuadruped(const MujocoQuadrupedParams& given) : LeafSystem(given.plant), options(given) {
+    given.Validate();
+  }
+  const MujocoQuadrupedParams options;
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<ExternalForces> external{this, {"external"}, ExternalForces{}};
 
-  DiscreteState<MujocoStep> step{this, {"step"}, MujocoStep{.state = params.plant.initial}};
-  Workspace<MujocoRobot> robot{this, "robot", MujocoRobot(params)};
+  DiscreteState<MujocoStep> step{this, {"step"}, MujocoStep{.state = params.initial}};
+  Workspace<MujocoRobot> robot{this, "robot", MujocoRobot(options)};
 
   OutputPort<LeggedState> state{this, {"state"}, Uses(step), [](const MujocoStep& s) { return s.state; }};
   OutputPort<Vec<12>> joint_torque{
@@ -95,14 +98,13 @@ class MujocoQuadruped final : public LeafSystem<MujocoQuadrupedParams> {
         return s.external_torque;
       }};
   OutputPort<WrenchEstimate> added_wrench{this, {"added_wrench"}, Uses(), [] { return WrenchEstimate{}; }};
-  OutputPort<Geometry> geometry{
-      this,
-      {"geometry"},
-      MakeQuadrupedGeometry(params.plant.robot, params.plant.payload, params.plant.terrain),
-      Uses(step, external),
-      &MujocoQuadruped::CalcGeometry};
+  OutputPort<Geometry> geometry{this,
+                                {"geometry"},
+                                MakeQuadrupedGeometry(params.robot, params.payload, params.terrain),
+                                Uses(step, external),
+                                &MujocoQuadruped::CalcGeometry};
 
-  Update<MujocoStep> advance{step, Sampled{Hz(1000 * params.steps_per_ms)},
+  Update<MujocoStep> advance{step, Sampled{Hz(1000 * options.steps_per_ms)},
                              Uses(step, joint_torque, external, robot), &MujocoQuadruped::Advance};
 
  private:
