@@ -692,7 +692,7 @@ void Simulator::Fire(std::size_t witness) {
 
 void Simulator::HandleEvent() {
   if (EventFeeds()) {
-    finder_->CheckSpeeds(fired_, integrator_->BeginMotion());
+    finder_->CheckSpeeds(fired_, integrator_->reach(), integrator_->BeginMotion());
     integrator_->EndMotion();
   }
   for (const std::size_t i : fired_) Fire(i);

@@ -186,14 +186,18 @@ void EventFinder::MeasureRounding(const double* values, Motion& motion) {
   }
 }
 
-void EventFinder::CheckSpeeds(const std::vector<std::size_t>& fired, Motion& motion) {
-  const double ahead = kSlopePart * (high_.time - begin_);
-  motion.EvaluateStraight(ahead, try_.values.data());
-  motion.EvaluateStraight(-ahead, last_.values.data());
-  for (const std::size_t i : fired) {
-    if (kinds_[i] == Kind::kPiece) continue;
-    const bool returns = (try_.values[i] - last_.values[i]) * Memory(kSides, i) > 0;
-    Memory(kOrigins, i) = returns ? kUnresolved : 0;
+void EventFinder::CheckSpeeds(const std::vector<std::size_t>& fired, double reach, Motion& motion) {
+  bool clear = false;
+  for (double ahead = kSlopePart * (high_.time - begin_); !clear; ahead *= 2) {
+    motion.EvaluateStraight(ahead, try_.values.data());
+    motion.EvaluateStraight(-ahead, last_.values.data());
+    clear = true;
+    for (const std::size_t i : fired) {
+      if (kinds_[i] == Kind::kPiece) continue;
+      const double returns = (try_.values[i] - last_.values[i]) * Memory(kSides, i);
+      Memory(kOrigins, i) = returns >= 0 ? kUnresolved : 0;
+      clear &= std::abs(returns) > Memory(kZeros, i) || ahead >= reach;
+    }
   }
 }
 
