@@ -418,7 +418,7 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
       Count(step);
     }
     CheckProgress(step_begin, finish, arrived);
-  } while (!one_step && !arrived);
+  } while (!arrived && (!one_step || finish == step_begin));
   if (one_step) interpolant.SetStep(begin, before.data(), finish, solver.states());
 }
 
