@@ -1012,10 +1012,9 @@ Judgement RunAndJudge(const System& system) {
 
 // ---- Tests ----
 
-/// The first 300 systems that are not right yet: a kink and a jump in the state that are not declared under
-/// kDirk (70, 135), and a declared jump in the state under kErk of order 5 that ends the run (115). Runs that
-/// set TENON_HYBRID_SYSTEMS include them.
-constexpr std::array<std::uint64_t, 3> kNotYetRight{70, 115, 135};
+/// The first 300 systems that are not right yet: a kink and a jump in the state that are not declared, under
+/// kDirk. Runs that set TENON_HYBRID_SYSTEMS include them.
+constexpr std::array<std::uint64_t, 2> kNotYetRight{70, 135};
 
 TEST(HybridPropertyTest, RandomSystemsAgreeWithTheExactSolution) {
   const auto number = [](const char* name, std::uint64_t otherwise) {
