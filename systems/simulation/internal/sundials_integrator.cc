@@ -447,6 +447,7 @@ void SundialsIntegrator::Run::KeepStage(double t, const double* xdot) {
     stages.count = kept;
     return;
   }
+  if (stages.count > 0 && std::abs(stages.times[stages.count - 1] - t) <= Tiny(t)) --stages.count;
   if (stages.count == stages.times.size()) return;
   stages.times[stages.count] = t;
   std::copy_n(xdot, n, stages.slopes.data() + stages.count * n);
