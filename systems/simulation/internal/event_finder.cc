@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kRounding = 64 * kEpsilon;  ///< of a value, relative to the largest beside it
+constexpr double kBeside = 4 * kEpsilon;     ///< of a value near zero, relative to the values beside it
 constexpr std::size_t kMaxDepth = 9;         ///< levels of halving a step
 constexpr std::size_t kMaxDips = 2;          ///< maximum number of dips that are sampled per interval
 /// An interval is halved if a middle value differs from the cubic through the others by more than these
@@ -355,21 +356,23 @@ bool EventFinder::LookBetween(const Sample& a, const Sample& b, double* time,
     if (!Fires(i, high_.values[i])) continue;
     fired->push_back(i);
   }
-  KeepZeros(a.time, *fired);
+  KeepZeros(a, b, *fired);
   return true;
 }
 
 /// The magnitude below which functions count as zero after their event at `high_`: what they change by while
-/// the time changes by its resolution. A function that is farther from zero has jumped there. One that had
-/// not left zero before is still there.
-void EventFinder::KeepZeros(double from, const std::vector<std::size_t>& fired) {
+/// the time changes by its resolution, or the rounding of the samples beside them if that is larger. A
+/// function that is farther from zero has jumped there. One that had not left zero before is still there.
+void EventFinder::KeepZeros(const Sample& a, const Sample& b, const std::vector<std::size_t>& fired) {
   const double resolution = kTimeResolution * std::abs(high_.time);
   const double window = std::max(4 * resolution, kSlopePart * (high_.time - begin_));
-  Take(std::max(from, high_.time - std::min(kSlope * resolution, window)), &low_);
+  Take(std::max(a.time, high_.time - std::min(kSlope * resolution, window)), &low_);
   const double distance = high_.time - low_.time;
   for (const std::size_t i : fired) {
     const double slope = std::abs(high_.values[i] - low_.values[i]) / distance;
-    Memory(kZeros, i) = 2 * Memory(kZeros, i) + (distance > 0 ? 2 * resolution * slope : 0);
+    const double rounding = kBeside * std::max(std::abs(a.values[i]), std::abs(b.values[i]));
+    Memory(kZeros, i) =
+        2 * Memory(kZeros, i) + (distance > 0 ? std::max(2 * resolution * slope, rounding) : 0);
   }
 }
 

@@ -88,7 +88,7 @@ class EventFinder {
   bool Fires(std::size_t i, double value) const;
   bool AnyAtZero() const;
   void Take(double time, Sample* sample);
-  void KeepZeros(double from, const std::vector<std::size_t>& fired);
+  void KeepZeros(const Sample& a, const Sample& b, const std::vector<std::size_t>& fired);
   bool Look(const Sample& a, const Sample& b, std::size_t depth, double* time,
             std::vector<std::size_t>* fired);
   bool LookBetween(const Sample& a, const Sample& b, double* time, std::vector<std::size_t>* fired);
