@@ -404,18 +404,17 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
     if (solver.multistep()) solver.SetMaxStep(LargestStep(finish));
     const int flag = solver.Step(Target(), &t);
     if (flag < 0) ThrowFailure(flag);
-    if (checks_stages && StagesJump()) {
-      const auto present = jump;
-      if (FindJump(finish, step_states.data(), finish, t) && jump.from > finish + 4 * Tiny(t)) {
-        // another attempt, which ends before the jump
-        const auto found = jump;
-        Retake(jump.from);
-        jump = found;
-        jump.step = t - step_begin;
-        continue;
-      }
-      jump = present;
+    const auto present = jump;
+    if (checks_stages && StagesJump() && FindJump(finish, step_states.data(), finish, t) &&
+        jump.from > finish + 4 * Tiny(t)) {
+      // another attempt, which ends before the jump
+      const auto found = jump;
+      Retake(jump.from);
+      jump = found;
+      jump.step = t - step_begin;
+      continue;
     }
+    jump = present;
     if (const double error = checks_bends ? KinkError() : 0; error > 1) {
       Retake(finish + std::max(kMinShrink, kSafety / std::sqrt(error)) * (t - finish));
       continue;
