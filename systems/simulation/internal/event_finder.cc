@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kRounding = 64 * kEpsilon;  ///< of a value, relative to the largest beside it
-constexpr double kBeside = 4 * kEpsilon;     ///< of a value near zero, relative to the values beside it
+constexpr double kBeside = 0x1p-32;          ///< of a value at an event, relative to the values beside it
 constexpr std::size_t kMaxDepth = 9;         ///< levels of halving a step
 constexpr std::size_t kMaxDips = 2;          ///< maximum number of dips that are sampled per interval
 /// An interval is halved if a middle value differs from the cubic through the others by more than these
@@ -370,7 +370,8 @@ void EventFinder::KeepZeros(const Sample& a, const Sample& b, const std::vector<
   const double distance = high_.time - low_.time;
   for (const std::size_t i : fired) {
     const double slope = std::abs(high_.values[i] - low_.values[i]) / distance;
-    const double rounding = kBeside * std::max(std::abs(a.values[i]), std::abs(b.values[i]));
+    const double beside = std::max(std::abs(a.values[i]), std::abs(b.values[i]));
+    const double rounding = std::min(std::abs(high_.values[i]), kBeside * beside);
     Memory(kZeros, i) =
         2 * Memory(kZeros, i) + (distance > 0 ? std::max(2 * resolution * slope, rounding) : 0);
   }
