@@ -802,8 +802,7 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
 double SundialsIntegrator::Run::ChooseStep(double t, double h, double error, int order) {
   failed |= error > 1;
   const double next = NextStep(t, h, error, order);
-  if (error > 1 || !std::exchange(failed, false)) return next;
-  return std::min(next, h);
+  return error <= 1 && std::exchange(failed, false) ? std::min(next, h) : next;
 }
 
 /// PI control of the step size (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4 and
