@@ -45,10 +45,12 @@ std::exception_ptr WithEachLog(const RatedLogs& logs, void (SignalLog::*act)()) 
 constexpr double kInstant = 16 * internal::kTimeResolution;
 /// Number of successive shrinking intervals between events from which their limit is extrapolated.
 constexpr double kSeries = 4;
-/// Parts of Context::event_memory_ for each witness: the time of its last event [s], the number of events at
-/// this instant, the last interval between two events [s], and the number of successive intervals that were
-/// each shorter than the one before.
-enum { kLast, kCount, kInterval, kShrinking, kEventMemory };
+/// In such a series, the ratio of an interval to the one before changes by less than this factor.
+constexpr double kSteady = 4;
+/// Parts of Context::event_memory_ for each witness: the time of its last event [s] and its rounding, the
+/// number of events at this instant, the last two intervals between two events [s], and the number of
+/// successive intervals that were each shorter than the one before, at a steady ratio.
+enum { kLast, kRest, kCount, kInterval, kEarlier, kShrinking, kEventMemory };
 
 /// Times of the run are exact enough if their rounding is less than this part of the shortest period of ticks
 /// that restart the integrator, or of the longest step if there are none.
@@ -650,14 +652,18 @@ void Simulator::Fire(std::size_t witness) {
   const internal::WitnessPlan& plan = program_.witness_plans[witness];
   const double now = context_->time();
   double* const events = EventMemory(witness);
-  const double interval = now - events[kLast], before = events[kInterval];
+  const double rest = context_->time_rest_, interval = now - events[kLast] + (rest - events[kRest]);
+  const double before = events[kInterval];
   const double instant = kInstant * std::abs(now);
   const bool same = interval <= instant;
   events[kCount] = same ? events[kCount] + 1 : 1;
-  const bool shrinks = interval < before + instant && std::isfinite(before);
+  const double steady = interval * events[kEarlier] / (before * before);
+  const bool shrinks = interval < before + instant && steady > 1 / kSteady && steady < kSteady;
   events[kShrinking] = shrinks ? events[kShrinking] + 1 : 0;
+  events[kEarlier] = before;
   events[kInterval] = interval;
   events[kLast] = now;
+  events[kRest] = rest;
   // The sum of the intervals to come, if they shrink like the last one.
   const double left = interval * interval / (before - interval);
   const bool accumulate = events[kShrinking] >= kSeries && interval < before && left <= instant;
@@ -692,7 +698,7 @@ void Simulator::Fire(std::size_t witness) {
 
 void Simulator::HandleEvent() {
   if (EventFeeds()) {
-    finder_->CheckSpeeds(fired_, integrator_->BeginMotion());
+    finder_->CheckSpeeds(fired_, integrator_->reach(), integrator_->BeginMotion());
     integrator_->EndMotion();
   }
   for (const std::size_t i : fired_) Fire(i);

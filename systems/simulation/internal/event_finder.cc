@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kRounding = 64 * kEpsilon;  ///< of a value, relative to the largest beside it
+constexpr double kBeside = 0x1p-32;          ///< of a value at an event, relative to the values beside it
 constexpr std::size_t kMaxDepth = 9;         ///< levels of halving a step
 constexpr std::size_t kMaxDips = 2;          ///< maximum number of dips that are sampled per interval
 /// An interval is halved if a middle value differs from the cubic through the others by more than these
@@ -186,14 +187,18 @@ void EventFinder::MeasureRounding(const double* values, Motion& motion) {
   }
 }
 
-void EventFinder::CheckSpeeds(const std::vector<std::size_t>& fired, Motion& motion) {
-  const double ahead = kSlopePart * (high_.time - begin_);
-  motion.EvaluateStraight(ahead, try_.values.data());
-  motion.EvaluateStraight(-ahead, last_.values.data());
-  for (const std::size_t i : fired) {
-    if (kinds_[i] == Kind::kPiece) continue;
-    const bool returns = (try_.values[i] - last_.values[i]) * Memory(kSides, i) > 0;
-    Memory(kOrigins, i) = returns ? kUnresolved : 0;
+void EventFinder::CheckSpeeds(const std::vector<std::size_t>& fired, double reach, Motion& motion) {
+  bool clear = false;
+  for (double ahead = kSlopePart * (high_.time - begin_); !clear; ahead *= 2) {
+    motion.EvaluateStraight(ahead, try_.values.data());
+    motion.EvaluateStraight(-ahead, last_.values.data());
+    clear = true;
+    for (const std::size_t i : fired) {
+      if (kinds_[i] == Kind::kPiece) continue;
+      const double returns = (try_.values[i] - last_.values[i]) * Memory(kSides, i);
+      Memory(kOrigins, i) = returns >= 0 ? kUnresolved : 0;
+      clear &= std::abs(returns) > Memory(kZeros, i) || ahead >= reach;
+    }
   }
 }
 
@@ -351,21 +356,24 @@ bool EventFinder::LookBetween(const Sample& a, const Sample& b, double* time,
     if (!Fires(i, high_.values[i])) continue;
     fired->push_back(i);
   }
-  KeepZeros(a.time, *fired);
+  KeepZeros(a, b, *fired);
   return true;
 }
 
 /// The magnitude below which functions count as zero after their event at `high_`: what they change by while
-/// the time changes by its resolution. A function that is farther from zero has jumped there. One that had
-/// not left zero before is still there.
-void EventFinder::KeepZeros(double from, const std::vector<std::size_t>& fired) {
+/// the time changes by its resolution, or the rounding of the samples beside them if that is larger. A
+/// function that is farther from zero has jumped there. One that had not left zero before is still there.
+void EventFinder::KeepZeros(const Sample& a, const Sample& b, const std::vector<std::size_t>& fired) {
   const double resolution = kTimeResolution * std::abs(high_.time);
   const double window = std::max(4 * resolution, kSlopePart * (high_.time - begin_));
-  Take(std::max(from, high_.time - std::min(kSlope * resolution, window)), &low_);
+  Take(std::max(a.time, high_.time - std::min(kSlope * resolution, window)), &low_);
   const double distance = high_.time - low_.time;
   for (const std::size_t i : fired) {
     const double slope = std::abs(high_.values[i] - low_.values[i]) / distance;
-    Memory(kZeros, i) = 2 * Memory(kZeros, i) + (distance > 0 ? 2 * resolution * slope : 0);
+    const double beside = std::max(std::abs(a.values[i]), std::abs(b.values[i]));
+    const double rounding = std::min(std::abs(high_.values[i]), kBeside * beside);
+    Memory(kZeros, i) =
+        2 * Memory(kZeros, i) + (distance > 0 ? std::max(2 * resolution * slope, rounding) : 0);
   }
 }
 

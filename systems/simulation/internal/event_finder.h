@@ -59,8 +59,9 @@ class EventFinder {
   /// true if the event's updates may have changed the motion.
   void StartAgain(std::size_t i, double value, bool found, bool moved);
   /// Checks that the states at an event that Find found, before its updates, move the functions through zero:
-  /// where the error of the states is larger than their motion, they need not.
-  void CheckSpeeds(const std::vector<std::size_t>& fired, Motion& motion);
+  /// where the error of the states is larger than their motion, they need not. Looks ahead until a motion
+  /// can be told from rounding, up to `reach` [s].
+  void CheckSpeeds(const std::vector<std::size_t>& fired, double reach, Motion& motion);
   /// The first of the functions that have jumped to another side; the number of functions if none has.
   std::size_t FindJump(const double* values) const;
   /// Ends the search up to here without an event: sets the side of every function that is not zero.
@@ -87,7 +88,7 @@ class EventFinder {
   bool Fires(std::size_t i, double value) const;
   bool AnyAtZero() const;
   void Take(double time, Sample* sample);
-  void KeepZeros(double from, const std::vector<std::size_t>& fired);
+  void KeepZeros(const Sample& a, const Sample& b, const std::vector<std::size_t>& fired);
   bool Look(const Sample& a, const Sample& b, std::size_t depth, double* time,
             std::vector<std::size_t>* fired);
   bool LookBetween(const Sample& a, const Sample& b, double* time, std::vector<std::size_t>* fired);

@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kFirst = 0.2, kSecond = 0.8;  ///< θ of the derivatives inside the step
 constexpr double kSettled = 0.3;               ///< required contraction of successive corrections
+constexpr double kNoise = 0x1p-46;             ///< of a correction, relative to the largest term
 
 /// d/dθ of θ² (1 - θ)² and of θ³ (1 - θ)².
 constexpr double QuarticSlope(double s) {
@@ -89,8 +90,10 @@ void StepInterpolant::Prepare(DerivativeSource& source) {
   if (implicit_) {
     double first = 0, left = 0;
     for (std::size_t i = 0; i < a_.size(); ++i) {
-      const double again = (f_[i] - HermiteSlope(kFirst, i)) / QuarticSlope(kFirst);
-      first += a_[i] * a_[i], left += (again - a_[i]) * (again - a_[i]);
+      const double change = (f_[i] - HermiteSlope(kFirst, i)) / QuarticSlope(kFirst) - a_[i];
+      const double largest = std::abs(x0_[i]) + std::abs(x1_[i]) + std::abs(f0_[i]) + std::abs(f1_[i]);
+      first += a_[i] * a_[i];
+      if (std::abs(change) > kNoise * largest) left += change * change;
     }
     stiff_ = left > kSettled * kSettled * first;
     if (degree_ < 4) std::fill(a_.begin(), a_.end(), 0.0);

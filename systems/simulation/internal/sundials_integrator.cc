@@ -32,6 +32,8 @@ constexpr double kStays = 0.2;
 constexpr double kJumps = 3;
 /// Error of a step, in tolerances, that a jump must be able to cause to be considered.
 constexpr double kShows = 0.1;
+/// Error of the step across a jump, in tolerances, at most.
+constexpr double kCrosses = 0.01;
 /// Error of a step with a kink, over the change of the derivative's rate times the step squared.
 constexpr double kKinkWeight = 0.02;
 /// First step over the largest one, without further information; the error test corrects it.
@@ -145,6 +147,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   double KinkError() const;
   void Retake(double time);
   bool RetakeBefore(double event);
+  bool MovesUntil(double event);
   void EvaluateWitnesses(double t, double* values);
   void KeepStepStart();
   void SetOrigin(double time);
@@ -165,7 +168,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   [[noreturn]] void ThrowFailure(double t, double h, const std::string& what);
   std::string DescribeFailure(double t, double h);
   std::string DescribeJump(double t, double h);
-  bool FindJump(double t, double from, double to, double shows = kShows);
+  bool FindJump(double t, const double* y, double from, double to, double shows = kShows);
   void EvaluateAlong(double t, double at, double* xdot);
   double StepRoundJump(double t, double h, bool accepted);
   double FastestRate(double t);
@@ -174,6 +177,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
 
   int Derivatives(double t, const double* y, double* ydot) override;
   double ChooseStep(double t, double h, double error, int order) override;
+  double NextStep(double t, double h, double error, int order);
   void ErrorWeights(const double* y, double* weights) override;
   void EvaluateForInterpolant(double t, const double* x, double* xdot) override;
   void Evaluate(double ahead, int order, double* values) override;
@@ -221,6 +225,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   double interval_begin = 0;      // time of the last Start that did not repeat a step
   double step = 0;                // first step after a restart; with a fixed step, all steps
   int refused = 0;                // non-finite evaluations in the present step
+  bool failed = false;            // attempts at the present step failed, so the next one is not longer
   bool first_evaluation = false;  // the next evaluation is the first after the restart
   struct {
     bool known = false;
@@ -228,6 +233,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
     double step = 0;          // size of the step that met it
   } jump;
   std::array<std::vector<double>, 5> jump_work;  // of FindJump
+  const double* line = nullptr;                  // the states through which it searches
   bool has_slope = false;                        // motion[1] is known
   double motion_begin = 0;                       // of Motion: its time,
   double motion_time = 0;                        // and that in the run's time
@@ -291,6 +297,7 @@ void SundialsIntegrator::Run::Restart(double time, double first_step) {
   restarted = time;
   first_evaluation = true;
   refused = 0;
+  failed = false;
   jump.known = false;
   stages.count = 0;
   finish = time;
@@ -310,7 +317,7 @@ void SundialsIntegrator::Run::ThrowNonFiniteState(double time) {
 }
 
 bool SundialsIntegrator::Run::Start(const Interval& next) {
-  if (edition != context.edition_) watches = false;
+  if (edition != context.edition_) watches = before_event = false;
   interval = next;
   after_retake = before_event;
   before_event = false;
@@ -353,7 +360,8 @@ bool SundialsIntegrator::Run::TakeStepAgain() {
   before_event = std::isfinite(from.end_before_event);
   SetOrigin(from.origin);
   if (before_event) EndAt(from.end_before_event);
-  Restart(from.time, from.size);
+  Restart(from.time, std::abs(from.size));
+  failed = from.size < 0;
   after_retake = from.jump_step < 0;
   jump = {from.jump_step > 0, from.jump_from, from.jump_to, from.jump_step};
   first_evaluation = false;  // the context's values are for another time
@@ -391,14 +399,14 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
     double t = finish;
     step_begin = finish;
     refused = 0;
-    const bool watched = context.num_steps_ >= static_cast<double>(options.max_steps);
-    if (one_step || checks_stages || watched)
-      std::copy_n(solver.states(), program.num_continuous, step_states.data());
+    std::copy_n(solver.states(), program.num_continuous, step_states.data());
     if (checks_stages) KeepStage(finish, nullptr);
     if (solver.multistep()) solver.SetMaxStep(LargestStep(finish));
     const int flag = solver.Step(Target(), &t);
     if (flag < 0) ThrowFailure(flag);
-    if (checks_stages && StagesJump() && FindJump(finish, finish, t) && jump.from > finish + 4 * Tiny(t)) {
+    const auto present = jump;
+    if (checks_stages && StagesJump() && FindJump(finish, step_states.data(), finish, t) &&
+        jump.from > finish + 4 * Tiny(t)) {
       // another attempt, which ends before the jump
       const auto found = jump;
       Retake(jump.from);
@@ -406,6 +414,7 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
       jump.step = t - step_begin;
       continue;
     }
+    jump = present;
     if (const double error = checks_bends ? KinkError() : 0; error > 1) {
       Retake(finish + std::max(kMinShrink, kSafety / std::sqrt(error)) * (t - finish));
       continue;
@@ -418,7 +427,7 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
       Count(step);
     }
     CheckProgress(step_begin, finish, arrived);
-  } while (!one_step && !arrived);
+  } while (!arrived && (!one_step || finish == step_begin));
   if (one_step) interpolant.SetStep(begin, before.data(), finish, solver.states());
 }
 
@@ -437,6 +446,7 @@ void SundialsIntegrator::Run::KeepStage(double t, const double* xdot) {
     stages.count = kept;
     return;
   }
+  if (stages.count > 0 && std::abs(stages.times[stages.count - 1] - t) <= Tiny(t)) --stages.count;
   if (stages.count == stages.times.size()) return;
   stages.times[stages.count] = t;
   std::copy_n(xdot, n, stages.slopes.data() + stages.count * n);
@@ -532,13 +542,24 @@ void SundialsIntegrator::Run::Retake(double time) {
   first_evaluation = false;  // the context's values are for another time
 }
 
+/// Returns whether the states move by more than a small part of a tolerance until `event` in the last step.
+bool SundialsIntegrator::Run::MovesUntil(double event) {
+  LoadInside(event);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
+    if (std::abs(context.continuous_data()[i] - step_states[i]) > kCrosses * tolerance) return true;
+  }
+  return false;
+}
+
 /// Handles a kink, or a witness at which the derivatives jump, inside the last step, which has used
 /// derivatives from both sides. Goes back to end the interval just before, unless the event is at the
 /// beginning of the step. Returns whether it went back.
 bool SundialsIntegrator::Run::RetakeBefore(double event) {
   constexpr double kBefore = 1e-3, kBeginning = 1e-2;
-  // A restart of a multistep method costs many small steps, so it comes close to an event only once.
-  if (solver.multistep() && after_retake) return false;
+  // A restart of a multistep method costs many small steps, so it comes close to an event only once. Others
+  // come closer as long as the states move.
+  if (after_retake && (solver.multistep() || !MovesUntil(event))) return false;
   if (event - step_begin <= kBeginning * (finish - step_begin)) return false;
   const double size = (1 - kBefore) * (event - step_begin);
   if (size <= 100 * Tiny(event)) return false;
@@ -772,12 +793,21 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
   }
   not_finite = fmt::format("{} at t = {} s", context.DescribeNonFinite(), Global(t));
   // A smaller step may help; the number of attempts is limited because the step size is not.
+  failed = true;
   return first || ++refused > kMaxRefused ? -1 : 1;
+}
+
+/// The next step, or the next attempt at a step after an error of more than 1. ARKODE does not lengthen the
+/// step after one with failed attempts; a repeated step has none.
+double SundialsIntegrator::Run::ChooseStep(double t, double h, double error, int order) {
+  failed |= error > 1;
+  const double next = NextStep(t, h, error, order);
+  return error <= 1 && std::exchange(failed, false) ? std::min(next, h) : next;
 }
 
 /// PI control of the step size (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4 and
 /// II, IV.2), with its memory in the context. The rest of the interval is then divided evenly.
-double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, int order) {
+double SundialsIntegrator::Run::NextStep(double t, double h, double measured, int order) {
   if (seeks_jumps && (jump.known || measured > 1)) {
     if (const double step = StepRoundJump(t, h, measured <= 1); step > 0) return step;
   }
@@ -807,10 +837,11 @@ double SundialsIntegrator::Run::ChooseStep(double t, double h, double measured, 
   return remaining > Tiny(t) ? EvenStep(remaining, wanted) : wanted;
 }
 
-/// Keeps the size of an accepted step and the memory of the step-size control before it, to repeat the step.
+/// Keeps the size of an accepted step, negative after failed attempts, and the memory of the step-size
+/// control before it, to repeat the step.
 void SundialsIntegrator::Run::KeepStepControl(double h) {
   if (has_past()) return;
-  context.step_start_.size = h;
+  context.step_start_.size = failed ? -h : h;
   context.step_start_.next_step = context.next_step_;
   context.step_start_.last_error = context.last_error_;
   KeepJump();
@@ -828,7 +859,8 @@ void SundialsIntegrator::Run::KeepJump() {
 double SundialsIntegrator::Run::StepRoundJump(double t, double h, bool accepted) {
   if (accepted) KeepStepControl(h);
   if (!jump.known) {
-    if (!FindJump(t, t, t + h)) return 0;
+    // After a failed attempt the solver holds its result.
+    if (!FindJump(t, accepted ? solver.states() : step_states.data(), t, t + h)) return 0;
     jump.step = h;
   }
   if (accepted) {
@@ -929,17 +961,17 @@ std::string SundialsIntegrator::Run::DescribeFailure(double t, double h) {
 void SundialsIntegrator::Run::EvaluateAlong(double t, double at, double* xdot) {
   const std::vector<double>& slope = jump_work[0];
   std::vector<double>& x = jump_work[1];
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] = solver.states()[i] + (at - t) * slope[i];
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = line[i] + (at - t) * slope[i];
   context.CalcRunDerivatives(Instant(at), x.data(), xdot);
 }
 
-/// Searches for a jump of the derivatives between `from` and `to`, on the straight line through the states at
-/// `t` along the derivatives there, by halving the interval with the largest change. Stores it in `jump`.
-/// Ignores jumps that could not cause an error of `shows` tolerances.
-bool SundialsIntegrator::Run::FindJump(double t, double from, double to, double shows) {
+/// Searches for a jump of the derivatives between `from` and `to`, on the straight line through the states
+/// `y` at `t` along the derivatives there, by halving the interval with the largest change. Stores it in
+/// `jump`. Ignores jumps that could not cause an error of `shows` tolerances.
+bool SundialsIntegrator::Run::FindJump(double t, const double* y, double from, double to, double shows) {
   const auto n = static_cast<std::size_t>(program.num_continuous);
   if (n == 0) return false;
-  const double* const y = solver.states();
+  line = y;
   std::vector<double>&low = jump_work[2], &high = jump_work[3], &middle = jump_work[4];
   context.CalcRunDerivatives(Instant(t), y, jump_work[0].data());
   const auto evaluate = [&](double at, std::vector<double>& f) { EvaluateAlong(t, at, f.data()); };
@@ -967,14 +999,15 @@ bool SundialsIntegrator::Run::FindJump(double t, double from, double to, double 
     jump.known = change(low, high) >= kStays * first;
   }
   jump.from = from;
-  jump.to = to;
+  // The states may need longer than the time to move by their rounding.
+  jump.to = shows > 0 ? std::max(to, from + kCrosses / first) : to;
   return jump.known;
 }
 
 /// Describes the first block that jumps near `t`; empty if none does.
 std::string SundialsIntegrator::Run::DescribeJump(double t, double h) {
   const double reach = 4 * std::max(std::abs(h), 100 * Tiny(t));
-  if (!FindJump(t, t - reach, t + reach, 0)) return "";
+  if (!FindJump(t, solver.states(), t - reach, t + reach, 0)) return "";
   // The first calculation in dataflow order whose value jumps.
   const auto& calculations = program.calculations;
   std::vector<std::vector<double>> before_jump(calculations.size());

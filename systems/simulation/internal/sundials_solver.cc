@@ -393,7 +393,10 @@ void SundialsSolver::CreateRungeKutta(bool open, double time, SundialsClient& cl
     // Newton's method by the stiffness.
     Check(ARKStepSetDeduceImplicitRhs(memory_, SUNTRUE), "SetDeduceImplicitRhs");
     Check(ARKStepSetNonlinConvCoef(memory_, 1e-3), "SetNonlinConvCoef");  // residuals accumulate
-    if (options_.fixed_step > 0)                                          // a smaller step is not possible
+    // Judge each iteration by its own correction. A rate of convergence carried over from earlier stages
+    // would accept a stage after a single iteration, beyond a kink or a jump that the iteration has not seen.
+    Check(ARKStepSetNonlinCRDown(memory_, 1e100), "SetNonlinCRDown");
+    if (options_.fixed_step > 0)  // a smaller step is not possible
       Check(ARKStepSetMaxNonlinIters(memory_, 10), "SetMaxNonlinIters");
   }
   if (options_.fixed_step > 0) return;
