@@ -75,11 +75,6 @@ struct CdprEstimatorParams {
 /// at rest. Sensor biases are not estimated.
 ///
 /// The IMU measures the acceleration by any cause, so an unknown load does not disturb the estimate.
-///
-///     ports in  pose, inertial
-///               cables          uses the lengths (optional)
-///     port out  estimate        sampled
-///     parameter noise           CdprNoise
 class CdprEstimator final : public LeafSystem<CdprEstimatorParams> {
  public:
   using LeafSystem::LeafSystem;

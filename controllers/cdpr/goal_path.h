@@ -43,9 +43,6 @@ struct GoalPathParams {
 /// the reference at departure to rest at the goal. The attitude is that of the equilibria; if the planned
 /// path prescribes one, it stays constant. The path is computed only when the goal changes, within
 /// milliseconds.
-///
-///     port out    path   for ReferenceGenerator and CdprMpc
-///     parameters  goal
 class GoalPath final : public LeafSystem<GoalPathParams> {
  public:
   using LeafSystem::LeafSystem;

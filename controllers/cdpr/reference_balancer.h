@@ -15,11 +15,6 @@ struct ReferenceBalancerParams {
 /// Feedforward for controllers that follow a CdprReference: replaces its attitude, tensions and cable lengths
 /// by those that are consistent with its acceleration, the load on the platform and broken cables, see
 /// BalancedReference. Position and velocities are unchanged.
-///
-///     ports in   reference
-///                load      on the platform (optional)
-///                broken    1 for a broken cable, else 0 (optional)
-///     port out   balanced  sampled
 class ReferenceBalancer final : public LeafSystem<ReferenceBalancerParams> {
  public:
   using LeafSystem::LeafSystem;

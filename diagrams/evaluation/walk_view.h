@@ -15,9 +15,6 @@ struct WalkViewParams {
 
 /// Shapes of a replay that show signals of a walking controller: the path of the CoM's reference, the
 /// estimated force on the CoM, and the estimated forces on the legs, drawn at the feet.
-///
-///     ports in   state, body, wrench, leg_forces
-///     port out   geometry
 class WalkView final : public LeafSystem<WalkViewParams> {
  public:
   using LeafSystem::LeafSystem;

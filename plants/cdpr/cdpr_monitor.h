@@ -26,9 +26,6 @@ struct CdprMonitorParams {
 ///  - the distance of the CoM from the centre of the anchors exceeds twice that of the farthest anchor.
 ///
 /// The reason names the cable and the excess.
-///
-///     ports in    cables, platform
-///     parameters  forbid_slack, max_tension_ratio, floor [m]
 class CdprMonitor final : public LeafSystem<CdprMonitorParams> {
  public:
   using LeafSystem::LeafSystem;

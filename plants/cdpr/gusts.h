@@ -23,8 +23,6 @@ struct GustsParams {
 /// in aviation (EASA CS-25, 25.341); overlapping gusts are added:
 ///
 ///     f(t) = F (1 - cos(2 pi (t - t_0) / T)) / 2   for t_0 <= t < t_0 + T, else 0
-///
-///     port out  wrench  on the platform
 class Gusts final : public LeafSystem<GustsParams> {
  public:
   using LeafSystem::LeafSystem;

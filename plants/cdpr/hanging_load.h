@@ -37,13 +37,6 @@ struct HangingLoadState {
 ///     m dv/dt = -T e + m g
 ///
 /// The platform receives the force T e at the attachment.
-///
-///     ports in   platform
-///                others    a wrench that is added (optional)
-///     ports out  wrench    on the platform
-///                load      position and velocity
-///                tension   of the rope [N]
-///                geometry  for drawing
 class HangingLoad final : public LeafSystem<HangingLoadParams> {
  public:
   using LeafSystem::LeafSystem;

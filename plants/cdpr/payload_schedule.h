@@ -19,8 +19,6 @@ struct PayloadScheduleParams {
 ///
 ///     payload(t) = the payload if attach <= t < release, else none
 ///
-///     port out  payload  sampled
-///
 /// The payload and both times are Parameters: a run can change them.
 class PayloadSchedule final : public LeafSystem<PayloadScheduleParams> {
  public:

@@ -34,11 +34,6 @@ struct PlatformGrip {
 ///     F = k (target - p) - d v,   v = v_WB + w x (p - p_WB),   |F| <= F_max,
 ///
 /// The output is its wrench about the CoM plus `others`. If `on` is false, the force is zero.
-///
-///     ports in    platform
-///                 others      a wrench that is added (optional)
-///     port out    wrench      the sum
-///     parameters  grip
 class PlatformPull final : public LeafSystem<PlatformPullParams> {
  public:
   using LeafSystem::LeafSystem;

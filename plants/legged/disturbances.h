@@ -29,9 +29,6 @@ struct SineForceParams {
 };
 
 /// A sinusoidal force: f(t) = amplitude sin(w (t - start)) for start <= t < end, else 0.
-///
-///     port out    force
-///     parameters  amplitude, angular_frequency [rad/s], start, end [s]
 class SineForce final : public LeafSystem<SineForceParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -65,9 +62,6 @@ struct PulseForceParams {
 };
 
 /// A constant force and torque on a body for a part of the run.
-///
-///     port out    force  sampled
-///     parameters  push, start, duration [s]
 class PulseForce final : public LeafSystem<PulseForceParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -97,9 +91,6 @@ struct RandomForceParams {
 
 /// A random force that is constant within each period: on a random leg at a random height (or on the trunk),
 /// with random magnitude and direction, all uniformly distributed.
-///
-///     port out    force  sampled
-///     parameters  on_trunk, lower, upper [N]
 class RandomForce final : public LeafSystem<RandomForceParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -124,9 +115,6 @@ struct ForceBundleParams {
 };
 
 /// Combines several forces into one signal.
-///
-///     ports in  force_0, force_1, ...
-///     port out  forces
 class ForceBundle final : public LeafSystem<ForceBundleParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -21,9 +21,6 @@ struct DriveErrorsParams {
 ///
 ///     y = (1 + g) (1 + ripple n) u,   g normal with the gain's deviation, drawn at the start, n normal, anew
 ///     each tick.
-///
-///     port in   command  [N m]
-///     port out  torque   sampled [N m]
 class DriveErrors final : public LeafSystem<DriveErrorsParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -45,12 +45,6 @@ struct LoadMotion {
 /// with d = 2 damping_ratio sqrt(k m). The force -f acts on the trunk at the load, so momentum is conserved.
 /// The normal force is unilateral, so the load can be thrown off. With mass 0 there is no force and the load
 /// follows position_B, where it starts when its mass is set.
-///
-///     port in     robot
-///     ports out   force     on the trunk: -f at r
-///                 place     r [m]
-///                 geometry  a box of the load's place
-///     parameters  mass [kg], friction, slip_speed [m/s]
 class SlidingLoad final : public LeafSystem<SlidingLoadParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -48,10 +48,6 @@ Vec<3> PointInBody(const QuadrupedDescription& robot, const LeggedState& x, int 
 ///     F = k (target - p) - d v,   |F| <= F_max,
 ///
 /// with the point's velocity v in W. The force is 0 unless `on` is set.
-///
-///     port in     state
-///     port out    force
-///     parameters  grip
 class SpringPull final : public LeafSystem<SpringPullParams> {
  public:
   explicit SpringPull(const SpringPullParams& params) : LeafSystem(Complete(params)) {}

@@ -30,9 +30,6 @@ struct CableSensorsParams {
 /// Offsets are normal and drawn at the start; n is normal and drawn at each sample. rest_length has the
 /// errors of the length.
 ///
-///     port in   cables
-///     port out  measured  sampled
-///
 /// @throws RunError during the run if the number of cables of the input differs.
 class CableSensors final : public LeafSystem<CableSensorsParams> {
  public:

@@ -25,10 +25,6 @@ struct FootForceSensorParams {
 };
 
 /// Measures the torques of all drives, each with an error (sensor_noise.h).
-///
-///     port in   torque    true torques of the drives [N m]
-///     port out  measured  sampled [N m]
-///     parameter error     SensorError [N m]
 class JointTorqueSensor final : public LeafSystem<ForceSensorParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -48,10 +44,6 @@ class JointTorqueSensor final : public LeafSystem<ForceSensorParams> {
 
 /// Measures the forces on all feet, each component with an error (sensor_noise.h), in the axes of the input.
 /// Measured forces below the threshold are set to 0.
-///
-///     port in   forces    true ground forces
-///     port out  measured  sampled
-///     parameter error     SensorError [N]
 class FootForceSensor final : public LeafSystem<FootForceSensorParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -33,10 +33,6 @@ struct ImuParams {
 /// with r = R_WB p_B and g = (0, 0, -gravity).
 /// The specific force is 9.81 m/s^2 upwards at rest and 0 in free fall.
 ///
-///     ports in  body          the true state
-///               acceleration  the true acceleration
-///     port out  measurement   sampled
-///
 /// Noise and biases are Parameters: a run can change them.
 ///
 /// Imu is for the platform of a cable robot, TrunkImu for the trunk of a quadruped.

@@ -26,9 +26,6 @@ struct ImuErrorsParams {
 ///
 /// with e and b[0] drawn at the start. The blocks that read it assume that I is B. White noise is part of
 /// Imu.
-///
-///     port in   measurement  in B
-///     port out  measured     in I, sampled
 class ImuErrors final : public LeafSystem<ImuErrorsParams> {
  public:
   using LeafSystem::LeafSystem;

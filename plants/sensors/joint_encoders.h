@@ -33,9 +33,6 @@ struct JointEncodersParams {
 ///
 /// which lags by about 1 / (2 pi f) and contains the quantisation noise of the angles.
 ///
-///     port in   state   the true state
-///     port out  joints  sampled
-///
 /// The errors `angle` and `speed` are Parameters: a run can change them.
 class JointEncoders final : public LeafSystem<JointEncodersParams> {
  public:

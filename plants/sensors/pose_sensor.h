@@ -26,9 +26,6 @@ struct PoseSensorParams {
 /// with n_p and n_a normal, independent in their components and in time, o_p and o_a normal and drawn at the
 /// start, and exp(a / 2) the rotation by |a| about a.
 ///
-///     port in   platform  the true state
-///     port out  pose      sampled
-///
 /// `position_noise` and `attitude_noise` are Parameters: a run can change them.
 class PoseSensor final : public LeafSystem<PoseSensorParams> {
  public:

@@ -13,10 +13,6 @@ struct ShankForcesParams {
 
 /// Transforms the ground forces from W to the axes of the shanks, in which the foot sensors measure: f_J =
 /// R_WJ^T f_W. FootForceEstimate computes the inverse from estimated states.
-///
-///     ports in  state   true state of the robot
-///               forces  ground forces in W
-///     port out  shank   ground forces, each in the axes of its leg's last body
 class ShankForces final : public LeafSystem<ShankForcesParams> {
  public:
   using LeafSystem::LeafSystem;

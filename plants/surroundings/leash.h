@@ -40,13 +40,6 @@ struct LeashParams {
 /// arm:
 ///
 ///     T = k (e + tau e'),   negative if it pushes.
-///
-///     ports in   robot     state of the robot
-///                person
-///     ports out  leash     length, tension, direction from the hand to the robot
-///                force     on the trunk: -T direction at the attachment
-///                geometry  a rod coloured by tension
-///     parameters nominal_length [m], stiffness [N/m], dissipation [s/m]
 class Leash final : public LeafSystem<LeashParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -37,11 +37,6 @@ struct ObstacleDetectorParams {
 /// Detects obstacles ahead of a robot: true if a pillar's nearest point is less than `range` ahead of B's
 /// origin and the pillar overlaps the strip of half_width to both sides of the heading. It models an ideal
 /// vision sensor. The pillars exert no forces; tenon-guide-dog reports collisions.
-///
-///     port in    state
-///     ports out  obstacle
-///                geometry  the pillars
-///     parameters range, half_width [m]
 class ObstacleDetector final : public LeafSystem<ObstacleDetectorParams> {
  public:
   using LeafSystem::LeafSystem;

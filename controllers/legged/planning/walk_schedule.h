@@ -50,8 +50,6 @@ struct WalkScheduleParams {
 
 /// Commands a predefined walk, starting at t = 0.
 ///
-///     ports out  command   sampled
-///
 /// A segment starts with the velocities at the end of the previous one and reaches its own by a ramp that is
 /// linear in time, as short as both accelerations allow; duration and length of a segment include its ramp. A
 /// segment that stands stops at once. The gait changes at once. After the last segment the robot stands.

@@ -306,42 +306,6 @@ TEST(HybridDefaultsTest, StepsIntoAnIntegrator) {
   }
 }
 
-TEST(HybridDefaultsTest, ElasticBallsBounceForTwentySeconds) {
-  for (const double max_step : {0.0, 0.1, 0.01}) {
-    for (int i = 0; i < 50; i += 7) {
-      const double height = 0.5 + 0.01 * i;
-      const End end = Simulate(Fall(height, 1), {.max_step = max_step}, 0, 20), right = Ball(height, 1, 20);
-      ASSERT_EQ(end.count, right.count) << height << ' ' << max_step;
-      ASSERT_NEAR(end.x[0], right.x[0], 1e-4) << height << ' ' << max_step;
-    }
-  }
-}
-
-TEST(HybridDefaultsTest, BallsOfAnySizeBounceAndComeToRestWhereverTheFloorIs) {
-  for (const double floor : {0.0, 1e4}) {
-    for (const double from : {0.0, 1e4}) {
-      for (const double height : {1e-4, 1e-2, 1.0, 1e4}) {
-        const double impact = std::sqrt(2 * height / kG);
-        HybridParams ball = Fall(height, 1);
-        ball.x0[0] += floor;
-        ball.witness = [floor](double, const Vec<2>& x) { return x[0] - floor; };
-        const SimulatorOptions options{.rtol = floor > 0 ? 1e-12 : 1e-6,
-                                       .max_step = std::max(0.1, impact / 10)};
-        EXPECT_EQ(Simulate(ball, options, from, from + 20 * impact).count, 10)
-            << height << ' ' << floor << ' ' << from;
-        for (const double restitution : {0.9, 0.5, 0.0}) {
-          ball.update = [restitution](const Vec<2>& x) { return Vec<2>(x[0], -restitution * x[1]); };
-          const double rest = impact * (1 + restitution) / (1 - restitution);
-          const auto run = [&](double to) { Simulate(ball, options, from, from + to); };
-          if (restitution > 0) run(0.99 * rest);
-          EXPECT_TRUE(Throws<RunError>([&] { run(1.01 * rest); }, "'block.hit'"))
-              << height << ' ' << restitution;
-        }
-      }
-    }
-  }
-}
-
 TEST(HybridDefaultsTest, EventsOfShrinkingIntervalsThatCanBeToldApartAreNoAccumulation) {
   struct Clicks final : LeafSystem<void> {
     DiscreteState<int> n{this, "n"};
