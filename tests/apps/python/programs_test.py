@@ -83,7 +83,7 @@ class Programs(fixtures.OutputTest):
         os.environ["HOW"] = "wait"
 
         def interrupt():
-            while not (self.out / "o/waiting").exists():
+            while not (self.out / "o/waiting").exists() or "progress" not in self.messages.getvalue():
                 pass
             signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
 
