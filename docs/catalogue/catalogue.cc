@@ -56,6 +56,9 @@
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 
+#include <array>
+#include <typeinfo>
+
 namespace tenon::docs {
 namespace {
 
@@ -83,184 +86,185 @@ struct Shipped {
   }();
 };
 
+/// The name of the class without namespace and template arguments.
+template <class Block>
+std::string NameOf() {
+  std::string name = internal::Demangled(typeid(Block).name());
+  name = name.substr(0, name.find('<'));
+  return name.substr(name.rfind(':') + 1);
+}
+
+template <class Block, class... Args>
+Entry MakeTitled(std::string title, const Args&... params) {
+  Entry entry{std::move(title), NameOf<Block>(), std::unique_ptr<System>(new Block(params...))};
+  entry.build = [params...] {
+    DiagramBuilder builder;
+    builder.Add<Block>("block", params...);
+    return builder.BuildWithOpenInputs();
+  };
+  if constexpr (requires { Block::Params::Fields(); }) {
+    using Params = typename Block::Params;
+    entry.ranges = internal::FieldsOf<Params>();
+    entry.remake = [given = Params{params...}](const auto& change) {
+      Params changed = given;
+      change(&changed);
+      Block block(changed);
+    };
+  }
+  return entry;
+}
+
 template <class Block, class... Params>
-Entry Make(std::string name, Params&&... params) {
-  return {name, name, std::make_unique<Block>(std::forward<Params>(params)...)};
+Entry Make(const Params&... params) {
+  return MakeTitled<Block>(NameOf<Block>(), params...);
 }
 
 /// Makes the entry of a class template with one type parameter.
 template <class Block, class... Params>
-Entry MakeOfType(const std::string& name, Params&&... params) {
-  return {name + "<T>", name, std::make_unique<Block>(std::forward<Params>(params)...), {{"Vec<7>", "T"}}};
-}
-
-Entry WithNote(Entry entry, std::string note) {
-  entry.note = std::move(note);
+Entry MakeOfType(const Params&... params) {
+  Entry entry = MakeTitled<Block>(NameOf<Block>() + "<T>", params...);
+  entry.placeholders = {{"Vec<7>", "T"}};
   return entry;
 }
 
 Shelf Primitives() {
   Shelf shelf{"primitives", {}};
-  auto& entries = shelf.entries;
-  const auto put = [&](Entry entry) { entries.push_back(std::move(entry)); };
   const std::string number = "`T` is a double or a `Vec<N>`.", any = "`T` is any copyable type.",
                     numbers = "`T` is a double, a `Vec<N>` or a struct with `Fields()`.";
 
-  put(WithNote(MakeOfType<Adder<T>>("Adder", AdderParams{.unit = "unit"}), number));
-  put({"Concatenate<Ts...>",
-       "Concatenate",
-       std::make_unique<Concatenate<double, double>>(),
-       {{"double", "Ts"}}});
-  put({"Split<Ts...>", "Split", std::make_unique<Split<double, double>>(), {{"double", "Ts"}}});
-  put(WithNote(MakeOfType<ConstantSource<T>>("ConstantSource", ConstantParams<T>{.unit = "unit"}), any));
-  put(WithNote(MakeOfType<DiscreteDerivative<T>>(
-                   "DiscreteDerivative", DiscreteDerivativeParams{.u_unit = "u_unit", .y_unit = "y_unit"}),
-               number));
-  entries.back().placeholders.emplace_back("internal::FilteredDifference<Vec<7>>", "FilteredDifference<T>");
-  put(WithNote(MakeOfType<DiscreteLowPass<T>>("DiscreteLowPass", DiscreteLowPassParams<T>{.unit = "unit"}),
-               number));
-  put(WithNote(
-      Make<DiscreteTransferFunction>(
-          "DiscreteTransferFunction",
-          DiscreteTransferFunctionParams{.denominator = {1, 0}, .u_unit = "u_unit", .y_unit = "y_unit"}),
-      "The output depends directly on u if the numerator has as many coefficients as the denominator."));
-  put(WithNote(MakeOfType<Gain<T>>("Gain", GainParams{.u_unit = "u_unit", .y_unit = "y_unit"}), number));
-  put(WithNote(MakeOfType<GaussMarkov<T>>("GaussMarkov", GaussMarkovParams<T>{.unit = "unit"}), number));
+  shelf.Put(MakeOfType<Adder<T>>(AdderParams{.unit = "unit"}), number);
+  shelf.Put(MakeTitled<Concatenate<double, double>>("Concatenate<Ts...>")).placeholders = {{"double", "Ts"}};
+  shelf.Put(MakeTitled<Split<double, double>>("Split<Ts...>")).size = 2;
+  shelf.entries.back().placeholders = {{"double", "Ts"}};
+  shelf.Put(MakeOfType<ConstantSource<T>>(ConstantParams<T>{.unit = "unit"}), any);
+  shelf
+      .Put(
+          MakeOfType<DiscreteDerivative<T>>(DiscreteDerivativeParams{.u_unit = "u_unit", .y_unit = "y_unit"}),
+          number)
+      .placeholders = {{"internal::FilteredDifference<Vec<7>>", "FilteredDifference<T>"}, {"Vec<7>", "T"}};
+  shelf.Put(MakeOfType<DiscreteLowPass<T>>(DiscreteLowPassParams<T>{.unit = "unit"}), number);
+  shelf.Put(Make<DiscreteTransferFunction>(DiscreteTransferFunctionParams{
+                .denominator = {1, 0}, .u_unit = "u_unit", .y_unit = "y_unit"}),
+            "The output depends directly on u if the numerator has as many coefficients as the denominator.");
+  shelf.Put(MakeOfType<Gain<T>>(GainParams{.u_unit = "u_unit", .y_unit = "y_unit"}), number);
+  shelf.Put(MakeOfType<GaussMarkov<T>>(GaussMarkovParams<T>{.unit = "unit"}), number);
   const std::string sized = "`T` is a double, a `Vec<N>` or an `Eigen::VectorXd` of the size of `initial`.";
-  put(WithNote(MakeOfType<HeldLag<T>>("HeldLag", HeldLagParams<T>{.unit = "unit"}), sized));
-  entries.back().placeholders.emplace_back("HeldLagPart<Vec<7>>", "HeldLagPart<T>");
-  put(WithNote(
-      MakeOfType<Integrator<T>>("Integrator", IntegratorParams<T>{.u_unit = "u_unit", .y_unit = "y_unit"}),
-      number));
-  put(WithNote(MakeOfType<JitteredDelay<T>>("JitteredDelay", JitteredDelayParams<T>{.unit = "unit"}), sized));
-  entries.back().placeholders.emplace_back("MessageLine<Vec<7>>", "MessageLine<T>");
-  put(WithNote(MakeOfType<LowPassFilter<T>>("LowPassFilter", LowPassFilterParams<T>{.unit = "unit"}),
-               number));
-  put({"MatrixGain<Rows, Cols>",
-       "MatrixGain",
-       std::make_unique<MatrixGain<7, 5>>(MatrixGainParams<7, 5>{.u_unit = "u_unit", .y_unit = "y_unit"}),
-       {{"Vec<7>", "Vec<Rows>"}, {"Vec<5>", "Vec<Cols>"}},
-       "The vectors of `MatrixGain<>` are `Eigen::VectorXd`, whose sizes are those of its matrix."});
-  put({"MultiportSwitch<T, Index>",
-       "MultiportSwitch",
-       std::make_unique<MultiportSwitch<T>>(MultiportSwitchParams{.unit = "unit"}),
-       {{"Vec<7>", "T"}, {"int", "Index"}},
-       any + " `Index` is an integer or an enumeration."});
-  put({"Mux<N>", "Mux", std::make_unique<Mux<7>>(MuxParams{.units = "units"}), {{"Vec<7>", "Vec<N>"}}});
-  put({"Demux<N>", "Demux", std::make_unique<Demux<7>>(MuxParams{.units = "units"}), {{"Vec<7>", "Vec<N>"}}});
-  put(WithNote(MakeOfType<WhiteNoise<T>>("WhiteNoise", NoiseParams<T>{.unit = "unit"}), numbers));
-  put(WithNote(MakeOfType<AddNoise<T>>("AddNoise", NoiseParams<T>{.unit = "unit"}), numbers));
-  put(WithNote(MakeOfType<Pid<T>>("Pid", PidParams<T>{.y_unit = "y_unit", .u_unit = "u_unit"}), number));
-  entries.back().placeholders.emplace_back("PidMemory<Vec<7>>", "PidMemory<T>");
-  put(WithNote(MakeOfType<Pulse<T>>("Pulse", PulseParams<T>{.unit = "unit"}), number));
-  put(WithNote(MakeOfType<Quantizer<T>>("Quantizer", QuantizerParams<T>{.unit = "unit"}), number));
-  put(WithNote(MakeOfType<RandomWalk<T>>("RandomWalk", RandomWalkParams<T>{.unit = "unit"}), number));
-  put(WithNote(MakeOfType<RateLimiter<T>>("RateLimiter", RateLimiterParams<T>{.unit = "unit"}), number));
-  put(WithNote(MakeOfType<SampleDelay<T>>("SampleDelay", SampleDelayParams<T>{.unit = "unit"}),
-               "`T` is any copyable type except bool."));
-  entries.back().placeholders.emplace_back("std::vector<Vec<7>>", "std::vector<T>");
-  put(WithNote(MakeOfType<Saturation<T>>("Saturation", SaturationParams<T>{.unit = "unit"}), number));
-  put(WithNote(MakeOfType<SignalFault<T>>("SignalFault", SignalFaultParams<T>{.unit = "unit"}), any));
-  put(WithNote(MakeOfType<Sine<T>>("Sine", SineParams<T>{.unit = "unit"}), number));
+  shelf.Put(MakeOfType<HeldLag<T>>(HeldLagParams<T>{.unit = "unit"}), sized);
+  shelf.Put(MakeOfType<Integrator<T>>(IntegratorParams<T>{.u_unit = "u_unit", .y_unit = "y_unit"}), number);
+  shelf.Put(MakeOfType<JitteredDelay<T>>(JitteredDelayParams<T>{.unit = "unit"}), sized);
+  shelf.Put(MakeOfType<LowPassFilter<T>>(LowPassFilterParams<T>{.unit = "unit"}), number);
+  shelf
+      .Put(MakeTitled<MatrixGain<7, 5>>("MatrixGain<Rows, Cols>",
+                                        MatrixGainParams<7, 5>{.u_unit = "u_unit", .y_unit = "y_unit"}),
+           "The vectors of `MatrixGain<>` are `Eigen::VectorXd`, whose sizes are those of its matrix.")
+      .placeholders = {{"Vec<7>", "Vec<Rows>"}, {"Vec<5>", "Vec<Cols>"}};
+  shelf
+      .Put(MakeTitled<MultiportSwitch<T>>("MultiportSwitch<T, Index>", MultiportSwitchParams{.unit = "unit"}),
+           any + " `Index` is an integer or an enumeration.")
+      .placeholders = {{"Vec<7>", "T"}, {"int", "Index"}};
+  shelf.Put(MakeTitled<Mux<7>>("Mux<N>", MuxParams{.units = "units"})).placeholders = {{"Vec<7>", "Vec<N>"}};
+  shelf.Put(MakeTitled<Demux<7>>("Demux<N>", MuxParams{.units = "units"})).placeholders = {
+      {"Vec<7>", "Vec<N>"}};
+  shelf.Put(MakeOfType<WhiteNoise<T>>(NoiseParams<T>{.unit = "unit"}), numbers);
+  shelf.Put(MakeOfType<AddNoise<T>>(NoiseParams<T>{.unit = "unit"}), numbers);
+  shelf.Put(MakeOfType<Pid<T>>(PidParams<T>{.y_unit = "y_unit", .u_unit = "u_unit"}), number);
+  shelf.Put(MakeOfType<Pulse<T>>(PulseParams<T>{.unit = "unit"}), number);
+  shelf.Put(MakeOfType<Quantizer<T>>(QuantizerParams<T>{.unit = "unit"}), number);
+  shelf.Put(MakeOfType<RandomWalk<T>>(RandomWalkParams<T>{.unit = "unit"}), number);
+  shelf.Put(MakeOfType<RateLimiter<T>>(RateLimiterParams<T>{.unit = "unit"}), number);
+  shelf.Put(MakeOfType<SampleDelay<T>>(SampleDelayParams<T>{.unit = "unit"}),
+            "`T` is any copyable type except bool.");
+  shelf.Put(MakeOfType<Saturation<T>>(SaturationParams<T>{.unit = "unit"}), number);
+  shelf.Put(MakeOfType<SignalFault<T>>(SignalFaultParams<T>{.unit = "unit"}), any);
+  shelf.Put(MakeOfType<Sine<T>>(SineParams<T>{.unit = "unit"}), number);
   const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1);
   const StateSpaceParams model{
       .A = one, .B = one, .C = one, .u_unit = "u_unit", .x_unit = "x_unit", .y_unit = "y_unit"};
   const std::string with_d = "The output depends directly on u if D is given.";
-  put(WithNote(Make<StateSpace>("StateSpace", model), with_d));
-  put(WithNote(Make<DiscreteStateSpace>("DiscreteStateSpace", DiscreteStateSpaceParams{.model = model}),
-               with_d));
-  put(WithNote(MakeOfType<Switch<T>>("Switch", SwitchParams{.unit = "unit"}), any));
-  put(WithNote(MakeOfType<ThresholdSwitch<T>>(
-                   "ThresholdSwitch", ThresholdSwitchParams{.control_unit = "control_unit", .unit = "unit"}),
-               any));
+  shelf.Put(Make<StateSpace>(model), with_d).size = 1;
+  shelf.Put(Make<DiscreteStateSpace>(DiscreteStateSpaceParams{.model = model}), with_d).size = 1;
+  shelf.Put(MakeOfType<Switch<T>>(SwitchParams{.unit = "unit"}), any);
+  shelf.Put(
+      MakeOfType<ThresholdSwitch<T>>(ThresholdSwitchParams{.control_unit = "control_unit", .unit = "unit"}),
+      any);
   const std::vector<T> two_values{T::Zero(), T::Ones()};
-  put(WithNote(
-      MakeOfType<Table<T>>(
-          "Table", TableParams<T>{.u = {0, 1}, .y = two_values, .u_unit = "u_unit", .y_unit = "y_unit"}),
-      number));
-  put(WithNote(MakeOfType<Trajectory<T>>(
-                   "Trajectory", TrajectoryParams<T>{.times = {0, 1}, .values = two_values, .unit = "unit"}),
-               number));
-  put({"TransferFunction<Order>",
-       "TransferFunction",
-       std::make_unique<TransferFunction<7>>(TransferFunctionParams{
-           .denominator = {1, 0, 0, 0, 0, 0, 0, 1}, .u_unit = "u_unit", .y_unit = "y_unit"}),
-       {{"Vec<7>", "Vec<Order>"}},
-       "The output depends directly on u if the numerator has as many coefficients as the denominator."});
-  put(WithNote(MakeOfType<TransportDelay<T>>("TransportDelay", TransportDelayParams<T>{.unit = "unit"}),
-               number));
-  entries.back().placeholders.emplace_back("TransportDelayLine<Vec<7>>", "TransportDelayLine<T>");
-  put(WithNote(MakeOfType<UniformNoise<T>>("UniformNoise", UniformNoiseParams<T>{.unit = "unit"}), number));
-  put(WithNote(MakeOfType<UnitDelay<T>>("UnitDelay", UnitDelayParams<T>{.unit = "unit"}), any));
-  put(WithNote(MakeOfType<ZeroOrderHold<T>>("ZeroOrderHold", ZeroOrderHoldParams{.unit = "unit"}), any));
+  shelf.Put(MakeOfType<Table<T>>(
+                TableParams<T>{.u = {0, 1}, .y = two_values, .u_unit = "u_unit", .y_unit = "y_unit"}),
+            number);
+  shelf.Put(
+      MakeOfType<Trajectory<T>>(TrajectoryParams<T>{.times = {0, 1}, .values = two_values, .unit = "unit"}),
+      number);
+  shelf
+      .Put(MakeTitled<TransferFunction<7>>(
+               "TransferFunction<Order>",
+               TransferFunctionParams{
+                   .denominator = {1, 0, 0, 0, 0, 0, 0, 1}, .u_unit = "u_unit", .y_unit = "y_unit"}),
+           "The output depends directly on u if the numerator has as many coefficients as the denominator.")
+      .placeholders = {{"Vec<7>", "Vec<Order>"}};
+  shelf.Put(MakeOfType<TransportDelay<T>>(TransportDelayParams<T>{.unit = "unit"}), number);
+  shelf.Put(MakeOfType<UniformNoise<T>>(UniformNoiseParams<T>{.unit = "unit"}), number);
+  shelf.Put(MakeOfType<UnitDelay<T>>(UnitDelayParams<T>{.unit = "unit"}), any);
+  shelf.Put(MakeOfType<ZeroOrderHold<T>>(ZeroOrderHoldParams{.unit = "unit"}), any);
   return shelf;
 }
 
 Shelf Communication() {
   Shelf shelf{"communication", {}};
-  auto& entries = shelf.entries;
   const std::string numbers = "`T` is a number, a matrix, or a struct with `Fields()`.";
-  entries.push_back(
-      WithNote(MakeOfType<ExternalInput<T>>("ExternalInput", ExternalInputParams<T>{.unit = "unit"}),
-               "`T` is any copyable type."));
-  entries.push_back(
-      WithNote(MakeOfType<UdpPublisher<T>>("UdpPublisher", UdpPublisherParams{.name = "signal"}), numbers));
-  entries.push_back(WithNote(
-      MakeOfType<UdpInput<T>>("UdpInput", UdpInputParams<T>{.name = "signal", .unit = "unit", .port = 0}),
-      numbers));
+  shelf.Put(MakeOfType<ExternalInput<T>>(ExternalInputParams<T>{.unit = "unit"}),
+            "`T` is any copyable type.");
+  shelf.Put(MakeOfType<UdpPublisher<T>>(UdpPublisherParams{.name = "signal"}), numbers);
+  shelf.Put(MakeOfType<UdpInput<T>>(UdpInputParams<T>{.name = "signal", .unit = "unit", .port = 0}), numbers);
   return shelf;
 }
 
 Shelf QuadrupedPlants(const Shipped& shipped) {
   const QuadrupedWorldParams& world = shipped.walk.world;
   Shelf shelf{"quadruped plants", {}};
-  auto& entries = shelf.entries;
-  entries.push_back(Make<QuadrupedPlant>("QuadrupedPlant", world.plant));
-  entries.push_back(Make<PulseForce>("PulseForce"));
-  entries.push_back(Make<SineForce>("SineForce"));
-  entries.push_back(Make<RandomForce>("RandomForce", RandomForceParams{.robot = shipped.dog}));
-  entries.push_back(Make<ForceBundle>("ForceBundle", ForceBundleParams{.count = 2}));
-  entries.push_back(Make<JointLock>("JointLock"));
-  entries.push_back(Make<FallMonitor>("FallMonitor"));
-  entries.push_back(Make<DriveErrors>("DriveErrors"));
-  entries.push_back(Make<SlidingLoad>("SlidingLoad", SlidingLoadParams{.mass = 1}));
-  entries.push_back(Make<SpringPull>("SpringPull", SpringPullParams{.robot = shipped.dog}));
-  entries.push_back(Make<Ropes>("Ropes", RopesParams{shipped.ropes}));
-  entries.push_back(Make<JointEncoders>("JointEncoders"));
-  entries.push_back(Make<JointTorqueSensor>("JointTorqueSensor"));
-  entries.push_back(Make<ShankForces>("ShankForces", ShankForcesParams{shipped.dog}));
-  entries.push_back(Make<FootForceSensor>("FootForceSensor"));
-  entries.push_back({"TrunkImu", "BasicImu", std::make_unique<TrunkImu>()});
-  entries.push_back(Make<ImuErrors>("ImuErrors"));
-  entries.push_back(Make<CableSensors>("CableSensors"));
+  shelf.Put(Make<QuadrupedPlant>(world.plant));
+  shelf.Put(Make<PulseForce>());
+  shelf.Put(Make<SineForce>());
+  shelf.Put(Make<RandomForce>(RandomForceParams{.robot = shipped.dog}));
+  shelf.Put(Make<ForceBundle>(ForceBundleParams{.count = 2}));
+  shelf.Put(Make<JointLock>());
+  shelf.Put(Make<FallMonitor>());
+  shelf.Put(Make<DriveErrors>());
+  shelf.Put(Make<SlidingLoad>(SlidingLoadParams{.mass = 1}));
+  shelf.Put(Make<SpringPull>(SpringPullParams{.robot = shipped.dog}));
+  shelf.Put(Make<Ropes>(RopesParams{shipped.ropes})).size = 1;
+  shelf.Put(Make<JointEncoders>());
+  shelf.Put(Make<JointTorqueSensor>());
+  shelf.Put(Make<ShankForces>(ShankForcesParams{shipped.dog}));
+  shelf.Put(Make<FootForceSensor>());
+  shelf.Put(MakeTitled<TrunkImu>("TrunkImu"));
+  shelf.Put(Make<ImuErrors>());
+  shelf.Put(Make<CableSensors>());
   return shelf;
 }
 
 Shelf Surroundings(const Shipped& shipped) {
   Shelf shelf{"surroundings", {}};
-  shelf.entries.push_back(Make<Person>("Person", shipped.guide_dog.person));
-  shelf.entries.push_back(Make<Leash>("Leash"));
-  shelf.entries.push_back(Make<ObstacleDetector>("ObstacleDetector"));
-  shelf.entries.push_back(Make<TerrainMapper>("TerrainMapper", TerrainMapperParams()));
+  shelf.Put(Make<Person>(shipped.guide_dog.person));
+  shelf.Put(Make<Leash>());
+  shelf.Put(Make<ObstacleDetector>());
+  shelf.Put(Make<TerrainMapper>(TerrainMapperParams()));
   return shelf;
 }
 
 Shelf CdprPlants(const Shipped& shipped) {
   const CdprDescription& robot = shipped.cdpr_pd.robot;
   Shelf shelf{"cable robot plants", {}};
-  auto& entries = shelf.entries;
-  entries.push_back(Make<CdprPlant>(
-      "CdprPlant",
+  shelf.Put(Make<CdprPlant>(
       CdprPlantParams{.robot = robot, .initial_tension = CableVector::Zero(robot.num_cables())}));
-  entries.push_back(Make<WinchErrors>("WinchErrors"));
-  entries.push_back(Make<CableFault>("CableFault", CableFaultParams{.num_cables = robot.num_cables()}));
-  entries.push_back(Make<PayloadSchedule>("PayloadSchedule"));
-  entries.push_back(Make<Gusts>("Gusts"));
-  entries.push_back(Make<HangingLoad>("HangingLoad"));
-  entries.push_back(Make<PlatformPull>("PlatformPull"));
-  entries.push_back(Make<CdprMonitor>("CdprMonitor", CdprMonitorParams{.robot = robot}));
-  entries.push_back(Make<PoseSensor>("PoseSensor"));
-  entries.push_back({"Imu", "BasicImu", std::make_unique<Imu>()});
+  shelf.Put(Make<WinchErrors>());
+  shelf.Put(Make<CableFault>(CableFaultParams{.num_cables = robot.num_cables()}));
+  shelf.Put(Make<PayloadSchedule>());
+  shelf.Put(Make<Gusts>());
+  shelf.Put(Make<HangingLoad>());
+  shelf.Put(Make<PlatformPull>());
+  shelf.Put(Make<CdprMonitor>(CdprMonitorParams{.robot = robot}));
+  shelf.Put(Make<PoseSensor>());
+  shelf.Put(MakeTitled<Imu>("Imu"));
   return shelf;
 }
 
@@ -268,79 +272,66 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   const LeggedLocomotionParams& locomotion = shipped.walk.locomotion;
   const DisturbanceObserverParams& observer = shipped.walk.observer;
   Shelf shelf{"quadruped controllers", {}};
-  auto& entries = shelf.entries;
-  entries.push_back(Make<WalkSchedule>("WalkSchedule", shipped.walk.walk));
-  entries.push_back(Make<WalkDrive>("WalkDrive"));
-  entries.push_back(Make<Pacer>(
-      "Pacer", PacerParams{.robot = locomotion.whole_body.robot, .gaits = locomotion.scheduler.gaits}));
-  entries.push_back(Make<FootScheduler>("FootScheduler", locomotion.scheduler));
-  entries.push_back(Make<GroundEstimator>("GroundEstimator", locomotion.ground));
-  entries.push_back(Make<MappedGround>("MappedGround", MappedGroundParams{.robot = locomotion.ground.robot}));
-  entries.push_back(Make<ComPlanner>("ComPlanner", locomotion.com_planner));
-  entries.push_back(Make<SwingPlanner>("SwingPlanner", locomotion.swing_planner));
-  entries.push_back(Make<TrunkPlanner>("TrunkPlanner", locomotion.trunk_planner));
-  entries.push_back(
-      Make<CentroidalMpc>("CentroidalMpc", CentroidalMpcParams{.robot = locomotion.whole_body.robot}));
-  entries.push_back(
-      WithNote(Make<WholeBodyController>("WholeBodyController", locomotion.whole_body),
-               "Ends the run if the number of consecutive failed solves exceeds `max_failures_in_a_row`."));
-  entries.push_back(
-      Make<RopeTensions>("RopeTensions", RopeTensionsParams{.robot = shipped.dog, .ropes = shipped.ropes}));
-  entries.push_back(Make<JointPd>("JointPd", shipped.stand.pd));
-  entries.push_back(Make<LegMomentumObserver>("LegMomentumObserver", observer.legs));
-  entries.push_back(Make<ComObserver>("ComObserver", observer.com));
-  entries.push_back(Make<NonlinearDisturbanceObserver>("NonlinearDisturbanceObserver", observer.ndo));
+  shelf.Put(Make<WalkSchedule>(shipped.walk.walk));
+  shelf.Put(Make<WalkDrive>());
+  shelf.Put(
+      Make<Pacer>(PacerParams{.robot = locomotion.whole_body.robot, .gaits = locomotion.scheduler.gaits}));
+  shelf.Put(Make<FootScheduler>(locomotion.scheduler));
+  shelf.Put(Make<GroundEstimator>(locomotion.ground));
+  shelf.Put(Make<MappedGround>(MappedGroundParams{.robot = locomotion.ground.robot}));
+  shelf.Put(Make<ComPlanner>(locomotion.com_planner));
+  shelf.Put(Make<SwingPlanner>(locomotion.swing_planner));
+  shelf.Put(Make<TrunkPlanner>(locomotion.trunk_planner));
+  shelf.Put(Make<CentroidalMpc>(CentroidalMpcParams{.robot = locomotion.whole_body.robot}));
+  shelf.Put(Make<WholeBodyController>(locomotion.whole_body),
+            "Ends the run if the number of consecutive failed solves exceeds `max_failures_in_a_row`.");
+  shelf.Put(Make<RopeTensions>(RopeTensionsParams{.robot = shipped.dog, .ropes = shipped.ropes})).size = 1;
+  shelf.Put(Make<JointPd>(shipped.stand.pd));
+  shelf.Put(Make<LegMomentumObserver>(observer.legs));
+  shelf.Put(Make<ComObserver>(observer.com));
+  shelf.Put(Make<NonlinearDisturbanceObserver>(observer.ndo));
   LeggedStateEstimatorParams estimator;
   estimator.robot = shipped.dog;
-  entries.push_back(Make<LeggedStateEstimator>("LeggedStateEstimator", estimator));
-  entries.push_back(
-      Make<FootForceEstimate>("FootForceEstimate", FootForceEstimateParams{.robot = shipped.dog}));
-  entries.push_back(
-      Make<GroundForceObserver>("GroundForceObserver", GroundForceObserverParams{.robot = shipped.dog}));
-  entries.push_back(Make<Supervisor>("Supervisor"));
-  entries.push_back(Make<AdmittanceFilter>("AdmittanceFilter"));
-  entries.push_back(Make<TrackingError>("TrackingError", TrackingErrorParams{.robot = shipped.dog}));
-  entries.push_back(Make<WalkView>("WalkView", WalkViewParams{.robot = shipped.dog}));
+  shelf.Put(Make<LeggedStateEstimator>(estimator));
+  shelf.Put(Make<FootForceEstimate>(FootForceEstimateParams{.robot = shipped.dog}));
+  shelf.Put(Make<GroundForceObserver>(GroundForceObserverParams{.robot = shipped.dog}));
+  shelf.Put(Make<Supervisor>());
+  shelf.Put(Make<AdmittanceFilter>());
+  shelf.Put(Make<TrackingError>(TrackingErrorParams{.robot = shipped.dog}));
+  shelf.Put(Make<WalkView>(WalkViewParams{.robot = shipped.dog}));
   return shelf;
 }
 
 Shelf CdprControllers(const Shipped& shipped) {
   const CdprLoopParams& loop = shipped.cdpr_pd;
   Shelf shelf{"cable robot controllers", {}};
-  auto& entries = shelf.entries;
-  entries.push_back(
-      Make<ReferenceGenerator>("ReferenceGenerator", ReferenceGeneratorParams{.path = loop.path}));
-  entries.push_back(Make<GoalPath>("GoalPath", GoalPathParams{.path = loop.path}));
-  entries.push_back(Make<BrokenCableDetector>("BrokenCableDetector"));
-  entries.push_back(Make<CablePd>("CablePd", CablePdParams{.robot = loop.robot,
-                                                           .stiffness_N_per_m = loop.pd_stiffness_N_per_m,
-                                                           .damping_N_s_per_m = loop.pd_damping_N_s_per_m}));
-  entries.push_back(Make<CdprEstimator>("CdprEstimator"));
-  entries.push_back(Make<LoadEstimator>("LoadEstimator", LoadEstimatorParams{.robot = loop.robot}));
-  entries.push_back(
-      Make<ReferenceBalancer>("ReferenceBalancer", ReferenceBalancerParams{.robot = loop.robot}));
-  entries.push_back(
-      WithNote(Make<CdprMpc>("CdprMpc", *shipped.cdpr_mpc.mpc),
-               "Ends the run if the number of consecutive failed solves exceeds `max_fallbacks_in_a_row`."));
+  shelf.Put(Make<ReferenceGenerator>(ReferenceGeneratorParams{.path = loop.path}));
+  shelf.Put(Make<GoalPath>(GoalPathParams{.path = loop.path}));
+  shelf.Put(Make<BrokenCableDetector>());
+  shelf.Put(Make<CablePd>(CablePdParams{.robot = loop.robot,
+                                        .stiffness_N_per_m = loop.pd_stiffness_N_per_m,
+                                        .damping_N_s_per_m = loop.pd_damping_N_s_per_m}));
+  shelf.Put(Make<CdprEstimator>());
+  shelf.Put(Make<LoadEstimator>(LoadEstimatorParams{.robot = loop.robot}));
+  shelf.Put(Make<ReferenceBalancer>(ReferenceBalancerParams{.robot = loop.robot}));
+  shelf.Put(Make<CdprMpc>(*shipped.cdpr_mpc.mpc),
+            "Ends the run if the number of consecutive failed solves exceeds `max_fallbacks_in_a_row`.");
   return shelf;
 }
 
 Shelf Diagrams(const Shipped& shipped) {
   Shelf shelf{"diagrams", {}};
-  auto& entries = shelf.entries;
-  entries.push_back(Make<LeggedLocomotion>("LeggedLocomotion", shipped.walk.locomotion));
-  entries.push_back(Make<DisturbanceObserver>("DisturbanceObserver", shipped.walk.observer));
-  FootForcesOfLegsParams of_legs;
-  of_legs.robot = shipped.dog;
-  of_legs.initial = shipped.walk.world.plant.initial;
-  entries.push_back(Make<FootForcesOfLegs>("FootForcesOfLegs", of_legs));
-  entries.push_back(Make<QuadrupedWorld>("QuadrupedWorld", shipped.walk.world));
-  entries.push_back(Make<QuadrupedWalk>("QuadrupedWalk", shipped.walk));
-  entries.push_back(Make<QuadrupedStand>("QuadrupedStand", shipped.stand));
-  entries.push_back(Make<GuideDog>("GuideDog", shipped.guide_dog));
-  entries.push_back(WithNote(Make<CdprLoop>("CdprLoop", shipped.cdpr_pd),
-                             "With a model predictive controller instead of the PD controller, the diagram "
-                             "also outputs the command of that controller."));
+  shelf.Put(Make<LeggedLocomotion>(shipped.walk.locomotion));
+  shelf.Put(Make<DisturbanceObserver>(shipped.walk.observer));
+  shelf.Put(Make<FootForcesOfLegs>(
+      FootForcesOfLegsParams{.robot = shipped.dog, .initial = shipped.walk.world.plant.initial}));
+  shelf.Put(Make<QuadrupedWorld>(shipped.walk.world));
+  shelf.Put(Make<QuadrupedWalk>(shipped.walk));
+  shelf.Put(Make<QuadrupedStand>(shipped.stand));
+  shelf.Put(Make<GuideDog>(shipped.guide_dog));
+  shelf.Put(Make<CdprLoop>(shipped.cdpr_pd),
+            "With a model predictive controller instead of the PD controller, the diagram "
+            "also outputs the command of that controller.");
   return shelf;
 }
 
@@ -349,14 +340,10 @@ Shelf Diagrams(const Shipped& shipped) {
 std::vector<Shelf> MakeCatalogue() {
   const Shipped shipped;
   std::vector<Shelf> shelves;
-  shelves.push_back(Primitives());
-  shelves.push_back(Communication());
-  shelves.push_back(QuadrupedPlants(shipped));
-  shelves.push_back(Surroundings(shipped));
-  shelves.push_back(CdprPlants(shipped));
-  shelves.push_back(QuadrupedControllers(shipped));
-  shelves.push_back(CdprControllers(shipped));
-  shelves.push_back(Diagrams(shipped));
+  for (Shelf& shelf : std::array{Primitives(), Communication(), QuadrupedPlants(shipped),
+                                 Surroundings(shipped), CdprPlants(shipped), QuadrupedControllers(shipped),
+                                 CdprControllers(shipped), Diagrams(shipped)})
+    shelves.push_back(std::move(shelf));
   return shelves;
 }
 

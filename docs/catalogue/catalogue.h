@@ -2,6 +2,7 @@
 
 #include <tenon/systems/simulation.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -16,13 +17,24 @@ struct Entry {
   std::unique_ptr<System> block;
   /// Types that come from a template's argument, and the names to show instead: {"Vec<7>", "T"}.
   std::vector<std::pair<std::string, std::string>> placeholders = {};
-  std::string note = {};  ///< an additional sentence about the block
+  std::string note = {};           ///< an additional sentence about the block
+  int size = 4;                    ///< size of the vectors that it reads, where only the run knows it
+  std::vector<Field> ranges = {};  ///< the members of the block's parameters that it checks
+  /// Makes the block anew with parameters that `change` has changed in place.
+  std::function<void(const std::function<void(void* params)>& change)> remake = {};
+  /// Builds a diagram of the block alone, named "block", with open inputs.
+  std::function<std::shared_ptr<const Diagram>()> build = {};
 };
 
 /// Blocks of one section of the page; the placeholder `{{name}}` in the template marks its place.
 struct Shelf {
   std::string name;
   std::vector<Entry> entries;
+
+  Entry& Put(Entry entry, std::string note = {}) {
+    entry.note = std::move(note);
+    return entries.emplace_back(std::move(entry));
+  }
 };
 
 /// Returns all public blocks and diagrams, by section.

@@ -242,8 +242,10 @@ class BlockTable {
   }
 
   std::string TypeOf(const Source& source) {
+    std::string name = source.type_name();
     for (const auto& [type, placeholder] : entry_.placeholders) {
-      if (source.type_name() == type) return fmt::format("`{}`", placeholder);
+      const std::size_t at = name.find(type);
+      if (at != name.npos) return fmt::format("`{}`", name.replace(at, type.size(), placeholder));
     }
     return signals_.Link(source.type());
   }

@@ -5,7 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
+#include <list>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -45,7 +45,7 @@ class Inbox {
  protected:
   /// Maximal number of queued messages; beyond it, the oldest are dropped.
   static constexpr std::size_t kMostMessages = 4096;
-  using Messages = std::deque<std::vector<char>>;
+  using Messages = std::list<std::vector<char>>;  ///< which allocates nothing while it is empty
 
   /// Removes and returns all queued messages in order.
   virtual Messages TakeAll() = 0;

@@ -30,15 +30,6 @@ TEST(ReferenceGeneratorTest, ShowsWhereTheRobotShouldBe) {
   EXPECT_THAT(geometry[0].p_W, IsNear(Vec<3>(0.2, 0, 2), 1e-12));
 }
 
-TEST(ReferenceGeneratorTest, DoesNotAllocate) {
-  const auto path =
-      std::make_shared<EquilibriumPath>(test::TwoRingRobot(12), Path::Line({0, 0, 2}, {0.1, 0, 2}, 1),
-                                        StaticsOptions{.attitude = Eigen::Vector3d::Zero()});
-  TestRig<ReferenceGenerator> rig(ReferenceGeneratorParams{path});
-  rig.RunTo(0.1);
-  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.2); }), 0);
-}
-
 TEST(ReferenceGeneratorTest, NeedsAPath) {
   EXPECT_TRUE(Throws<ParameterError>([] { TestRig<ReferenceGenerator> rig; }, "path"));
 }

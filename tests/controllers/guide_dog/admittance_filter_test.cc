@@ -302,17 +302,8 @@ TEST(AdmittanceFilterTest, DoesNotAllocate) {
 }
 
 TEST(AdmittanceFilterTest, RefusesNonsense) {
-  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.desired_tension = 0}}, "desired_tension"));
-  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.mass = -1}}, "mass"));
-  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.damping = 0}}, "damping"));
-  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.stiffness = -1}}, "stiffness"));
-  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.min_forward = -0.1}}, "min_forward"));
   EXPECT_TRUE(Refuses<AdmittanceFilter>({{.max_forward = 0.01}}, "max_forward", "min_forward"));
-  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.max_left = NAN}}, "max_left"));
-  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.acceleration = 0}}, "acceleration"));
-  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.adaptation_rate = -1}}, "adaptation_rate"));
   EXPECT_TRUE(Refuses<AdmittanceFilter>({{.yield_tension = 29}}, "yield_tension", "desired_tension"));
-  EXPECT_TRUE(Refuses<AdmittanceFilter>({{.max_backward = -0.1}}, "max_backward"));
 }
 
 TEST(AdmittanceFilterTest, GainsAreSetInARun) {

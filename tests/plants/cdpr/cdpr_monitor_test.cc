@@ -105,7 +105,6 @@ TEST(CdprMonitorTest, EndsTheRunFarFromTheAnchors) {
 TEST(CdprMonitorTest, RefusesLimitsThatMakeNoSense) {
   EXPECT_TRUE(
       Refuses<CdprMonitor>({.robot = test::FourCableRobot(), .max_tension_ratio = 0.9}, "max_tension_ratio"));
-  EXPECT_TRUE(Refuses<CdprMonitor>({.robot = test::FourCableRobot(), .floor = NAN}, "floor"));
 }
 
 }  // namespace

@@ -348,19 +348,6 @@ TEST(QuadrupedPlantTest, RunsInThreadsAsAlone) {
   EXPECT_EQ(together[1], alone);
 }
 
-TEST(QuadrupedPlantTest, GoesOnBitForBitFromASnapshot) {
-  const Stand stand(Dropping());
-  Simulator whole(*stand.diagram, Options());
-  whole.RunTo(0.1);
-  const std::vector<std::byte> snapshot = whole.context().Save();
-  whole.RunTo(0.2);
-  auto restored = stand.diagram->CreateContext();
-  restored->Restore(snapshot);
-  Simulator second(std::move(restored), Options());
-  second.RunTo(0.2);
-  EXPECT_EQ(second.context().continuous_state(), whole.context().continuous_state());
-}
-
 TEST(QuadrupedPlantTest, TheRecommendedTolerancesGiveATenthOfAMillimetre) {
   QuadrupedPlantParams params = Params(DogBot());
   params.initial.p_WB[2] += 0.05;

@@ -78,12 +78,6 @@ TEST(ImuTest, NoiseHasTheGivenDeviationsAndBiases) {
   statistics.Expect(Vec<6>::Zero(), deviation);
 }
 
-TEST(ImuTest, DoesNotAllocate) {
-  Rig rig;
-  rig.Fix(rig->body, Tilted()).Fix(rig->acceleration, PlatformAcceleration{}).RunTo(0.1);
-  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.2); }), 0);
-}
-
 TEST(ImuTest, RefusesParametersThatMakeNoSense) {
   EXPECT_TRUE(Refuses<Imu>({.specific_force_noise = {0, 0, -1}}, "specific_force_noise"));
   EXPECT_TRUE(Refuses<Imu>({.angular_velocity_noise = {INFINITY, 0, 0}}, "angular_velocity_noise"));

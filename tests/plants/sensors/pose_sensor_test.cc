@@ -79,12 +79,6 @@ TEST(PoseSensorTest, SamplesAtItsRateAndHoldsBetween) {
   EXPECT_NE(rig[rig->pose].p_WB, held.p_WB);
 }
 
-TEST(PoseSensorTest, DoesNotAllocate) {
-  Rig rig;
-  rig.Fix(rig->platform, Somewhere()).RunTo(0.1);
-  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.2); }), 0);
-}
-
 TEST(PoseSensorTest, RefusesImpossibleDeviations) {
   EXPECT_TRUE(Refuses<PoseSensor>({.position_noise = {0, -1, 0}}, "position_noise"));
   EXPECT_TRUE(Refuses<PoseSensor>({.attitude_noise = {0, 0, NAN}}, "attitude_noise"));

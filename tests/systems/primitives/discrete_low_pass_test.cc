@@ -30,12 +30,6 @@ TEST(DiscreteLowPassTest, EqualsTheContinuousFilterForHeldInputs) {
   EXPECT_NEAR(simulator.context().Eval(discrete.y), simulator.context().Eval(continuous.y), 1e-10);
 }
 
-TEST(DiscreteLowPassTest, DoesNotAllocate) {
-  TestRig<DiscreteLowPass<Vec<2>>> rig;
-  rig.Fix(rig->u, {1, 2}).Tick();
-  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(1); }), 0);
-}
-
 TEST(DiscreteLowPassTest, RefusesBadParameters) {
   EXPECT_TRUE(Refuses<DiscreteLowPass<>>({.time_constant = 0}, "time_constant"));
   EXPECT_TRUE(Refuses<DiscreteLowPass<>>({.initial = test::kNan}, "initial"));

@@ -28,12 +28,6 @@ TEST(SampleDelayTest, GoesOnFromASnapshot) {
   }
 }
 
-TEST(SampleDelayTest, DoesNotAllocate) {
-  TestRig<SampleDelay<>> rig({.samples = 50});
-  rig.Fix(rig->u, 1).Tick();
-  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(1); }), 0);
-}
-
 TEST(SampleDelayTest, RefusesLessThanOneSample) {
   for (const int bad : {0, -3}) EXPECT_TRUE(Refuses<SampleDelay<>>({.samples = bad}, "samples"));
 }

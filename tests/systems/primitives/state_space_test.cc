@@ -57,12 +57,6 @@ TEST(StateSpaceTest, RefusesInARunWhatDoesNotFit) {
   EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->D, Eigen::MatrixXd::Zero(2, 1)); }, "'block.D'"));
 }
 
-TEST(StateSpaceTest, DoesNotAllocate) {
-  TestRig<StateSpace> rig(Oscillator());
-  rig.Fix(rig->u, Eigen::VectorXd::Zero(1)).RunTo(0.1);
-  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.2); }), 0);
-}
-
 TEST(StateSpaceTest, RefusesMatricesThatDoNotFit) {
   const auto refuses = [](auto change, const char* matrix) {
     StateSpaceParams params = Oscillator();
@@ -97,12 +91,6 @@ TEST(DiscreteStateSpaceTest, BreaksLoopsWithoutD) {
   Simulator simulator(builder.Build());
   simulator.RunTo(0.01);  // doubles every millisecond
   EXPECT_EQ(simulator.context().Eval(plant.y)[0], 1024);
-}
-
-TEST(DiscreteStateSpaceTest, DoesNotAllocate) {
-  TestRig<DiscreteStateSpace> rig({.model = Oscillator()});
-  rig.Fix(rig->u, Eigen::VectorXd::Zero(1)).Tick();
-  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(1); }), 0);
 }
 
 }  // namespace tenon::state_space_test

@@ -77,17 +77,6 @@ TEST(TransportDelayTest, CarriesVectorsAndGoesOnFromASnapshot) {
   EXPECT_THAT(context->Eval(rig->y), IsNear(Vec<2>(1.5, 15), 1e-13));
 }
 
-TEST(TransportDelayTest, DoesNotAllocate) {
-  DiagramBuilder builder;
-  auto& delay = builder.Add<TransportDelay<>>("delay", {.delay = 0.05});
-  auto& integrator = builder.Add<Integrator<>>("integrator", {.initial = 1});
-  builder.Connect(delay.y, integrator.u);
-  builder.Connect(integrator.y, delay.u);
-  Simulator simulator(builder.Build());
-  simulator.RunTo(0.1);
-  EXPECT_EQ(AllocationsOf([&] { simulator.RunTo(0.2); }), 0);
-}
-
 TEST(TransportDelayTest, RefusesBadParameters) {
   for (const double bad : {0.0, -1.0, 0.0009, test::kNan, test::kInfinity})
     EXPECT_TRUE(Refuses<TransportDelay<>>({.delay = bad}, "delay"));

@@ -198,12 +198,6 @@ TEST(ComObserverTest, IsTheCentroidalMomentumObserverByItsGains) {
   EXPECT_GT(largest, 3) << "there was something to estimate";
 }
 
-TEST(ComObserverTest, DoesNotAllocate) {
-  Observed run(Standing(DogBot()), Params(DogBot()));
-  run.Tick();
-  EXPECT_EQ(AllocationsOf([&] { run.rig.Tick(); }), 0);
-}
-
 TEST(ComObserverTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<ComObserver>({}, "robot"));
   EXPECT_TRUE(Refuses<ComObserver>({.robot = DogBot(), .gains = {.force_bandwidth = 0}},

@@ -63,12 +63,6 @@ TEST(GroundForceObserverTest, OnlyAFootThatPressesOnTheGroundStands) {
   EXPECT_EQ(standing.Observe(All({60, 0, -20}))[kFrontLeft], Vec<3>(Vec<3>::Zero()));
 }
 
-TEST(GroundForceObserverTest, DoesNotAllocate) {
-  Standing standing;
-  standing.Observe(All({0, 0, 50}));
-  EXPECT_EQ(AllocationsOf([&] { standing.rig.Tick(); }), 0);
-}
-
 TEST(GroundForceObserverTest, RefusesNonsense) {
   const QuadrupedDescription robot = test::DogBot();
   using Observer = GroundForceObserver;

@@ -96,8 +96,6 @@ TEST(WalkScheduleTest, RefusesNonsense) {
     return Refuses<WalkSchedule>(params, keys...);
   };
   EXPECT_TRUE(refuses([](auto& p) { p.segments.clear(); }, "segments"));
-  EXPECT_TRUE(refuses([](auto& p) { p.acceleration = 0; }, "acceleration_m_per_s2"));
-  EXPECT_TRUE(refuses([](auto& p) { p.yaw_acceleration = 0; }, "yaw_acceleration_rad_per_s2"));
   EXPECT_TRUE(refuses([](auto& p) { p.segments[1].duration = 1; }, "segments.1"));
   EXPECT_TRUE(refuses([](auto& p) { p.segments[0].duration.reset(); }, "segments.0"));
   EXPECT_TRUE(refuses([](auto& p) { p.segments[2].length = -1; }, "segments.2"));

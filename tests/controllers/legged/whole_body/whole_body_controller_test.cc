@@ -459,28 +459,13 @@ TEST(WholeBodyController, SolvesAt400HzWithinTorquesAt1kHz) {
   }
 }
 
-TEST(WholeBodyController, DoesNotAllocate) {
-  Inputs inputs(Params().robot);
-  Ticked rig(inputs);
-  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.02); }), 0);
-}
-
 TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
   const auto refuses = [](const WholeBodyGains& gains, const char* key) {
     WholeBodyParams params = Params();
     params.gains = gains;
     return Refuses<WholeBodyController>(params, key);
   };
-  EXPECT_TRUE(refuses({.com_stiffness = 0}, "com_stiffness"));
-  EXPECT_TRUE(refuses({.swing_damping = -1}, "swing_damping"));
-  EXPECT_TRUE(refuses({.com_limit = 0}, "com_limit"));
-  EXPECT_TRUE(refuses({.grip_limit = 0}, "grip_limit"));
-  EXPECT_TRUE(refuses({.turn_limit = 0}, "turn_limit"));
-  EXPECT_TRUE(refuses({.swing_limit = 0}, "swing_limit"));
-  EXPECT_TRUE(refuses({.stance_damping = -1}, "stance_damping"));
   EXPECT_TRUE(refuses({.stretch_limit = 1.1}, "stretch_limit"));
-  EXPECT_TRUE(refuses({.stretch_stiffness = -1}, "stretch_stiffness"));
-  EXPECT_TRUE(refuses({.load_ramp = -1}, "load_ramp"));
   EXPECT_TRUE(refuses({.qp = {.friction = 0}}, "friction"));
   EXPECT_TRUE(refuses({.qp = {.tilt_weight = -1}}, "tilt_weight"));
   EXPECT_TRUE(refuses({.qp = {.free_tilt = -0.1}}, "free_tilt"));

@@ -1,0 +1,205 @@
+// Properties that every block of the catalogue has with the shipped parameters. A new block is tested as soon
+// as it is in docs/catalogue/catalogue.cc.
+
+#include <tenon/controllers/cdpr/equilibrium_path.h>
+#include <tenon/docs/catalogue/catalogue.h>
+#include <tenon/plants/signals/cdpr_signals.h>
+#include <tenon/plants/signals/legged_signals.h>
+#include <tenon/systems/framework/block/random_stream.h>
+#include <tenon/systems/framework/types/internal/type_info.h>
+#include <tenon/tests/testing/block_test.h>
+
+#include <cmath>
+#include <map>
+
+namespace tenon::docs::every_block_test {
+namespace {
+
+/// Visits the numbers of parameters in the order of their ranges, and sets one of them.
+class Setter final : public internal::ValueVisitor {
+ public:
+  Setter(std::size_t index, double value) : index_(index), value_(value) {}
+  void Numbers(void* data, internal::ScalarKind kind, std::size_t rows, std::size_t cols) override {
+    internal::WithKind(kind, data, [&](auto* numbers) {
+      using Number = std::remove_reference_t<decltype(*numbers)>;
+      for (std::size_t i = 0; i < rows * cols; ++i, ++at_) {
+        if (at_ != index_) continue;
+        const auto changed = static_cast<Number>(value_);
+        set = static_cast<double>(changed) == value_ || std::isnan(static_cast<double>(changed));
+        if (set) numbers[i] = changed;
+      }
+    });
+  }
+  bool set = false;  ///< false if the type cannot hold the value, as an integer a fraction
+
+ private:
+  std::size_t index_, at_ = 0;
+  double value_;
+};
+
+/// Numbers that a range does not contain: at and beyond its ends, and those that are not finite.
+std::vector<double> Outside(const Range& range) {
+  std::vector<double> values;
+  if (range.any()) return values;
+  const double low = range.low(), high = range.high();
+  for (const double value :
+       {test::kNan, -test::kInfinity, test::kInfinity, low - 1, low, std::nextafter(low, -test::kInfinity),
+        high + 1, high, std::nextafter(high, test::kInfinity)})
+    if (!range.Contains(value)) values.push_back(value);
+  return values;
+}
+
+/// Calls `test` with each block, and names the block in all failures.
+template <class Test>
+void ForEveryBlock(const Test& test) {
+  static const std::vector<Shelf> kShelves = MakeCatalogue();
+  for (const Shelf& shelf : kShelves) {
+    for (const Entry& entry : shelf.entries) {
+      SCOPED_TRACE(entry.title);
+      EXPECT_NO_THROW(test(entry));
+    }
+  }
+}
+
+TEST(EveryBlock, RefusesParametersOutsideOfTheirRanges) {
+  int refused = 0;
+  ForEveryBlock([&](const Entry& entry) {
+    for (const Field& field : entry.ranges) {
+      if (field.type == nullptr) continue;
+      const auto member = [&](void* params) { return static_cast<std::byte*>(params) + field.offset; };
+      std::vector<Range> ranges;
+      entry.remake([&](void* params) {
+        ranges = internal::ListRanges({field.name, field.units, &field.range, &field.type()}, member(params));
+      });
+      for (std::size_t i = 0; i < ranges.size(); ++i) {
+        for (const double value : Outside(ranges[i])) {
+          Setter setter(i, value);
+          const auto make = [&] {
+            entry.remake([&](void* params) { internal::Walk(field.type(), member(params), setter); });
+          };
+          const auto result = Throws<ParameterError>(make, field.name);
+          EXPECT_TRUE(result || !setter.set) << result.message() << ": " << field.name << " = " << value;
+          refused += setter.set ? 1 : 0;
+        }
+      }
+    }
+  });
+  EXPECT_GT(refused, 150);
+}
+
+/// A block alone, whose inputs have their initial values with small changes that differ from number to
+/// number.
+class Alone {
+ public:
+  explicit Alone(const Entry& entry)
+      : size_(entry.size), diagram_(entry.build()), simulator_(diagram_->CreateContext(7), kOptions) {
+    for (const Source* input : diagram_->open_inputs()) {
+      context().SetDoubles(*input, input->initial_numbers());
+      const CableVector some = CableVector::Constant(size_, 50);
+      Give<CableVector>(*input, some);
+      Give<Eigen::VectorXd>(*input, Eigen::VectorXd::Ones(size_));
+      Give<CableSignals>(*input, {some, some, some, some});
+      Give<CdprReference>(*input, {.length = some, .length_rate = some, .tension = some});
+      Give<LeggedState>(*input, {.p_WB = {0, 0, 0.5}});  // monitors would end the run on the floor
+      Give<PlatformState>(*input, {.p_WB = {0, 0, 2}});
+    }
+    Disturb(1);
+  }
+  void Disturb(std::uint64_t seed) {
+    RandomStream random(seed);
+    for (const Source* input : diagram_->open_inputs()) {
+      std::vector<double> numbers = context().EvalDoubles(*input);
+      for (double& number : numbers) number += 0.01 * random.Uniform(-1, 1);
+      try {
+        context().SetDoubles(*input, numbers);
+      } catch (const ParameterError&) {  // it has whole numbers
+      }
+    }
+  }
+  void RunTo(double time) { static_cast<void>(simulator_.AdvanceTo(time)); }
+  Context& context() { return simulator_.context(); }
+  const Diagram& diagram() const { return *diagram_; }
+
+  /// Outputs and states at `time` of a run that continues from `context`.
+  static std::map<std::string, std::vector<double>> ValuesAt(double time, std::unique_ptr<Context> context) {
+    Simulator copy(std::move(context), kOptions);
+    static_cast<void>(copy.AdvanceTo(time));
+    std::map<std::string, std::vector<double>> values;
+    for (const Source* source : copy.context().diagram().FindBlock("block").sources()) {
+      const SourceKind kind = source->kind();
+      if (kind != SourceKind::kOutput && kind != SourceKind::kContinuous && kind != SourceKind::kDiscrete)
+        continue;
+      std::vector<double>& numbers = values[source->name()] = copy.context().EvalDoubles(*source);
+      // Wall-clock times, which no block depends on.
+      const std::vector<Element> elements = copy.context().Elements(*source);
+      for (std::size_t i = 0; i < elements.size(); ++i)
+        if (elements[i].name.ends_with("solve_time")) numbers.at(i) = 0;
+    }
+    return values;
+  }
+
+ private:
+  template <class T>
+  void Give(const Source& input, const T& value) {
+    if (*input.type().id == typeid(T)) context().Set(static_cast<const InputPort<T>&>(input), value);
+  }
+
+  static constexpr SimulatorOptions kOptions{.publish = false};
+  int size_;
+  std::shared_ptr<const Diagram> diagram_;
+  Simulator simulator_;
+};
+
+TEST(EveryBlock, RunsWithoutAllocating) {
+  ForEveryBlock([](const Entry& entry) {
+    Alone alone(entry);
+    alone.RunTo(0.1);
+    alone.Disturb(2);
+    alone.RunTo(0.15);
+    EXPECT_EQ(AllocationsOf([&] { alone.RunTo(0.2); }), 0);
+  });
+}
+
+TEST(EveryBlock, GoesOnBitForBitFromACloneAndASnapshot) {
+  ForEveryBlock([](const Entry& entry) {
+    Alone alone(entry);
+    alone.RunTo(0.1);
+    alone.Disturb(2);
+    alone.RunTo(0.11);
+    auto clone = alone.context().Clone(), restored = alone.diagram().CreateContext(8);
+    restored->Restore(alone.context().Save());
+    const auto wanted = Alone::ValuesAt(0.2, alone.context().Clone());
+    alone.RunTo(0.13);  // changes what the block remembers outside of the context
+    EXPECT_EQ(Alone::ValuesAt(0.2, std::move(clone)), wanted);
+    EXPECT_EQ(Alone::ValuesAt(0.2, std::move(restored)), wanted);
+  });
+}
+
+TEST(EveryBlock, RefusesParametersOutsideOfTheirRangesInARun) {
+  int refused = 0;
+  ForEveryBlock([&](const Entry& entry) {
+    Alone alone(entry);
+    alone.RunTo(0.1);
+    Context& context = alone.context();
+    for (const internal::ParameterSource* parameter : alone.diagram().parameters()) {
+      const std::vector<double> numbers = context.EvalDoubles(*parameter);
+      const std::vector<Range> ranges = parameter->ranges();
+      context.SetDoubles(*parameter, numbers);
+      for (std::size_t i = 0; i < ranges.size(); ++i) {
+        for (const double value : Outside(ranges[i])) {
+          std::vector<double> changed = numbers;
+          changed.at(i) = value;
+          EXPECT_TRUE(
+              Throws<ParameterError>([&] { context.SetDoubles(*parameter, changed); }, parameter->name()))
+              << value;
+          ++refused;
+        }
+      }
+      EXPECT_EQ(context.EvalDoubles(*parameter), numbers) << parameter->path();
+    }
+  });
+  EXPECT_GT(refused, 3000);
+}
+
+}  // namespace
+}  // namespace tenon::docs::every_block_test
