@@ -169,7 +169,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   std::string DescribeFailure(double t, double h);
   std::string DescribeJump(double t, double h);
   bool FindJump(double t, const double* y, double from, double to, double shows = kShows);
-  void EvaluateAlong(double t, double at, double* xdot);
+  void EvaluateAlong(double t, const double* y, double at, double* xdot);
   double StepRoundJump(double t, double h, bool accepted);
   double FastestRate(double t);
   std::string DescribeWorstState(double h);
@@ -233,7 +233,6 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
     double step = 0;          // size of the step that met it
   } jump;
   std::array<std::vector<double>, 5> jump_work;  // of FindJump
-  const double* line = nullptr;                  // the states through which it searches
   bool has_slope = false;                        // motion[1] is known
   double motion_begin = 0;                       // of Motion: its time,
   double motion_time = 0;                        // and that in the run's time
@@ -956,12 +955,12 @@ std::string SundialsIntegrator::Run::DescribeFailure(double t, double h) {
          (for_smooth ? ", or use Method::kBdf or kDirk if the system is stiff" : "");
 }
 
-/// Computes the derivatives at time `at`, on the straight line through the states at `t` along the
+/// Computes the derivatives at time `at`, on the straight line through the states `y` at `t` along the
 /// derivatives there, which FindJump has computed.
-void SundialsIntegrator::Run::EvaluateAlong(double t, double at, double* xdot) {
+void SundialsIntegrator::Run::EvaluateAlong(double t, const double* y, double at, double* xdot) {
   const std::vector<double>& slope = jump_work[0];
   std::vector<double>& x = jump_work[1];
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] = line[i] + (at - t) * slope[i];
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = y[i] + (at - t) * slope[i];
   context.CalcRunDerivatives(Instant(at), x.data(), xdot);
 }
 
@@ -971,10 +970,9 @@ void SundialsIntegrator::Run::EvaluateAlong(double t, double at, double* xdot) {
 bool SundialsIntegrator::Run::FindJump(double t, const double* y, double from, double to, double shows) {
   const auto n = static_cast<std::size_t>(program.num_continuous);
   if (n == 0) return false;
-  line = y;
   std::vector<double>&low = jump_work[2], &high = jump_work[3], &middle = jump_work[4];
   context.CalcRunDerivatives(Instant(t), y, jump_work[0].data());
-  const auto evaluate = [&](double at, std::vector<double>& f) { EvaluateAlong(t, at, f.data()); };
+  const auto evaluate = [&](double at, std::vector<double>& f) { EvaluateAlong(t, y, at, f.data()); };
   evaluate(from, low);
   evaluate(to, high);
   const auto change = [&](const std::vector<double>& a, const std::vector<double>& b) {
@@ -1011,10 +1009,10 @@ std::string SundialsIntegrator::Run::DescribeJump(double t, double h) {
   // The first calculation in dataflow order whose value jumps.
   const auto& calculations = program.calculations;
   std::vector<std::vector<double>> before_jump(calculations.size());
-  EvaluateAlong(t, jump.from, jump_work[2].data());
+  EvaluateAlong(t, solver.states(), jump.from, jump_work[2].data());
   for (const internal::Op& op : program.derivatives.ops)
     before_jump[op.calculation] = context.HeldNumbers(*calculations[op.calculation].source);
-  EvaluateAlong(t, jump.to, jump_work[2].data());
+  EvaluateAlong(t, solver.states(), jump.to, jump_work[2].data());
   std::uint32_t first_jump = UINT32_MAX;
   for (const internal::Op& op : program.derivatives.ops) {
     const std::vector<double>& a = before_jump[op.calculation];
