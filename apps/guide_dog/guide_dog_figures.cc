@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace tenon::apps {
 namespace {
@@ -42,22 +43,22 @@ GuideDogFigures::GuideDogFigures(const GuideDog& loop, const std::optional<Guide
 }
 
 std::vector<const Source*> GuideDogFigures::Signals(const GuideDog& loop) {
-  const std::vector<const Source*> signals{&loop.leash.leash,
-                                           &loop.person.person,
-                                           &loop.person.intent,
-                                           &loop.supervisor.status,
-                                           &loop.admittance.motion,
-                                           &loop.observer.wrench,
-                                           &loop.obstacles.obstacle,
-                                           &loop.world.plant.state,
-                                           &loop.world.plant.joint_torque,
-                                           &loop.world.plant.external_wrench,
-                                           &loop.world.plant.foot_forces,
-                                           &loop.world.plant.foot_slips,
-                                           &loop.locomotion.body,
-                                           &loop.locomotion.schedule,
-                                           &loop.errors.errors};
-  return Present(WalkFigures::WithOptions(signals, loop));
+  std::vector<const Source*> signals{&loop.leash.leash,
+                                     &loop.person.person,
+                                     &loop.person.intent,
+                                     &loop.supervisor.status,
+                                     &loop.admittance.motion,
+                                     &loop.observer.wrench,
+                                     &loop.obstacles.obstacle,
+                                     &loop.world.plant.state,
+                                     &loop.world.plant.joint_torque,
+                                     &loop.world.plant.external_wrench,
+                                     &loop.world.plant.foot_forces,
+                                     &loop.world.plant.foot_slips,
+                                     &loop.locomotion.body,
+                                     &loop.locomotion.schedule,
+                                     &loop.errors.errors};
+  return Present(WalkFigures::WithOptions(std::move(signals), loop));
 }
 
 std::vector<const Source*> GuideDogFigures::Judged(const GuideDog& loop) {
@@ -133,13 +134,13 @@ void GuideDogFigures::HeadingRow(std::span<const double> row) {
     pull_yaw_ = std::atan2(-row[direction_[1]], -row[direction_[0]]);
     directed_.Meet(row[0]);
   }
-  if (restarts_.met_at || !pull_yaw_) return;
+  if (!task_ || restarts_.met_at || !pull_yaw_) return;
   if (!Is(row[*mode_], GuideMode::kMove)) {
     moves_since_.reset();
   } else if (!moves_since_) {
     moves_since_ = row[0];
   } else if (row[0] - *moves_since_ >= 1) {
-    if (*HeadingError() <= (task_ ? task_->heading : 0)) restarts_.Meet(row[0]);
+    if (*HeadingError() <= task_->heading) restarts_.Meet(row[0]);
     moves_since_ = row[0];
   }
 }
