@@ -228,7 +228,7 @@ class Context {
   /// its end: the states, the step size, and the memories of the step-size control and the witnesses.
   struct StepStart {
     bool valid = false;
-    /// Times count from the origin.
+    /// Times count from the origin. The size is negative if attempts at the step failed.
     double origin = 0, time = 0, size = 0, next_step = 0, last_error = 0;
     double interval_begin = 0;  ///< time at which the integrator was started [s]
     std::vector<double> states = {};
