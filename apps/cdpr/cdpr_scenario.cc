@@ -146,15 +146,10 @@ PlatformPath PathScenario::Make() const {
   return path;
 }
 
-void PayloadScenario::Validate() const {
-  Demand(release_s >= attach_s,
-         fmt::format("release_s = {} must not be before attach_s = {}", release_s, attach_s));
-}
-
 void HangingLoadScenario::Validate() const {
-  Demand(swing_m.norm() < length_m,
+  Demand(swing_m.norm() < length,
          fmt::format("swing_m has a length of {:.4g} m, but must be shorter than the rope, length_m = {}",
-                     swing_m.norm(), length_m));
+                     swing_m.norm(), length));
 }
 
 void CdprScenario::Validate() const {
@@ -171,29 +166,24 @@ int PeriodsIn(double horizon_s, double rate_hz) {
 }
 
 /// Gains of a scenario, from its keys and for the others from its profile.
-struct CdprGains {
-  double horizon;  // s
-  int num_steps;
-  CdprMpcWeights weights;
-  double pd_stiffness_N_per_m, pd_damping_N_s_per_m;
-};
-
-CdprGains GainsOf(const CdprScenario& scenario, const CdprDescription& robot, const Eigen::Vector3d& start) {
+CdprProfile GainsOf(const CdprScenario& scenario, const CdprDescription& robot,
+                    const Eigen::Vector3d& start) {
   const MpcScenario& mpc = scenario.mpc;
   const PdScenario& pd = scenario.pd;
-  CdprProfile profile;
+  CdprProfile gains;
   if (!mpc.horizon_s || !mpc.num_steps || !mpc.weights || !pd.stiffness_N_per_m || !pd.damping_N_s_per_m)
-    profile = Blame("profile", [&] { return LoadCdprProfile(scenario.profile, ScaleOf(robot, start)); });
+    gains = Blame("profile", [&] { return LoadCdprProfile(scenario.profile, ScaleOf(robot, start)); });
   // A horizon of the profile is a multiple of the period and has a period per step at least.
-  const double horizon = mpc.horizon_s.value_or(PeriodsIn(profile.horizon, mpc.rate_hz) / mpc.rate_hz);
-  return {.horizon = horizon,
-          .num_steps = mpc.num_steps.value_or(std::min(profile.num_steps, PeriodsIn(horizon, mpc.rate_hz))),
-          .weights = mpc.weights.value_or(profile.weights),
-          .pd_stiffness_N_per_m = pd.stiffness_N_per_m.value_or(profile.pd_stiffness_N_per_m),
-          .pd_damping_N_s_per_m = pd.damping_N_s_per_m.value_or(profile.pd_damping_N_s_per_m)};
+  auto& [horizon, num_steps, weights] = gains.mpc;
+  horizon = mpc.horizon_s.value_or(PeriodsIn(horizon, mpc.rate_hz) / mpc.rate_hz);
+  num_steps = mpc.num_steps.value_or(std::min(num_steps, PeriodsIn(horizon, mpc.rate_hz)));
+  weights = mpc.weights.value_or(weights);
+  gains.pd.stiffness = pd.stiffness_N_per_m.value_or(gains.pd.stiffness);
+  gains.pd.damping = pd.damping_N_s_per_m.value_or(gains.pd.damping);
+  return gains;
 }
 
-CdprMpcParams MakeMpcParams(const CdprScenario& scenario, const CdprGains& gains,
+CdprMpcParams MakeMpcParams(const CdprScenario& scenario, const CdprMpcGains& gains,
                             const std::shared_ptr<const EquilibriumPath>& path) {
   const MpcScenario& mpc = scenario.mpc;
   CdprMpcParams params;
@@ -247,10 +237,11 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
       throw KeyError("mpc.mass_error", error.what());
     }
   });
-  const CdprGains gains = GainsOf(scenario, believed, path.position.At(path.position.start_time()).position);
+  const CdprProfile gains =
+      GainsOf(scenario, believed, path.position.At(path.position.start_time()).position);
   if (IsMpc(scenario.controller))
     params.mpc = Blame("mpc", [&] {
-      CdprMpcParams mpc = MakeMpcParams(scenario, gains, params.path);
+      CdprMpcParams mpc = MakeMpcParams(scenario, gains.mpc, params.path);
       mpc.Validate();
       return mpc;
     });
@@ -261,44 +252,34 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
       scenario.controller == CdprController::kPdOffsetFree || (estimates && scenario.mpc.offset_free);
   LoadEstimatorParams& load = params.load.emplace(MakeLoadEstimator(params.mpc.has_value()));
   load.robot = params.robot;
-  load.rate = Hz(scenario.noise.pose_rate_hz);
+  load.rate = scenario.noise.pose.rate;
   load.bandwidth = scenario.load.bandwidth_rad_per_s.value_or(load.bandwidth);
   load.mass_bandwidth = scenario.load.mass_bandwidth_rad_per_s.value_or(load.mass_bandwidth);
   if (*params.offset_free) Blame("load", [&] { load.Validate(); });
   params.start_offset = scenario.start_offset_m;
   params.start_turn = scenario.start_turn_rad;
   params.control_rate = Hz(scenario.pd.rate_hz);
-  params.pd_stiffness_N_per_m = gains.pd_stiffness_N_per_m;
-  params.pd_damping_N_s_per_m = gains.pd_damping_N_s_per_m;
-  params.payload.payload = {scenario.payload.mass_kg, scenario.payload.position_m};
-  params.payload.attach_s = scenario.payload.attach_s;
-  params.payload.release_s = scenario.payload.release_s;
+  params.pd_stiffness_N_per_m = gains.pd.stiffness;
+  params.pd_damping_N_s_per_m = gains.pd.damping;
+  params.payload = scenario.payload;
   if (!scenario.attached.empty()) params.extend = AttachToPlatform(scenario.attached);
   params.known_additions = scenario.known_additions;
-  for (const GustScenario& gust : scenario.gusts)
-    params.gusts.gusts.push_back({gust.force_N, gust.start_s, gust.duration_s});
+  params.gusts.gusts = scenario.gusts;
   if (scenario.hanging_load) {
-    const HangingLoadScenario& load = *scenario.hanging_load;
-    params.hanging_load = HangingLoadParams{.mass = load.mass_kg,
-                                            .length = load.length_m,
-                                            .attachment_B = load.attachment_m,
-                                            .axial_stiffness = params.robot.cable.axial_stiffness,
-                                            .axial_damping = params.robot.cable.axial_damping};
-    params.swing << load.swing_m, 0;
+    params.hanging_load = *scenario.hanging_load;
+    params.hanging_load->axial_stiffness = params.robot.cable.axial_stiffness;
+    params.hanging_load->axial_damping = params.robot.cable.axial_damping;
+    params.swing << scenario.hanging_load->swing_m, 0;
   }
-  params.pose_sensor.rate = Hz(scenario.noise.pose_rate_hz);
-  params.pose_sensor.position_noise.setConstant(scenario.noise.position_m);
-  params.pose_sensor.attitude_noise.setConstant(scenario.noise.attitude_rad);
-  params.imu.rate = Hz(scenario.noise.imu_rate_hz);
-  params.imu.angular_velocity_noise.setConstant(scenario.noise.angular_velocity_rad_per_s);
-  params.imu.specific_force_noise.setConstant(scenario.noise.acceleration_m_per_s2);
+  params.pose_sensor = scenario.noise.pose;
+  params.imu = scenario.noise.imu;
   // The filter's model has the noise of its sensors, with a lower bound for perfect ones.
-  params.estimator.rate = Hz(scenario.noise.pose_rate_hz);
-  params.estimator.noise.position = std::max(scenario.noise.position_m, 1e-4);
-  params.estimator.noise.attitude = std::max(scenario.noise.attitude_rad, 1e-4);
-  params.estimator.noise.angular_velocity = std::max(scenario.noise.angular_velocity_rad_per_s, 1e-4);
-  params.estimator.noise.specific_force = std::max(scenario.noise.acceleration_m_per_s2, 1e-3);
-  Blame("hardware", [&] { SetHardware(LoadCdprHardware(scenario.hardware), params); });
+  params.estimator.rate = params.pose_sensor.rate;
+  params.estimator.noise.position = std::max(params.pose_sensor.position_noise.maxCoeff(), 1e-4);
+  params.estimator.noise.attitude = std::max(params.pose_sensor.attitude_noise.maxCoeff(), 1e-4);
+  params.estimator.noise.angular_velocity = std::max(params.imu.angular_velocity_noise.maxCoeff(), 1e-4);
+  params.estimator.noise.specific_force = std::max(params.imu.specific_force_noise.maxCoeff(), 1e-3);
+  Blame("hardware", [&] { SetHardware(scenario.hardware, params); });
   params.forbid_slack = scenario.forbid_slack;
   params.max_tension_ratio = scenario.max_tension_ratio;
   return params;
@@ -364,12 +345,12 @@ std::string PayOutNote(const EquilibriumPath& equilibria) {
 
 std::vector<std::string> Notes(const CdprScenario& scenario, double duration) {
   std::vector<std::string> notes;
-  const PayloadScenario& payload = scenario.payload;
-  const bool given = payload.mass_kg != 0 || payload.attach_s != 0 || payload.release_s != 0 ||
-                     !payload.position_m.isZero(0);
+  const PayloadScheduleParams& payload = scenario.payload;
+  const bool given = payload.payload.mass != 0 || payload.attach_s != 0 || payload.release_s != 0 ||
+                     !payload.payload.p_B.isZero(0);
   if (given) {
     std::string why;
-    if (payload.mass_kg == 0) {
+    if (payload.payload.mass == 0) {
       why = "mass_kg is 0";
     } else if (payload.release_s == payload.attach_s) {
       why = fmt::format("release_s and attach_s are both {:.10g}", payload.attach_s);
@@ -381,9 +362,9 @@ std::vector<std::string> Notes(const CdprScenario& scenario, double duration) {
     AddIdle("payload", {}, duration, why, notes);
   }
   for (std::size_t i = 0; i < scenario.gusts.size(); ++i) {
-    const GustScenario& gust = scenario.gusts[i];
-    AddIdle(fmt::format("gusts.{}", i), {gust.start_s, gust.duration_s}, duration,
-            gust.force_N.isZero(0) ? "force_N is 0" : "", notes);
+    const Gust& gust = scenario.gusts[i];
+    AddIdle(fmt::format("gusts.{}", i), {gust.start, gust.duration}, duration,
+            gust.force_W.isZero(0) ? "force_N is 0" : "", notes);
   }
   AddNotes(scenario.faults, duration, notes);
   return notes;

@@ -149,71 +149,32 @@ struct MpcScenario {
   }
 };
 
-/// A point mass attached to the platform for part of the run. It is missing from the controller's model.
-struct PayloadScenario {
-  double mass_kg = 0;                                    ///< mass of the payload
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< position from the CoM, in the platform's frame
-  double attach_s = 0;                                   ///< time at which the payload is attached
-  double release_s = 0;                                  ///< time at which the payload is released
-
-  static FieldList Fields() {
-    return {Field("mass_kg", &PayloadScenario::mass_kg).AtLeast(0),
-            Field("position_m", &PayloadScenario::position_m).In(Places()),
-            {"attach_s", &PayloadScenario::attach_s},
-            {"release_s", &PayloadScenario::release_s}};
-  }
-  void Validate() const;  ///< throws ParameterError
-};
-
-/// A gust of wind on the platform, with the 1-cosine profile of Gusts.
-struct GustScenario {
-  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  ///< peak force in W
-  double start_s = 0;                                 ///< start time of the gust
-  double duration_s = 1;                              ///< duration of the gust
-
-  static FieldList Fields() {
-    return {Required("force_N", &GustScenario::force_N), Required("start_s", &GustScenario::start_s),
-            Required("duration_s", &GustScenario::duration_s).Positive()};
-  }
-};
-
 /// A load that hangs below the platform on a rope with the properties of the robot's cables, see HangingLoad.
-struct HangingLoadScenario {
-  double mass_kg = 0;                            ///< mass of the load, a point mass
-  double length_m = HangingLoadParams().length;  ///< length of the rope
-  /// Attachment of the rope, from the CoM, in the platform's frame.
-  Eigen::Vector3d attachment_m = Eigen::Vector3d::Zero();
-  Eigen::Vector2d swing_m = Eigen::Vector2d::Zero();  ///< initial horizontal offset of the load
+struct HangingLoadScenario : HangingLoadParams {
+  Vec<2> swing_m = Vec<2>::Zero();  ///< initial horizontal offset of the load
 
   static FieldList Fields() {
-    return {Required("mass_kg", &HangingLoadScenario::mass_kg).Positive(),
-            Required("length_m", &HangingLoadScenario::length_m).Positive(),
-            {"attachment_m", &HangingLoadScenario::attachment_m},
-            {"swing_m", &HangingLoadScenario::swing_m}};
+    FieldList fields = HangingLoadParams::Fields();
+    fields.push_back({"swing_m", &HangingLoadScenario::swing_m});
+    return fields;
   }
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Noise and rates of the pose sensor and the inertial unit.
+/// Noise and rates of the pose sensor and the inertial unit: standard deviations along or about each axis.
 struct NoiseScenario {
-  /// Standard deviation of the measured position, along each axis.
-  double position_m = PoseSensorParams().position_noise[0];
-  /// Standard deviation of the measured attitude, about each axis.
-  double attitude_rad = PoseSensorParams().attitude_noise[0];
-  /// Standard deviation of the gyroscope, about each axis.
-  double angular_velocity_rad_per_s = ImuParams().angular_velocity_noise[0];
-  /// Standard deviation of the accelerometer, along each axis.
-  double acceleration_m_per_s2 = ImuParams().specific_force_noise[0];
-  double pose_rate_hz = PoseSensorParams().rate.hz();   ///< sample rate of the pose sensor
-  double imu_rate_hz = CdprLoopParams().imu.rate.hz();  ///< sample rate of gyroscope and accelerometer
+  PoseSensorParams pose;
+  ImuParams imu = CdprLoopParams().imu;
 
   static FieldList Fields() {
-    return {Field("position_m", &NoiseScenario::position_m).AtLeast(0),
-            Field("attitude_rad", &NoiseScenario::attitude_rad).AtLeast(0),
-            Field("angular_velocity_rad_per_s", &NoiseScenario::angular_velocity_rad_per_s).AtLeast(0),
-            Field("acceleration_m_per_s2", &NoiseScenario::acceleration_m_per_s2).AtLeast(0),
-            Field("pose_rate_hz", &NoiseScenario::pose_rate_hz).In(Rates()),
-            Field("imu_rate_hz", &NoiseScenario::imu_rate_hz).In(Rates())};
+    using S = NoiseScenario;
+    return {
+        Field("position_m", &S::pose, &PoseSensorParams::position_noise).AtLeast(0).Uniform(),
+        Field("attitude_rad", &S::pose, &PoseSensorParams::attitude_noise).AtLeast(0).Uniform(),
+        Field("angular_velocity_rad_per_s", &S::imu, &ImuParams::angular_velocity_noise).AtLeast(0).Uniform(),
+        Field("acceleration_m_per_s2", &S::imu, &ImuParams::specific_force_noise).AtLeast(0).Uniform(),
+        {"pose_rate_hz", &S::pose, &PoseSensorParams::rate},
+        {"imu_rate_hz", &S::imu, &ImuParams::rate}};
   }
 };
 
@@ -275,12 +236,12 @@ struct CdprScenario {
   bool known_pulleys = true;  ///< whether controllers and estimators model the pulleys of the robot
   Eigen::Vector3d start_offset_m{0, 0, 0};  ///< initial offset of the platform from the path
   Eigen::Vector3d start_turn_rad{0, 0, 0};  ///< initial offset of roll, pitch and yaw
-  PayloadScenario payload;
+  PayloadScheduleParams payload;
   std::vector<AttachedBody> attached;  ///< bodies on joints, missing from the controller's model
   /// Whether the controller measures the wrench of attached bodies on the platform, as by a force sensor
   /// under the base of an arm. Not with controller pd, which does not use the load.
   bool known_additions = false;
-  std::vector<GustScenario> gusts;
+  std::vector<Gust> gusts;
   std::optional<HangingLoadScenario> hanging_load;
   NoiseScenario noise;
   /// Winches, sensors and the connection between them: shipped hardware, a YAML file, or {file: standard, …}

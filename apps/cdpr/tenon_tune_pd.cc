@@ -75,21 +75,18 @@ std::vector<Trial> MakeTrials(const std::string& robot) {
   trials[1].settle_from = 3 * scale.time;
   trials[2].scenario.path.kind = PathKind::kHold;
   trials[2].scenario.path.points_m = {scale.Point(0.5, 0.9, 2.3)};
-  trials[2].scenario.payload = {.mass_kg = 4 * scale.mass,
-                                .position_m = scale.length * Eigen::Vector3d(0.1, -0.2, 0),
-                                .attach_s = 0,
+  trials[2].scenario.payload = {.payload = {4 * scale.mass, scale.length * Eigen::Vector3d(0.1, -0.2, 0)},
                                 .release_s = 4 * scale.time};
   if (!trials[2]
            .scenario.path.attitude_rad) {  // with four cables the platform can turn with its boom, and swing
     trials[2].scenario.path.points_m = {scale.Point(-0.5, 1.6, 1.3)};
-    trials[2].scenario.payload.mass_kg = 5 * scale.mass;
-    trials[2].scenario.payload.position_m = scale.length * Eigen::Vector3d(-0.2, -0.9, 0);
+    trials[2].scenario.payload.payload.mass = 5 * scale.mass;
+    trials[2].scenario.payload.payload.p_B = scale.length * Eigen::Vector3d(-0.2, -0.9, 0);
   }
   trials[3].scenario.path = trials[2].scenario.path;
   trials[3].scenario.path.points_m = {scale.Point(-0.4, 0.3, 1.9)};
-  trials[3].scenario.gusts = {{.force_N = scale.mass * Eigen::Vector3d(40, 30, 0),
-                               .start_s = 3 * scale.time,
-                               .duration_s = scale.time}};
+  trials[3].scenario.gusts = {
+      {.force_W = scale.mass * Eigen::Vector3d(40, 30, 0), .start = 3 * scale.time, .duration = scale.time}};
   return trials;
 }
 

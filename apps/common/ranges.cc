@@ -13,10 +13,6 @@ Range SamplePeriods() {
   return Range().AtLeast(1 / kFastest).Also([](double s) { Seconds(s); });
 }
 
-Range Latencies() {
-  return Range().Between(0, 10'000);
-}
-
 Range Places() {
   return Range().Between(-1000, 1000);
 }

@@ -8,7 +8,6 @@ namespace tenon::apps {
 
 Range Rates();          ///< valid for Hz(), and at most 100 kHz
 Range SamplePeriods();  ///< valid for Seconds(), and at least 10 us
-Range Latencies();      ///< of a sensor, in samples
 Range Places();         ///< each coordinate within 1 km
 
 }  // namespace tenon::apps

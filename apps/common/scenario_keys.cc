@@ -1,4 +1,5 @@
 #include <tenon/apps/common/scenario_keys.h>
+#include <tenon/systems/framework/block/rate.h>
 #include <tenon/systems/text/key_unit.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
@@ -68,6 +69,7 @@ std::string Shown(const TypeInfo& type, const void* value) {
       return "{}";
     case Kind::kOpaque:
       if (*type.id == typeid(YamlFile)) return static_cast<const YamlFile*>(value)->text;
+      if (*type.id == typeid(Rate)) return fmt::format("{}", static_cast<const Rate*>(value)->hz());
       return "";
     case Kind::kStruct:
       return "";
@@ -101,7 +103,8 @@ std::string TypeText(const TypeInfo& type) {
     case Kind::kStruct:
       return "map";
     case Kind::kOpaque:
-      return *type.id == typeid(YamlFile) ? "file" : "anything";
+      if (type.item != nullptr) return "map";
+      return *type.id == typeid(Rate) ? "number" : *type.id == typeid(YamlFile) ? "file" : "anything";
   }
   return "";
 }
@@ -120,62 +123,60 @@ Meanings ReadMeanings() {
   return YamlDocument::Load(file).Read<MeaningsFile>().structs;
 }
 
-/// Lists the keys of a struct. `value` is null for items of an empty list, which have their defaults.
-void List(const TypeInfo& type, const void* value, const std::string& prefix, const Meanings& meanings,
-          std::vector<ScenarioKey>& keys) {
-  std::vector<std::byte> memory;
-  void* made = nullptr;
-  if (value == nullptr && type.construct != nullptr) {
-    memory.resize(type.size + type.alignment);
-    void* start = memory.data();
-    std::size_t space = memory.size();
-    made = std::align(type.alignment, type.size, start, space);
-    type.construct(made);
-    value = made;
-  }
-  auto own = meanings.find(StructName(type));
-  if (own == meanings.end()) own = meanings.find("AppScenario");  // of a scenario outside Tenon
+/// The meaning of a key of a struct; empty if there is none.
+std::string MeaningOf(const Meanings& meanings, const std::type_info& type, const char* key) {
+  const auto own = meanings.find(StructName(type));
+  if (own == meanings.end()) return "";
+  const auto meaning = own->second.find(key);
+  return meaning == own->second.end() ? "" : meaning->second;
+}
+
+/// Lists the keys of a struct, `scaled` as of Field::Scaled. `value` is null for items of an empty list,
+/// which have their defaults.
+void List(const TypeInfo& type, const void* value, bool scaled, const std::string& prefix,
+          const Meanings& meanings, std::vector<ScenarioKey>& keys) {
+  std::unique_ptr<internal::AnyValue> made;
+  if (value == nullptr && type.construct != nullptr)
+    value = (made = std::make_unique<internal::AnyValue>(type, std::byte{}))->get();
   for (const Field& field : type.fields) {
     const TypeInfo& member = field.type();
     const void* at = static_cast<const std::byte*>(value) + field.offset;
-    ScenarioKey key{.key = prefix + field.name,
-                    .type = TypeText(member),
-                    .unit = internal::UnitOfKey(field.name),
+    const char* const name = scaled && field.scaled != nullptr ? field.scaled_name : field.name;
+    keys.push_back({.key = prefix + name,
+                    .type = field.uniform ? "number, or " + TypeText(member) : TypeText(member),
+                    .unit = internal::UnitOfKey(name),
                     .range = field.range.Text(),
                     .initial = field.required ? "required" : Shown(member, at),
-                    .meaning = {}};
-    if (own != meanings.end())
-      if (const auto told = own->second.find(field.name); told != own->second.end())
-        key.meaning = told->second;
-    keys.push_back(std::move(key));
+                    .meaning = MeaningOf(meanings, *field.owner, field.name)});
     const TypeInfo* inner = &member;
-    std::string path = prefix + field.name;
+    std::string path = prefix + name;
+    bool inner_scaled = scaled;
     while (inner->kind == Kind::kList || inner->kind == Kind::kArray || inner->kind == Kind::kOptional ||
-           inner->kind == Kind::kMap) {
-      path += inner->kind == Kind::kOptional ? "" : inner->kind == Kind::kMap ? ".NAME" : "[]";
+           inner->kind == Kind::kMap || (inner->kind == Kind::kOpaque && inner->item != nullptr)) {
+      path += inner->kind == Kind::kList || inner->kind == Kind::kArray ? "[]"
+              : inner->kind == Kind::kMap                               ? ".NAME"
+                                                                        : "";
+      inner_scaled |= inner->kind == Kind::kOpaque && inner->count > 0;
       at = nullptr;
       inner = &inner->item();
     }
-    if (inner->kind == Kind::kStruct && keys.back().meaning.empty())
-      if (const auto told = meanings.find(StructName(*inner)); told != meanings.end())
-        if (const auto about = told->second.find("about"); about != told->second.end())
-          keys.back().meaning = about->second;
-    if (inner->kind == Kind::kStruct) List(*inner, at, path + ".", meanings, keys);
+    if (inner->kind != Kind::kStruct) continue;
+    if (keys.back().meaning.empty()) keys.back().meaning = MeaningOf(meanings, *inner->id, "about");
+    List(*inner, at, inner_scaled, path + ".", meanings, keys);
   }
-  if (made != nullptr) type.destroy(made);
 }
 
 }  // namespace
 
-std::string StructName(const internal::TypeInfo& type) {
-  std::string name = TypeName(type);
+std::string StructName(const std::type_info& type) {
+  std::string name = internal::Demangled(type.name());
   name = name.substr(0, name.find('<'));
   return name.substr(name.rfind(':') + 1);
 }
 
 std::vector<ScenarioKey> KeysOf(const internal::TypeInfo& type, const void* value) {
   std::vector<ScenarioKey> keys;
-  List(type, value, "", ReadMeanings(), keys);
+  List(type, value, false, "", ReadMeanings(), keys);
   return keys;
 }
 

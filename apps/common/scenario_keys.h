@@ -4,6 +4,7 @@
 #include <tenon/systems/yaml/yaml.h>
 
 #include <string>
+#include <typeinfo>
 #include <vector>
 
 namespace tenon::apps {
@@ -33,7 +34,7 @@ std::vector<ScenarioKey> KeysOfFile(const std::string& kind, const YamlFile& wha
                                     const std::vector<ScenarioKey>& known = {});
 
 /// Returns the name of a struct without namespaces and template arguments.
-std::string StructName(const internal::TypeInfo& type);
+std::string StructName(const std::type_info& type);
 
 /// Prints a line for each key on stdout.
 void PrintKeys(const std::vector<ScenarioKey>& keys);

@@ -163,7 +163,7 @@ struct LeggedScenario {
   /// Drives, sensors and the connection between them: shipped hardware, a YAML file, or {file: standard, …}
   /// with changes.
   YamlFile hardware{"ideal"};
-  SensorScenario sensors;  ///< overrides the sensors of `hardware`
+  SensorChanges sensors;  ///< overrides the sensors of `hardware`
   FallScenario fall;
   LiveScenario live;
   /// Whether the torque-speed line limits the torque of the drives. If not, a run that exceeds the line

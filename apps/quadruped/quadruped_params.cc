@@ -19,7 +19,7 @@ struct RobotFiles {
   QuadrupedDescription robot;
   MovingParts moving;  ///< links on the actuated joints of the robot's file
   SizeRatio ratio;     ///< size relative to DogBot, if the scenario scales its forces
-  HardwareScenario hardware;
+  QuadrupedHardware hardware;
 };
 
 struct WalkFiles : RobotFiles {
@@ -52,14 +52,17 @@ RobotFiles ReadRobotFiles(const LeggedScenario& scenario) {
   files.robot = ReadRobot(scenario);
   files.moving = LoadMovingParts(scenario.robot);
   files.ratio = ReadRatio(scenario, files.robot);
-  files.hardware =
-      WithSensors(Blame("hardware", [&] { return LoadHardware(scenario.hardware); }), scenario.sensors);
+  files.hardware = Blame("hardware", [&] {
+    return LoadHardware(scenario.hardware, ScaleOf(files.robot, QuadrupedPlantParams().gravity),
+                        scenario.sensors);
+  });
   return files;
 }
 
 WalkFiles ReadWalkFiles(const QuadrupedScenario& scenario) {
   WalkFiles files{ReadRobotFiles(scenario), {}, {}};
-  // Profile and gaits are scaled to the true robot, whatever model of it the controller has.
+  // Profile and gaits are scaled to the true robot, whatever model of it the
+  // controller has.
   const RobotScale scale = ScaleOf(files.robot);
   files.profile = Blame("profile", [&] { return LoadLocomotionProfile(scenario.profile, scale); });
   files.gaits = Blame("walk.gaits", [&] { return LoadGaits(scenario.walk->gaits, scale); });
@@ -93,17 +96,17 @@ void AddForce(const ForceScenario& force, QuadrupedWorldParams& world) {
 void SetPayload(const TrunkLoadScenario& payload, double stance_height, QuadrupedWorldParams& world) {
   const double lowest = payload.position_m.z() - payload.edges_m.z() / 2;
   if (payload.mass_kg > 0 && lowest < -stance_height)
-    throw KeyError("payload.position_m",
-                   fmt::format("the payload reaches {:.3g} m below the trunk, which stands only {:.3g} m "
-                               "above the ground: lift it",
-                               -lowest, stance_height));
-  if (payload.slides && payload.mass_kg > 0)
-    world.sliding_load = SlidingLoadParams{.mass = payload.mass_kg,
-                                           .position_B = payload.position_m,
-                                           .reach = payload.slides->reach_m,
-                                           .friction = payload.slides->friction};
-  else
+    throw KeyError("payload.position_m", fmt::format("the payload reaches {:.3g} m below the trunk, "
+                                                     "which stands only {:.3g} m "
+                                                     "above the ground: lift it",
+                                                     -lowest, stance_height));
+  if (payload.slides && payload.mass_kg > 0) {
+    world.sliding_load = payload.slides;
+    world.sliding_load->mass = payload.mass_kg;
+    world.sliding_load->position_B = payload.position_m;
+  } else {
     world.plant.payload = payload.Make();
+  }
 }
 
 void SetFall(const FallScenario& fall, double stance_height, QuadrupedWorldParams& world) {
@@ -111,9 +114,9 @@ void SetFall(const FallScenario& fall, double stance_height, QuadrupedWorldParam
   world.max_tilt = fall.max_tilt_rad;
   world.max_height = fall.max_height_m;
   if (world.max_height <= world.min_height)
-    throw KeyError("fall.max_height_m",
-                   fmt::format("{} must be above {:.3g}, the height below which the robot has fallen",
-                               world.max_height, world.min_height));
+    throw KeyError("fall.max_height_m", fmt::format("{} must be above {:.3g}, the height below "
+                                                    "which the robot has fallen",
+                                                    world.max_height, world.min_height));
 }
 
 QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const RobotFiles& files, Rate rate) {
@@ -127,7 +130,7 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Ro
   std::vector<AttachedBody> bodies = files.moving.bodies;
   bodies.insert(bodies.end(), scenario.attached.begin(), scenario.attached.end());
   if (!bodies.empty()) world.plant.extend = Attach(bodies, files.moving.at_rest);
-  SetHardware(files.hardware, rate, world);
+  Blame("hardware", [&] { SetHardware(files.hardware, rate, world); });
   for (const ForceScenario& force : scenario.forces) AddForce(force, world);
   for (const RandomForceScenario& force : scenario.random_forces)
     world.random.push_back({robot, force.on_trunk, force.lower_N, force.upper_N, Seconds(force.period_s)});
@@ -141,20 +144,22 @@ QuadrupedDescription MakeModel(const WalkScenario& walk, const QuadrupedDescript
   RandomStream errors(seed, "walk.model_error");
   QuadrupedDescription model =
       WithModelError(WithMassFactor(robot, 1 + walk.mass_error_ratio), walk.model_error, errors);
-  // A rotor inertia from the data sheet of the hardware is known to the controller.
+  // A rotor inertia from the data sheet of the hardware is known to the
+  // controller.
   if (drive.rotor_inertia != robot.drive.rotor_inertia) model.drive.rotor_inertia = drive.rotor_inertia;
   return model;
 }
 
-/// The filter has the controller's model and the noise of the sensors, but not their biases. Its initial
-/// state differs from the true one by a random error with the filter's own initial deviations.
-LeggedStateEstimatorParams MakeEstimator(const HardwareScenario& hardware, const QuadrupedDescription& model,
+/// The filter has the controller's model and the noise of the sensors, but not
+/// their biases. Its initial state differs from the true one by a random error
+/// with the filter's own initial deviations.
+LeggedStateEstimatorParams MakeEstimator(const QuadrupedSensors& sensors, const QuadrupedDescription& model,
                                          const QuadrupedPlantParams& plant, std::uint64_t seed) {
   LeggedStateEstimatorParams params;
   params.robot = model;
   params.initial = plant.initial;
   params.gravity = plant.gravity;
-  params.noise = BelievedNoise(hardware);
+  params.noise = BelievedNoise(sensors);
   RandomStream random(seed, "walk.state");
   const LeggedStartDeviation& start = params.start;
   const Vec<3> turn = NormalVector(random, Vec<3>::Constant(start.attitude));
@@ -194,7 +199,7 @@ QuadrupedWalkParams TranslateWalk(const QuadrupedScenario& scenario, const WalkF
   params.known_additions = scenario.known_additions;
   if (scenario.observer) params.observer.kind = *scenario.observer;
   if (walk.state == StateSource::kEstimated)
-    params.estimator = MakeEstimator(files.hardware, model, params.world.plant, scenario.seed);
+    params.estimator = MakeEstimator(params.world, model, params.world.plant, scenario.seed);
   return params;
 }
 
@@ -232,7 +237,7 @@ QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario, const SizeRatio& rat
   payload.mass_kg *= weight;
   payload.position_m = length * payload.position_m + offset;
   payload.edges_m *= length;
-  if (payload.slides) payload.slides->reach_m *= length;
+  if (payload.slides) payload.slides->reach *= length;
   for (TerrainBox& box : scenario.terrain.boxes) {
     box.size *= length;
     box.height *= length;
@@ -278,11 +283,12 @@ void AddHoldingNotes(const QuadrupedScenario& scenario, std::vector<std::string>
   const double load = scenario.payload.mass_kg * ReadRatio(scenario, robot).weight;
   if (load <= held.load) return;
   const JointDescription& joint = robot.joint(held.joint);
-  notes.push_back(fmt::format(
-      "payload: {:.3g} kg, {:.0f} % of the robot's weight, are more than the {:.3g} kg that two legs hold "
-      "beside the robot by the {:.3g} N m of joint '{}'; {}",
-      load, 100 * load / robot.mass(), held.load, joint.torque_limit, joint.name,
-      scenario.scale_forces ? "reduced to this mass" : "the robot may fall"));
+  notes.push_back(
+      fmt::format("payload: {:.3g} kg, {:.0f} % of the robot's weight, are more than the "
+                  "{:.3g} kg that two legs hold "
+                  "beside the robot by the {:.3g} N m of joint '{}'; {}",
+                  load, 100 * load / robot.mass(), held.load, joint.torque_limit, joint.name,
+                  scenario.scale_forces ? "reduced to this mass" : "the robot may fall"));
 }
 
 }  // namespace tenon::apps

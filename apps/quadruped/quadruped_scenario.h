@@ -52,23 +52,12 @@ struct RandomForceScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Limits and friction of a load that slides on the trunk, see SlidingLoad.
-struct SlideScenario {
-  Eigen::Vector2d reach_m = SlidingLoadParams().reach;  ///< maximum displacement along x and y
-  double friction = SlidingLoadParams().friction;       ///< friction coefficient between load and trunk
-
-  static FieldList Fields() {
-    return {Field("reach_m", &SlideScenario::reach_m).AtLeast(0),
-            Field("friction", &SlideScenario::friction).Between(0, 10)};
-  }
-};
-
 /// A uniform box on the trunk for the whole run. It is missing from the controller's model.
 struct TrunkLoadScenario {
   double mass_kg = 0;                                    ///< mass of the box
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< centre of the box in the trunk's frame
   Eigen::Vector3d edges_m = Eigen::Vector3d::Zero();     ///< lengths of the box's edges
-  std::optional<SlideScenario> slides;                   ///< sliding of the box on the trunk; empty: fixed
+  std::optional<SlidingLoadParams> slides;               ///< sliding of the box on the trunk; empty: fixed
 
   static FieldList Fields() {
     return {Field("mass_kg", &TrunkLoadScenario::mass_kg).Between(0, 1e6),

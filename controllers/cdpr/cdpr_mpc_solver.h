@@ -20,11 +20,28 @@ struct CdprMpcWeights {
   double tension = 0;           ///< weight of each tension's deviation from its reference, or from 0 [1/N^2]
 
   static FieldList Fields() {
-    return {Required("position_per_m2", &CdprMpcWeights::position).AtLeast(0),
-            Required("velocity_s2_per_m2", &CdprMpcWeights::velocity).AtLeast(0),
-            Required("attitude_per_rad2", &CdprMpcWeights::attitude).AtLeast(0),
-            Required("angular_velocity_s2_per_rad2", &CdprMpcWeights::angular_velocity).AtLeast(0),
-            Required("tension_per_N2", &CdprMpcWeights::tension).AtLeast(0)};
+    using W = CdprMpcWeights;
+    return {
+        Required("position_per_m2", &W::position)
+            .AtLeast(0)
+            .Scaled("position_l2", [](double w, const Scale& s) { return w / (s.length * s.length); }),
+        Required("velocity_s2_per_m2", &W::velocity)
+            .AtLeast(0)
+            .Scaled("velocity_l2_per_t2",
+                    [](double w, const Scale& s) { return w * s.Time() * s.Time() / (s.length * s.length); }),
+        Required("attitude_per_rad2", &W::attitude)
+            .AtLeast(0)
+            .Scaled("attitude_l2_per_a2",
+                    [](double w, const Scale& s) { return w * s.arm * s.arm / (s.length * s.length); }),
+        Required("angular_velocity_s2_per_rad2", &W::angular_velocity)
+            .AtLeast(0)
+            .Scaled("angular_velocity_l2_per_a2_t2",
+                    [](double w, const Scale& s) {
+                      return w * s.arm * s.arm * s.Time() * s.Time() / (s.length * s.length);
+                    }),
+        Required("tension_per_N2", &W::tension)
+            .AtLeast(0)
+            .Scaled("tension_m2_g2", [](double w, const Scale& s) { return w / (s.Weight() * s.Weight()); })};
   }
 };
 

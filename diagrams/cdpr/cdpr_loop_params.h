@@ -13,6 +13,7 @@
 #include <tenon/plants/sensors/imu.h>
 #include <tenon/plants/sensors/imu_errors.h>
 #include <tenon/plants/sensors/pose_sensor.h>
+#include <tenon/plants/sensors/sensor_noise.h>
 #include <tenon/systems/primitives/jittered_delay.h>
 
 #include <memory>
@@ -24,11 +25,10 @@ namespace tenon {
 struct CdprHardwareParams {
   std::optional<JitteredDelayParams<CableVector>> command_delay;  ///< delay of the computer and the field bus
   std::optional<WinchErrorsParams> winch_errors;
-  std::optional<CableSensorsParams> cable_sensors;
+  std::optional<Delayed<CableSensorsParams>> cable_sensors;
   std::optional<ImuErrorsParams> imu_errors;
-  int cable_delay = 0;  ///< latency of `cable_sensors` [samples]
-  int pose_delay = 0;   ///< latency of the pose sensor [samples]
-  int imu_delay = 0;    ///< latency of the inertial unit [samples]
+  int pose_delay = 0;  ///< latency of the pose sensor [samples]
+  int imu_delay = 0;   ///< latency of the inertial unit [samples]
 };
 
 struct CdprLoopParams {

@@ -59,7 +59,7 @@ const OutputPort<CableSignals>& AddCableSensors(Subdiagram& loop, const CdprHard
   auto& sensors = loop.Add<CableSensors>("cable_sensors", *hardware.cable_sensors);
   loop.Connect(plant.cables, sensors.cables);
   return Late(loop, "cables", sensors.measured, CablesAtRest(plant.params), hardware.cable_sensors->rate,
-              hardware.cable_delay);
+              hardware.cable_sensors->latency);
 }
 
 const OutputPort<PoseMeasurement>& AddPoseDelay(Subdiagram& loop, const CdprHardwareParams& hardware,

@@ -15,9 +15,11 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 namespace tenon {
 
+struct RenamedKey;
 struct YamlFile;
 
 /// The disturbance estimates that the controller compensates.
@@ -92,6 +94,9 @@ struct LocomotionProfile {
   GroundBelief ground;
   double qp_rate_hz = 1000;
   ObserverProfile observer;
+
+  static FieldList Fields();
+  static std::vector<RenamedKey> Renamed();
 };
 
 /// Reads a shipped profile, a file, or one with changes (see LoadResource) for a robot of this size. Throws

@@ -104,7 +104,7 @@ const OutputPort<LeggedState>& QuadrupedWalk::AddEstimator(
 
 /// Adds the block that computes the foot forces in W, if the sensors do not measure them there.
 const OutputPort<FootForces>& QuadrupedWalk::AddFootForces(const QuadrupedWorldParams& params) {
-  const FootSensing sensing = params.hardware.foot_sensing;
+  const FootSensing sensing = params.foot_sensor.mounted;
   if (sensing == FootSensing::kWorld) return world.foot_forces;
   if (sensing == FootSensing::kNone) {
     FootForcesOfLegsParams of_legs{.robot = locomotion.whole_body.params.robot,

@@ -55,12 +55,11 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
   disturb.template operator()<SineForce>("sine", params.sines);
   disturb.template operator()<RandomForce>("random", params.random);
 
-  const QuadrupedHardwareParams& hardware = params.hardware;
-  ConnectDrives(hardware);
+  ConnectDrives(params.hardware);
   Connect(disturbances.forces, plant.external);
   Connect(plant.state, encoders.state);
   Connect(plant.joint_torque, torque_sensor.torque);
-  if (hardware.foot_sensing == FootSensing::kShank) {
+  if (params.foot_sensor.mounted == FootSensing::kShank) {
     auto& shanks = Add<ShankForces>("shank_forces", ShankForcesParams{params.plant.robot});
     Connect(plant.state, shanks.state);
     Connect(plant.foot_forces, shanks.forces);
@@ -77,8 +76,9 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
   Connect(plant.external_torque, external_torque);
   Connect(plant.added_wrench, added_wrench);
   const OutputPort<ImuMeasurement>* unit = &imu.measurement;
-  if (hardware.imu_errors) {
-    auto& errors = Add<ImuErrors>("imu_errors", *hardware.imu_errors);
+  if (ImuErrorsParams of_unit = params.imu.unit; of_unit.any()) {
+    of_unit.rate = params.imu.rate;
+    auto& errors = Add<ImuErrors>("imu_errors", of_unit);
     Connect(*unit, errors.measurement);
     unit = &errors.measured;
   }
@@ -87,15 +87,15 @@ QuadrupedWorld::QuadrupedWorld(const QuadrupedWorldParams& params)
   const ImuMeasurement at_rest{Vec<3>::Zero(),
                                initial.R_WB().transpose() * Vec<3>(0, 0, params.plant.gravity)};
   Connect(Late<JointMotion>(*this, "joints", encoders.joints, {initial.q, initial.qd}, params.encoders.rate,
-                            hardware.encoder_delay),
+                            params.encoders.latency),
           joints);
   Connect(Late<Vec<12>>(*this, "measured_torque", torque_sensor.measured, Vec<12>::Zero(),
-                        params.torque_sensor.rate, hardware.torque_delay),
+                        params.torque_sensor.rate, params.torque_sensor.latency),
           measured_torque);
   Connect(Late<FootForces>(*this, "foot_forces", foot_sensor.measured, {}, params.foot_sensor.rate,
-                           hardware.foot_delay),
+                           params.foot_sensor.latency),
           foot_forces);
-  Connect(Late(*this, "inertial", *unit, at_rest, params.imu.rate, hardware.imu_delay), inertial);
+  Connect(Late(*this, "inertial", *unit, at_rest, params.imu.rate, params.imu.latency), inertial);
 }
 
 void QuadrupedWorld::ConnectDrives(const QuadrupedHardwareParams& hardware) {

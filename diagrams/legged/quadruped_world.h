@@ -31,31 +31,60 @@ constexpr auto EnumNames(FootSensing) {
                     Named{FootSensing::kNone, "none"}};
 }
 
-/// Delays and errors between a controller and the ideal plant and sensors. Empty members are left out.
+/// Sensors of the ground forces on the feet.
+struct FootForceSensors : Delayed<FootForceSensorParams> {
+  /// Axes of the sensors. Forces in the axes of the shanks are rotated by the estimated state. Without
+  /// sensors the forces are estimated from the joint torques.
+  FootSensing mounted = FootSensing::kWorld;
+
+  static FieldList Fields() {
+    FieldList fields = Delayed::Fields();
+    fields.push_back({"mounted", &FootForceSensors::mounted});
+    return fields;
+  }
+};
+
+/// Inertial unit on the trunk, which measures angular velocity and specific force; by default without errors.
+struct TrunkImuParams : Delayed<ImuParams> {
+  TrunkImuParams() { angular_velocity_noise = specific_force_noise = Vec<3>::Zero(); }
+  ImuErrorsParams unit;  ///< errors of the individual unit, at the rate of the samples
+
+  static FieldList Fields() {
+    FieldList fields = Delayed::Fields();
+    AddInline(fields, &TrunkImuParams::unit);
+    return fields;
+  }
+};
+
+/// Sensors of a quadruped. Noise is white and given by its standard deviation. Each sensor has a random
+/// stream of its own, which depends on the run's seed and the sensor's name.
+struct QuadrupedSensors {
+  Delayed<JointEncodersParams> encoders;
+  Delayed<TorqueSensorParams> torque_sensor;
+  FootForceSensors foot_sensor;
+  TrunkImuParams imu;  ///< p_B is taken from the robot
+
+  static FieldList Fields() {
+    using S = QuadrupedSensors;
+    return {{"encoders", &S::encoders},
+            {"torque", &S::torque_sensor},
+            {"foot_force", &S::foot_sensor},
+            {"imu", &S::imu}};
+  }
+};
+
+/// Delays and errors between a controller and the ideal drives. Empty members are left out.
 struct QuadrupedHardwareParams {
   std::optional<JitteredDelayParams<Vec<12>>> command_delay;  ///< computation and field bus
   std::optional<DriveErrorsParams> drive_errors;
   std::optional<HeldLagParams<Vec<12>>> drive_lag;
-  std::optional<ImuErrorsParams> imu_errors;
-  FootSensing foot_sensing = FootSensing::kWorld;
-  // Delays of the sensors [samples].
-  int encoder_delay = 0;
-  int torque_delay = 0;
-  int foot_delay = 0;
-  int imu_delay = 0;
 };
 
 /// Height of the trunk below which a robot has fallen, relative to that in its nominal stance.
 inline constexpr double kFallHeightRatio = 0.5;
 
-struct QuadrupedWorldParams {
+struct QuadrupedWorldParams : QuadrupedSensors {
   QuadrupedPlantParams plant;
-  JointEncodersParams encoders;
-  ForceSensorParams torque_sensor;
-  FootForceSensorParams foot_sensor;
-  /// The inertial unit; p_B is taken from the robot. The default has no errors, like those of the other
-  /// sensors.
-  ImuParams imu{.angular_velocity_noise = Vec<3>::Zero(), .specific_force_noise = Vec<3>::Zero()};
   QuadrupedHardwareParams hardware;
   std::optional<SlidingLoadParams> sliding_load;  ///< initial state and gravity are taken from the plant
   // All forces together, with `pull`, must not exceed kMaxExternalForces.

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <map>
 #include <regex>
@@ -25,10 +26,9 @@ using apps::ScenarioKey;
 
 /// The docstrings of one struct and of its members, and the key of each member.
 struct Members {
-  std::string about;                                      ///< docstring of the struct
-  std::string base;                                       ///< base class, empty without one
-  std::map<std::string, std::string> meanings;            ///< docstring by member
-  std::vector<std::pair<std::string, std::string>> keys;  ///< pairs of key and member
+  std::string about;                             ///< docstring of the struct
+  std::map<std::string, std::string> meanings;   ///< docstring by member
+  std::vector<std::array<std::string, 4>> keys;  ///< key, member; struct and name of its member
 };
 
 /// Returns the docstring that follows `slashes` in a line, or an empty string.
@@ -43,7 +43,7 @@ std::string Joined(const std::string& text, const std::string& more) {
 }
 
 void ReadStructs(const fs::path& file, std::map<std::string, Members>& found) {
-  static const std::regex kStruct(R"(^ *struct (\w+)(?: final)?(?: : (\w+))? \{.*)");
+  static const std::regex kStruct(R"(^ *struct (\w+)(?: final)?(?: : [^;{]*)? \{.*)");
   static const std::regex kName(R"((\w+)\s*(?:=|\{|,|;))");
   std::string name, above, declaration;
   bool trailing = false;  // whether the next line may continue a trailing docstring
@@ -53,7 +53,6 @@ void ReadStructs(const fs::path& file, std::map<std::string, Members>& found) {
     if (std::regex_match(line, match, kStruct)) {
       name = match[1];
       found[name].about = above;
-      found[name].base = match[2];
       above.clear();
       continue;
     }
@@ -98,7 +97,8 @@ void ReadStructs(const fs::path& file, std::map<std::string, Members>& found) {
 void ReadKeys(const fs::path& file, std::map<std::string, Members>& found) {
   static const std::regex kBegin(
       R"(struct (\w+)(?: final)?(?: :[^;{]*)? \{|FieldList (?:(\w+)::)?Fields\(\) \{)");
-  static const std::regex kKey(R"re((?:\{|Field\(|Required\()"(\w+)",\s*&(?:\w+::)*(\w+))re");
+  static const std::regex kKey(
+      R"re((?:\{|Field\(|Required\()"(\w+)",\s*&(?:\w+::)*(\w+)(?:,\s*&(\w+)::(\w+))?)re");
   std::string text, name;
   for (const std::string& line : ReadLines(file)) text += line + '\n';
   for (auto it = std::sregex_iterator(text.begin(), text.end(), kBegin); it != std::sregex_iterator(); ++it) {
@@ -111,7 +111,8 @@ void ReadKeys(const fs::path& file, std::map<std::string, Members>& found) {
     const std::size_t end = text.find("};", static_cast<std::size_t>(begin.position()));
     const auto to = end == text.npos ? text.cend() : text.cbegin() + static_cast<std::ptrdiff_t>(end);
     for (auto key = std::sregex_iterator(from, to, kKey); key != std::sregex_iterator(); ++key)
-      found[begin[2].matched ? begin[2].str() : name].keys.emplace_back((*key)[1], (*key)[2]);
+      found[begin[2].matched ? begin[2].str() : name].keys.push_back(
+          {(*key)[1], (*key)[2], (*key)[3], (*key)[4]});
   }
 }
 
@@ -123,13 +124,14 @@ std::string WithoutUnit(const std::string& meaning) {
 
 /// Adds the names of all structs that a type contains, including its own.
 void AddStructs(const internal::TypeInfo& type, std::set<std::string>& names) {
-  using Kind = internal::TypeInfo::Kind;
-  if (type.kind == Kind::kArray || type.kind == Kind::kList || type.kind == Kind::kOptional ||
-      type.kind == Kind::kMap)
-    return AddStructs(type.item(), names);
-  if (type.kind != Kind::kStruct) return;
-  names.insert(apps::StructName(type));
-  for (const Field& field : type.fields) AddStructs(field.type(), names);
+  if (type.kind == internal::TypeInfo::Kind::kStruct)
+    names.insert(apps::StructName(*type.id));
+  else if (type.item != nullptr)
+    AddStructs(type.item(), names);
+  for (const Field& field : type.fields) {
+    names.insert(apps::StructName(*field.owner));
+    AddStructs(field.type(), names);
+  }
 }
 
 struct Page {
@@ -178,7 +180,7 @@ start time of the first one.
 - `extends: NAME` takes all values that this scenario does not set from another scenario, shipped or a file. `format: 1` is the version
   of the file format and is optional.
 - A number can be random, `{uniform: [low, high]}`, see [campaigns.md](campaigns.md).
-- The scenario.yaml of a run contains every key. Files that the run needs and that do not ship with Tenon are copied to `files` beside
+- The scenario.yaml of a run contains every key, of `sensors` those that were given. Files that the run needs and that do not ship with Tenon are copied to `files` beside
   it, so the run can be repeated after the directory has been moved.
 )";
 
@@ -207,12 +209,15 @@ std::string WriteMeanings(const fs::path& source) {
   for (const std::string& name : names) {
     const Members& members = found[name];
     std::string lines;
-    const Members* const both[] = {&members, &found[members.base]};
-    for (const Members* each : both)
-      for (const auto& [key, member] : each->keys)
-        if (const auto meaning = each->meanings.find(member);
-            meaning != each->meanings.end() && !WithoutUnit(meaning->second).empty())
-          lines += fmt::format("    {}: {}\n", key, quoted(WithoutUnit(meaning->second)));
+    for (const auto& [key, member, part, part_member] : members.keys) {
+      const auto of = [](const Members& each, const std::string& named) {
+        const auto meaning = each.meanings.find(named);
+        return meaning == each.meanings.end() ? "" : WithoutUnit(meaning->second);
+      };
+      std::string meaning = of(members, member);
+      if (!part.empty()) meaning += (meaning.empty() ? "" : ": ") + of(found[part], part_member);
+      if (!meaning.empty()) lines += fmt::format("    {}: {}\n", key, quoted(meaning));
+    }
     if (!members.about.empty()) lines += fmt::format("    about: {}\n", quoted(members.about));
     if (!lines.empty()) text += fmt::format("  {}:\n{}", name, lines);
   }

@@ -7,14 +7,6 @@
 
 namespace tenon {
 
-void GustsParams::Validate() const {
-  for (const Gust& gust : gusts) {
-    Demand(gust.force_W.allFinite() && std::isfinite(gust.start), "a gust's force or start is not finite");
-    Demand(std::isfinite(gust.duration) && gust.duration > 0,
-           fmt::format("a gust's duration = {} s must be positive", gust.duration));
-  }
-}
-
 PlatformWrench Gusts::CalcWrench(double time) const {
   PlatformWrench wrench;
   for (const Gust& gust : params.gusts) {

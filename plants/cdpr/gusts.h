@@ -12,11 +12,16 @@ struct Gust {
   Vec<3> force_W = Vec<3>::Zero();  ///< peak force F [N]
   double start = 0;                 ///< start time t_0 [s]
   double duration = 1;              ///< duration T [s]
+
+  static FieldList Fields() {
+    return {Required("force_N", &Gust::force_W).Finite(), Required("start_s", &Gust::start).Finite(),
+            Required("duration_s", &Gust::duration).Positive()};
+  }
 };
 
 struct GustsParams {
   std::vector<Gust> gusts;
-  void Validate() const;  ///< throws ParameterError
+  static FieldList Fields() { return {{"gusts", &GustsParams::gusts}}; }
 };
 
 /// Gusts of wind on a platform, as forces at its CoM. Each gust has the 1-cosine profile of the discrete gust

@@ -13,14 +13,12 @@ void HangingLoadParams::Validate() const {
     Demand(std::isfinite(value) && value > 0,
            fmt::format("{} = {} {} must be finite and positive", name, value, unit));
   };
-  check("mass", mass, "kg");
-  check("length", length, "m");
   check("axial_stiffness", axial_stiffness, "N");
   check("gravity", gravity, "m/s^2");
   Demand(std::isfinite(axial_damping) && axial_damping >= 0,
          fmt::format("axial_damping = {} N s must be finite and not negative: the rope would swing up",
                      axial_damping));
-  Demand(attachment_B.allFinite() && p_W.allFinite(), "attachment_B or p_W is not finite: give metres");
+  Demand(p_W.allFinite(), "p_W is not finite: give metres");
 }
 
 Geometry HangingLoad::MakeGeometry() {

@@ -10,14 +10,25 @@
 namespace tenon {
 
 struct HangingLoadParams {
-  double mass = 1;                       ///< m [kg]
+  double mass = 1;                       ///< m, a point mass [kg]
   double length = 1;                     ///< l_0, rest length of the rope [m]
   Vec<3> attachment_B = Vec<3>::Zero();  ///< attachment of the rope at the platform, from its CoM [m]
   double axial_stiffness = 27000;        ///< EA of the rope [N]; default: a polymer rope of 5 mm
   double axial_damping = 135;            ///< EA times the material's damping time [N s]
   Vec<3> p_W = Vec<3>::Zero();           ///< position of the load at the start, when it is at rest [m]
   double gravity = kGravity;             ///< [m/s^2]
-  void Validate() const;                 ///< throws ParameterError
+
+  static FieldList Fields() {
+    using P = HangingLoadParams;
+    return {Required("mass_kg", &P::mass).Positive(),
+            Required("length_m", &P::length).Positive(),
+            Field("attachment_m", &P::attachment_B).Finite(),
+            Undescribed(&P::axial_stiffness),
+            Undescribed(&P::axial_damping),
+            Undescribed(&P::p_W),
+            Undescribed(&P::gravity)};
+  }
+  void Validate() const;  ///< throws ParameterError
 };
 
 /// Position and velocity of a load on a rope.

@@ -7,11 +7,21 @@
 
 namespace tenon {
 
+/// A point mass attached to the platform for part of the run. It is missing from the controller's model.
 struct PayloadScheduleParams {
-  Payload payload;        ///< none by default
-  double attach_s = 0;    ///< [s]
-  double release_s = 0;   ///< [s]
-  Rate rate = Hz(100);    ///< rate of the ticks to which both times are rounded up
+  Payload payload;       ///< none by default
+  double attach_s = 0;   ///< time at which the payload is attached [s]
+  double release_s = 0;  ///< time at which the payload is released [s]
+  Rate rate = Hz(100);   ///< rate of the ticks to which both times are rounded up
+
+  static FieldList Fields() {
+    using P = PayloadScheduleParams;
+    return {Field("mass_kg", &P::payload, &Payload::mass).AtLeast(0),
+            Field("position_m", &P::payload, &Payload::p_B).Between(-1000, 1000),
+            {"attach_s", &P::attach_s},
+            {"release_s", &P::release_s},
+            Undescribed(&P::rate)};
+  }
   void Validate() const;  ///< throws ParameterError
 };
 

@@ -9,14 +9,6 @@ namespace tenon {
 
 void WinchErrorsParams::Validate() const {
   Demand(num_cables > 0, fmt::format("num_cables = {} must be positive", num_cables));
-  const auto check_ratio = [](const char* name, double ratio) {
-    Demand(ratio >= 0 && ratio < 1, fmt::format("{} = {} must be from 0 to below 1", name, ratio));
-  };
-  check_ratio("gain_deviation", gain_deviation);
-  check_ratio("ripple", ripple);
-  check_ratio("friction", friction);
-  Demand(std::isfinite(friction_speed) && friction_speed > 0,
-         fmt::format("friction_speed = {} m/s must be positive", friction_speed));
 }
 
 void WinchErrors::Draw(RandomStream& random, CableVector* gain) const {

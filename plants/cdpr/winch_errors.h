@@ -7,15 +7,25 @@
 
 namespace tenon {
 
-/// Parameters of WinchErrors; the defaults have no errors.
+/// Errors of the winches. By default there are none.
 struct WinchErrorsParams {
   int num_cables = 4;
   Rate rate = Hz(1000);           ///< rate of the commands
   double gain_deviation = 0;      ///< relative standard deviation of the winches' torque constants
   double ripple = 0;              ///< relative standard deviation of the tension
   double friction = 0;            ///< mu, coefficient of dry friction
-  double friction_speed = 0.005;  ///< v_s [m/s]
+  double friction_speed = 0.005;  ///< v_s, at which the friction reaches 76 % of its bound [m/s]
 
+  bool any() const { return gain_deviation > 0 || ripple > 0 || friction > 0; }
+  static FieldList Fields() {
+    using P = WinchErrorsParams;
+    return {Undescribed(&P::num_cables),
+            Undescribed(&P::rate),
+            Field("gain_deviation", &P::gain_deviation).Between(0, 0.5),
+            Field("ripple_ratio", &P::ripple).Between(0, 0.5),
+            Field("friction_ratio", &P::friction).Between(0, 0.5),
+            Field("friction_speed_m_per_s", &P::friction_speed).Positive()};
+  }
   void Validate() const;  ///< throws ParameterError
 };
 

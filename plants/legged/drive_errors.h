@@ -13,7 +13,11 @@ struct DriveErrorsParams {
   double gain_deviation = 0;  ///< relative standard deviation of each drive's torque constant
   double ripple = 0;          ///< relative standard deviation of the torque
 
-  void Validate() const;  ///< throws ParameterError
+  static FieldList Fields() {
+    using P = DriveErrorsParams;
+    return {Undescribed(&P::rate), Field("gain_deviation", &P::gain_deviation).Between(0, 0.5),
+            Field("ripple_ratio", &P::ripple).Between(0, 0.5)};
+  }
 };
 
 /// Errors of drives: deviations of the torque constants, and torque ripple. At walking speeds motor and gear

@@ -23,6 +23,18 @@ struct SlidingLoadParams {
   LeggedState robot = {};                ///< initial state of the robot
   double gravity = kGravity;             ///< [m/s^2]
 
+  static FieldList Fields() {
+    using P = SlidingLoadParams;
+    return {Undescribed(&P::mass),
+            Undescribed(&P::position_B),
+            Field("reach_m", &P::reach).AtLeast(0),
+            Field("friction", &P::friction).Between(0, 10),
+            Undescribed(&P::slip_speed),
+            Undescribed(&P::stiffness),
+            Undescribed(&P::damping_ratio),
+            Undescribed(&P::robot),
+            Undescribed(&P::gravity)};
+  }
   void Validate() const;  ///< throws ParameterError
 };
 

@@ -1,12 +1,6 @@
 #include <tenon/plants/model/robot_scale.h>
 
-#include <cmath>
-
 namespace tenon {
-
-double RobotScale::Time() const {
-  return std::sqrt(length / gravity);
-}
 
 RobotScale ScaleOf(const QuadrupedDescription& robot, double gravity) {
   double length = 0;

@@ -1,5 +1,4 @@
 #include <tenon/plants/sensors/cable_sensors.h>
-#include <tenon/plants/sensors/sensor_noise.h>
 
 #include <fmt/format.h>
 
@@ -11,11 +10,6 @@ namespace tenon {
 
 void CableSensorsParams::Validate() const {
   Demand(num_cables > 0, fmt::format("num_cables = {} must be positive", num_cables));
-  CheckNotNegative("resolution", resolution, " m");
-  CheckNotNegative("length_offset", length_offset, " m");
-  CheckNotNegative("rate_bandwidth", rate_bandwidth, " Hz");
-  CheckNotNegative("tension_noise", tension_noise, "");
-  CheckNotNegative("tension_offset", tension_offset, " N");
 }
 
 void CableSensors::Draw(RandomStream& random, Offsets* offsets) const {

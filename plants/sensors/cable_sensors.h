@@ -7,16 +7,26 @@
 
 namespace tenon {
 
-/// By default there are no errors, and rates are measured.
+/// Encoders on the drums and load cells. By default there are no errors, and rates are measured.
 struct CableSensorsParams {
   int num_cables = 4;
-  Rate rate = Hz(1000);
+  Rate rate = Hz(1000);       ///< sample rate
   double resolution = 0;      ///< resolution of the lengths; 0: unlimited [m]
   double length_offset = 0;   ///< standard deviation of each cable's homing error [m]
   double rate_bandwidth = 0;  ///< cut-off frequency of differentiated lengths; 0: rates are measured [Hz]
   double tension_noise = 0;   ///< standard deviation relative to the tension
   double tension_offset = 0;  ///< standard deviation of each load cell's offset [N]
 
+  static FieldList Fields() {
+    using P = CableSensorsParams;
+    return {Undescribed(&P::num_cables),
+            {"rate_hz", &P::rate},
+            Field("resolution_m", &P::resolution).AtLeast(0),
+            Field("offset_m", &P::length_offset).AtLeast(0),
+            Field("rate_bandwidth_hz", &P::rate_bandwidth).AtLeast(0),
+            Field("tension_noise_ratio", &P::tension_noise).AtLeast(0),
+            Field("tension_offset_N", &P::tension_offset).AtLeast(0)};
+  }
   void Validate() const;  ///< throws ParameterError
 };
 

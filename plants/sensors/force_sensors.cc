@@ -2,10 +2,6 @@
 
 namespace tenon {
 
-void FootForceSensorParams::Validate() const {
-  CheckNotNegative("threshold", threshold, " N");
-}
-
 Vec<12> JointTorqueSensor::CalcMeasured(const Vec<12>& torque, const SensorError& error,
                                         RandomStream& noise) const {
   return error.Measure(torque, noise);

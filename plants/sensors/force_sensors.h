@@ -9,23 +9,39 @@
 
 namespace tenon {
 
-/// By default there are no errors.
-struct ForceSensorParams {
-  Rate rate = Hz(1000);
-  SensorError error = {};  ///< error of each component [N m] or [N]
+/// Torque sensors of the joints. By default there are no errors.
+struct TorqueSensorParams {
+  Rate rate = Hz(1000);    ///< sample rate
+  SensorError error = {};  ///< error of each torque, equal at all joints [N m]
+
+  static FieldList Fields() {
+    using P = TorqueSensorParams;
+    return {{"rate_hz", &P::rate},
+            Field("noise_ratio", &P::error, &SensorError::relative).AtLeast(0),
+            Field("bias_N_m", &P::error, &SensorError::bias).Finite()};
+  }
 };
 
-/// By default there are no errors.
+/// Sensors of the ground forces on the feet. By default there are no errors.
 struct FootForceSensorParams {
-  Rate rate = Hz(1000);
-  SensorError error = {};  ///< error of each component [N]
+  Rate rate = Hz(1000);    ///< sample rate
+  SensorError error = {};  ///< error of each component, equal at all feet [N]
   double threshold = 0;    ///< measured forces below this are set to 0 [N]
 
-  void Validate() const;  ///< throws ParameterError
+  static FieldList Fields() {
+    using P = FootForceSensorParams;
+    const auto weights = [](double ratio, const Scale& scale) { return scale.Weight() * ratio; };
+    return {
+        {"rate_hz", &P::rate},
+        Field("noise_ratio", &P::error, &SensorError::relative).AtLeast(0),
+        Field("noise_N", &P::error, &SensorError::absolute).AtLeast(0).Scaled("noise_weight_ratio", weights),
+        Field("bias_N", &P::error, &SensorError::bias).Finite(),
+        Field("threshold_N", &P::threshold).AtLeast(0).Scaled("threshold_weight_ratio", weights)};
+  }
 };
 
 /// Measures the torques of all drives, each with an error (sensor_noise.h).
-class JointTorqueSensor final : public LeafSystem<ForceSensorParams> {
+class JointTorqueSensor final : public LeafSystem<TorqueSensorParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};

@@ -11,9 +11,9 @@
 
 namespace tenon {
 
-/// The defaults model a small industrial IMU without bias.
+/// Inertial unit. The defaults model a small industrial one without bias.
 struct ImuParams {
-  Rate rate = Hz(1000);
+  Rate rate = Hz(1000);  ///< sample rate
   Vec<3> p_B =
       Vec<3>::Zero();  ///< position in B; QuadrupedWorld uses imu_B of the robot, CdprEstimator 0 [m]
   Vec<3> angular_velocity_noise = Vec<3>::Constant(0.005);  ///< standard deviation per axis [rad/s]
@@ -22,6 +22,16 @@ struct ImuParams {
   Vec<3> specific_force_bias = Vec<3>::Zero();              ///< added to all samples [m/s^2]
   double gravity = kGravity;                                ///< [m/s^2]
 
+  static FieldList Fields() {
+    using P = ImuParams;
+    return {{"rate_hz", &P::rate},
+            Undescribed(&P::p_B),
+            Field("angular_velocity_noise_rad_per_s", &P::angular_velocity_noise).AtLeast(0).Uniform(),
+            Field("angular_velocity_bias_rad_per_s", &P::angular_velocity_bias).Finite(),
+            Field("acceleration_noise_m_per_s2", &P::specific_force_noise).AtLeast(0).Uniform(),
+            Field("acceleration_bias_m_per_s2", &P::specific_force_bias).Finite(),
+            Undescribed(&P::gravity)};
+  }
   void Validate() const;  ///< throws ParameterError
 };
 

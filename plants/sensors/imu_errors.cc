@@ -2,24 +2,9 @@
 #include <tenon/plants/sensors/sensor_noise.h>
 #include <tenon/plants/signals/quaternion.h>
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 namespace tenon {
-
-void ImuErrorsParams::Validate() const {
-  const auto check = [](const char* name, double value) {
-    Demand(std::isfinite(value) && value >= 0,
-           fmt::format("{} = {} must be finite and not negative; it is a standard deviation, 0 for none",
-                       name, value));
-  };
-  check("misalignment", misalignment);
-  check("angular_velocity_bias", angular_velocity_bias);
-  check("specific_force_bias", specific_force_bias);
-  check("angular_velocity_walk", angular_velocity_walk);
-  check("specific_force_walk", specific_force_walk);
-}
 
 ImuErrors::Unit ImuErrors::Draw(RandomStream& random) const {
   Unit unit;

@@ -7,7 +7,7 @@
 
 namespace tenon {
 
-/// Standard deviations per axis. By default there are no errors.
+/// Errors that differ from unit to unit: standard deviations per axis. By default there are none.
 struct ImuErrorsParams {
   Rate rate = Hz(1000);              ///< rate of the samples
   double misalignment = 0;           ///< error of the mounting, about each axis of B [rad]
@@ -16,7 +16,19 @@ struct ImuErrorsParams {
   double angular_velocity_walk = 0;  ///< random walk of the bias [rad/s/sqrt(s)]
   double specific_force_walk = 0;    ///< random walk of the bias [m/s^2/sqrt(s)]
 
-  void Validate() const;  ///< throws ParameterError
+  bool any() const {
+    return misalignment > 0 || angular_velocity_bias > 0 || specific_force_bias > 0 ||
+           angular_velocity_walk > 0 || specific_force_walk > 0;
+  }
+  static FieldList Fields() {
+    using P = ImuErrorsParams;
+    return {Undescribed(&P::rate),
+            Field("misalignment_rad", &P::misalignment).AtLeast(0),
+            Field("angular_velocity_bias_deviation_rad_per_s", &P::angular_velocity_bias).AtLeast(0),
+            Field("acceleration_bias_deviation_m_per_s2", &P::specific_force_bias).AtLeast(0),
+            Field("angular_velocity_walk_rad_per_s_per_sqrt_s", &P::angular_velocity_walk).AtLeast(0),
+            Field("acceleration_walk_m_per_s2_per_sqrt_s", &P::specific_force_walk).AtLeast(0)};
+  }
 };
 
 /// Misalignment and drifting biases of an individual IMU, connected between an Imu and the blocks that read

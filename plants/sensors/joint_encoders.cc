@@ -5,10 +5,8 @@
 
 namespace tenon {
 
-void JointEncodersParams::Validate() const {
-  CheckNotNegative("resolution", resolution, " rad");
-  CheckNotNegative("offset_deviation", offset_deviation, " rad");
-  CheckNotNegative("speed_bandwidth", speed_bandwidth, " Hz");
+double JointEncodersParams::Resolution() const {
+  return bits ? std::ldexp(2 * std::numbers::pi, -*bits) : 0;
 }
 
 Vec<12> JointEncoders::DrawOffset(RandomStream& noise) const {
@@ -22,8 +20,10 @@ JointMotion JointEncoders::CalcJoints(const LeggedState& x, const SensorError& a
                                       RandomStream& angle_noise, RandomStream& speed_noise,
                                       Memory& memory) const {
   JointMotion joints{angle.Measure<12>(x.q + offset, angle_noise), speed.Measure(x.qd, speed_noise)};
-  if (params.resolution > 0)
-    joints.q = params.resolution * (joints.q / params.resolution).array().round().matrix();
+  if (params.bits) {
+    const double resolution = params.Resolution();
+    joints.q = resolution * (joints.q / resolution).array().round().matrix();
+  }
   if (params.speed_bandwidth > 0) {
     const double h = params.rate.period();
     const double a = std::exp(-2 * std::numbers::pi * params.speed_bandwidth * h);

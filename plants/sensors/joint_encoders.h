@@ -7,24 +7,38 @@
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
 
+#include <optional>
+
 namespace tenon {
 
-/// By default there are no errors.
+/// Encoders of the joints. By default there are no errors.
 struct JointEncodersParams {
-  Rate rate = Hz(1000);
-  SensorError angle = {};  ///< [rad]
-  SensorError speed = {};  ///< [rad/s]
-  double resolution = 0;   ///< resolution of the angles; 0: unlimited [rad]
-  double offset_deviation =
-      0;  ///< standard deviation of each joint's calibration error, drawn at the start [rad]
+  Rate rate = Hz(1000);     ///< sample rate
+  SensorError angle = {};   ///< error of the angles, equal at all joints [rad]
+  SensorError speed = {};   ///< error of the speeds, equal at all joints [rad/s]
+  std::optional<int> bits;  ///< resolution of one turn of the joint; empty: unlimited
+  double
+      offset_deviation =  ///< standard deviation of each joint's calibration error, drawn at the start [rad]
+      0;
   double speed_bandwidth = 0;  ///< cut-off frequency f of differentiated angles; 0: speeds are measured [Hz]
 
-  void Validate() const;  ///< throws ParameterError
+  double Resolution() const;  ///< smallest difference of two angles; 0: unlimited [rad]
+  static FieldList Fields() {
+    using P = JointEncodersParams;
+    return {{"rate_hz", &P::rate},
+            Field("angle_noise_rad", &P::angle, &SensorError::absolute).AtLeast(0),
+            Field("angle_bias_rad", &P::angle, &SensorError::bias).Finite(),
+            Field("speed_noise_rad_per_s", &P::speed, &SensorError::absolute).AtLeast(0),
+            Field("speed_bias_rad_per_s", &P::speed, &SensorError::bias).Finite(),
+            Field("bits", &P::bits).Between(1, 52),
+            Field("offset_rad", &P::offset_deviation).AtLeast(0),
+            Field("speed_bandwidth_hz", &P::speed_bandwidth).AtLeast(0)};
+  }
 };
 
 /// Measures angle and speed of all joints with errors (sensor_noise.h). An angle q is measured as
 ///
-///     resolution round((q + offset + error) / resolution).
+///     resolution round((q + offset + error) / resolution),   resolution = 2 pi / 2^bits.
 ///
 /// Without a bandwidth the speed is the true speed with its error. With a bandwidth f it is computed from the
 /// measured angles, by their differences over the period h and a first-order low-pass filter,

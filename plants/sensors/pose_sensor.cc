@@ -3,11 +3,6 @@
 
 namespace tenon {
 
-void PoseSensorParams::Validate() const {
-  CheckDeviation("position_offset", Vec<3>::Constant(position_offset));
-  CheckDeviation("attitude_offset", Vec<3>::Constant(attitude_offset));
-}
-
 PoseSensor::Offset PoseSensor::Draw(RandomStream& calibration) const {
   Offset offset;
   offset.position = NormalVector(calibration, Vec<3>::Constant(params.position_offset));

@@ -16,7 +16,12 @@ struct PoseSensorParams {
   double position_offset = 0;  ///< standard deviation of the calibration error along each axis of W [m]
   double attitude_offset = 0;  ///< standard deviation of the calibration error about each axis of B [rad]
 
-  void Validate() const;  ///< throws ParameterError
+  static FieldList Fields() {
+    using P = PoseSensorParams;
+    return {Undescribed(&P::rate), Undescribed(&P::position_noise), Undescribed(&P::attitude_noise),
+            Field("offset_m", &P::position_offset).AtLeast(0),
+            Field("offset_rad", &P::attitude_offset).AtLeast(0)};
+  }
 };
 
 /// Measures position and attitude with white noise and calibration errors:

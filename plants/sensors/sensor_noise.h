@@ -1,12 +1,10 @@
 #pragma once
 
 #include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
 
 #include <cmath>
-#include <sstream>
 
 namespace tenon {
 
@@ -46,21 +44,16 @@ struct SensorError {
   }
 };
 
-/// Throws ParameterError unless `value` is finite and not negative.
-inline void CheckNotNegative(const char* name, double value, const char* unit) {
-  if (std::isfinite(value) && value >= 0) return;
-  std::ostringstream text;
-  text << name << " = " << value << unit << " must be finite and not negative; 0 for none";
-  throw ParameterError(text.str());
-}
+/// Parameters of a sensor whose samples arrive late. The diagram that contains the sensor delays them.
+template <class Params>
+struct Delayed : Params {
+  int latency = 0;  ///< delay of the output [samples]
 
-/// Throws ParameterError unless `deviation` is finite and not negative.
-inline void CheckDeviation(const char* name, const Vec<3>& deviation) {
-  if (deviation.allFinite() && deviation.minCoeff() >= 0) return;
-  std::ostringstream text;
-  text << name << " is (" << deviation[0] << ", " << deviation[1] << ", " << deviation[2]
-       << "); a standard deviation is finite and not negative";
-  throw ParameterError(text.str());
-}
+  static FieldList Fields() {
+    FieldList fields = Params::Fields();
+    fields.push_back(Field("latency_samples", &Delayed::latency).Between(0, 10'000));
+    return fields;
+  }
+};
 
 }  // namespace tenon

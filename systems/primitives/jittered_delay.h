@@ -20,9 +20,17 @@ struct JitteredDelayParams {
   Rate rate = Hz(1000);               ///< rate of the messages
   std::string unit = "";              ///< unit of input and output
   std::string elements = "";          ///< names of the elements
+  static FieldList Fields() {
+    using P = JitteredDelayParams;
+    return {Field("delay_s", &P::delay).AtLeast(0),
+            Field("jitter_s", &P::jitter).AtLeast(0),
+            Undescribed(&P::initial),
+            Undescribed(&P::rate),
+            Undescribed(&P::unit),
+            Undescribed(&P::elements)};
+  }
   void Validate() const {
-    Demand(std::isfinite(delay) && jitter >= 0 && delay >= jitter,
-           "delay must be finite and jitter from 0 to delay: messages must not arrive before they are sent");
+    Demand(delay >= jitter, "jitter must be from 0 to delay: messages must not arrive before they are sent");
     Demand((delay + jitter) / rate.period() <= 10'000,
            "delay + jitter must not be longer than 10,000 periods: that many messages would be in transit");
     Demand(internal::IsFinite(initial), "initial must be finite");

@@ -94,14 +94,15 @@ std::pair<const YamlTree*, bool> Find(const YamlTree& tree, std::string_view dot
 
 }  // namespace
 
-void YamlDocument::Read(std::string_view dotted_key, const internal::TypeInfo& type, void* value) const {
+void YamlDocument::Read(std::string_view dotted_key, const internal::TypeInfo& type, void* value,
+                        const Scale* scale) const {
   if (std::ranges::none_of(type.fields, [](const Field& field) { return field.name == kFormatKey; }))
     CheckFormat();
   const auto [found, whole] = Find(*tree_, dotted_key);
   YamlTree empty;
   empty.kind = YamlTree::Kind::kMap;
   empty.place = found->place;
-  internal::YamlNode(whole ? *found : empty, std::string(dotted_key)).Read(type, value);
+  internal::YamlNode(whole ? *found : empty, std::string(dotted_key), scale).Read(type, value);
 }
 
 std::string YamlDocument::PlaceOf(std::string_view dotted_key) const {
@@ -226,6 +227,14 @@ void YamlDocument::AddMissing(const YamlDocument& base) {
   YamlTree root = *tree_;
   AddMissingTo(root, *base.tree_);
   tree_ = std::make_shared<const YamlTree>(std::move(root));
+}
+
+void YamlDocument::Change(std::string_view dotted_key, const YamlText& changes) {
+  YamlTree root = internal::WithoutNulls(internal::ParseYamlTree(
+      fmt::format("{{{}: {}}}", dotted_key, changes.text.empty() ? "{}" : changes.text),
+      [&](int, int) { return std::string(dotted_key); }, true, {}));
+  AddMissingTo(root, *tree_);
+  tree_ = std::make_shared<const YamlTree>(internal::WithoutNulls(std::move(root)));
 }
 
 void YamlDocument::Remove(std::string_view key) {

@@ -32,6 +32,15 @@ struct YamlFile {
   std::string text{};
 };
 
+/// Keys of a T that replace those of a file: `sensors: {imu: {rate_hz: 500}}` beside `hardware: standard`.
+/// They are checked when they are read, and kept as text for YamlDocument::Change. Null means not set.
+/// `kScaled`: numbers have the keys and units of Field::Scaled.
+template <class T, bool kScaled = false>
+struct YamlChanges : YamlText {
+  using Changed = T;
+  static constexpr bool kHasScale = kScaled;
+};
+
 /// The version of the file format. Files without the key `format` have this version. It increases when an
 /// older reader would misread new files.
 inline constexpr int kYamlFormat = 1;
@@ -59,8 +68,9 @@ struct RenamedKey {
 ///     const auto params = document.Read<WalkParams>();
 ///
 /// A member is a double, int, std::uint64_t, bool, std::string, an enum with EnumNames() (see NamedEnum), an
-/// Eigen vector or matrix of fixed size, another struct with Fields(), YamlText, YamlFile, or a std::optional
-/// (null is empty), std::vector, std::array or std::map<std::string, ...> of those.
+/// Eigen vector or matrix of fixed size, a Rate (in Hz), another struct with Fields(), YamlText, YamlFile,
+/// YamlChanges, or a std::optional (null is empty), std::vector, std::array or std::map<std::string, ...> of
+/// those.
 ///
 /// A value that ends in .yaml, .urdf or .csv is a path. It is relative to the directory of the file that
 /// contains it, or to the working directory if Set() gave it.
@@ -90,6 +100,9 @@ class YamlDocument {
   /// document replace those of the base. A map without `file` that replaces a name becomes a map of changes
   /// to the file of that name.
   void AddMissing(const YamlDocument& base);
+  /// Sets the keys of a map, recursively, which a scenario gives beside this file, and removes keys that are
+  /// null: they are not set.
+  void Change(std::string_view dotted_key, const YamlText& changes);
   /// Removes a key at top level, if it exists.
   void Remove(std::string_view key);
 
@@ -131,31 +144,33 @@ class YamlDocument {
 
   /// Reads the document into a default-constructed T.
   template <HasFields T>
-  T Read() const {
+  T Read(const Scale* scale = nullptr) const {
     T value{};
-    ReadInto(value);
+    ReadInto(value, scale);
     return value;
   }
   /// Reads the map under a key into a default-constructed T. A missing key counts as an empty map.
   template <HasFields T>
   T ReadAt(std::string_view dotted_key) const {
     T value{};
-    Read(dotted_key, internal::TypeInfoOf<T>(), &value);
+    Read(dotted_key, internal::TypeInfoOf<T>(), &value, nullptr);
     return value;
   }
   /// Reads into `value`, whose members hold the defaults. An error leaves it unchanged.
+  /// With a scale, numbers have the keys and units of Field::Scaled and are converted.
   template <HasFields T>
-  void ReadInto(T& value) const {
+  void ReadInto(T& value, const Scale* scale = nullptr) const {
     if constexpr (requires { T::Renamed(); }) RefuseRenamed(T::Renamed());
     T read = value;
-    Read("", internal::TypeInfoOf<T>(), &read);
+    Read("", internal::TypeInfoOf<T>(), &read, scale);
     value = std::move(read);
   }
 
  private:
   YamlDocument(std::shared_ptr<const internal::YamlTree> tree, std::string name)
       : tree_(std::move(tree)), name_(std::move(name)) {}
-  void Read(std::string_view dotted_key, const internal::TypeInfo& type, void* value) const;
+  void Read(std::string_view dotted_key, const internal::TypeInfo& type, void* value,
+            const Scale* scale) const;
   void RefuseRenamed(const std::vector<RenamedKey>& renamed) const;
   void CheckFormat() const;
 

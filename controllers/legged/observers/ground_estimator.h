@@ -23,15 +23,21 @@ struct GroundBelief {
   double doubt = 3;                ///< dead band of the output slope, in standard deviations of the slope
 
   static FieldList Fields() {
+    const auto lengths = [](double ratio, const Scale& scale) { return ratio * scale.length; };
     return {Field("roughness_m", &GroundBelief::roughness)
                 .Positive()
-                .Because("four feet never lie exactly in a plane"),
-            Field("level_walk_m", &GroundBelief::level_walk).AtLeast(0).Because("0 turns it off"),
+                .Because("four feet never lie exactly in a plane")
+                .Scaled("roughness_l", lengths),
+            Field("level_walk_m", &GroundBelief::level_walk)
+                .AtLeast(0)
+                .Because("0 turns it off")
+                .Scaled("level_walk_l", lengths),
             Field("slope_walk", &GroundBelief::slope_walk).AtLeast(0).Because("0 turns it off"),
             Field("start_slope", &GroundBelief::start_slope).AtLeast(0).Because("0 turns it off"),
             Field("start_roughness_m", &GroundBelief::start_roughness)
                 .Positive()
-                .Because("four feet never lie exactly in a plane"),
+                .Because("four feet never lie exactly in a plane")
+                .Scaled("start_roughness_l", lengths),
             Field("doubt", &GroundBelief::doubt).AtLeast(0).Because("0 turns it off")};
   }
 };

@@ -54,42 +54,53 @@ struct WholeBodyGains {
   WholeBodyQpParams qp = {};
 
   static FieldList Fields() {
-    return {Field("com_stiffness_N_per_m", &WholeBodyGains::com_stiffness)
-                .Positive()
-                .Because("with 0 errors are not corrected"),
-            Field("com_damping_N_s_per_m", &WholeBodyGains::com_damping)
-                .AtLeast(0)
-                .Because("negative damping is unstable"),
-            Field("com_limit_m", &WholeBodyGains::com_limit).Positive().OrInfinite(),
-            Field("grip_limit", &WholeBodyGains::grip_limit).Positive().OrInfinite(),
-            Field("trunk_stiffness_per_s2", &WholeBodyGains::trunk_stiffness)
-                .Positive()
-                .Because("with 0 errors are not corrected"),
-            Field("trunk_damping_per_s", &WholeBodyGains::trunk_damping)
-                .AtLeast(0)
-                .Because("negative damping is unstable"),
-            Field("turn_limit_rad", &WholeBodyGains::turn_limit).Positive().OrInfinite(),
-            Field("swing_stiffness_per_s2", &WholeBodyGains::swing_stiffness)
-                .Positive()
-                .Because("with 0 errors are not corrected"),
-            Field("swing_damping_per_s", &WholeBodyGains::swing_damping)
-                .AtLeast(0)
-                .Because("negative damping is unstable"),
-            Field("swing_limit_m_per_s2", &WholeBodyGains::swing_limit).Positive().OrInfinite(),
-            Field("stance_damping_per_s", &WholeBodyGains::stance_damping)
-                .AtLeast(0)
-                .Because("negative damping is unstable"),
-            Field("stretch_limit", &WholeBodyGains::stretch_limit)
-                .Above(0)
-                .AtMost(1)
-                .Because("1 is a straight leg"),
-            Field("stretch_stiffness_per_s2", &WholeBodyGains::stretch_stiffness)
-                .AtLeast(0)
-                .Because("0 turns it off"),
-            Field("load_ramp_s", &WholeBodyGains::load_ramp).AtLeast(0).Because("0 turns it off"),
-            {"dynamics", &WholeBodyGains::dynamics},
-            {"leg_compensation", &WholeBodyGains::compensation},
-            {"qp", &WholeBodyGains::qp}};
+    return {
+        Field("com_stiffness_N_per_m", &WholeBodyGains::com_stiffness)
+            .Positive()
+            .Because("with 0 errors are not corrected")
+            .Scaled("com_stiffness_mg_per_l",
+                    [](double k, const Scale& s) { return k * (s.mass * s.gravity / s.length); }),
+        Field("com_damping_N_s_per_m", &WholeBodyGains::com_damping)
+            .AtLeast(0)
+            .Because("negative damping is unstable")
+            .Scaled("com_damping_mg_t_per_l",
+                    [](double k, const Scale& s) { return k * (s.mass * s.gravity * s.Time() / s.length); }),
+        Field("com_limit_m", &WholeBodyGains::com_limit)
+            .Positive()
+            .OrInfinite()
+            .Scaled("com_limit_l", [](double limit, const Scale& s) { return limit * s.length; }),
+        Field("grip_limit", &WholeBodyGains::grip_limit).Positive().OrInfinite(),
+        Field("trunk_stiffness_per_s2", &WholeBodyGains::trunk_stiffness)
+            .Positive()
+            .Because("with 0 errors are not corrected"),
+        Field("trunk_damping_per_s", &WholeBodyGains::trunk_damping)
+            .AtLeast(0)
+            .Because("negative damping is unstable"),
+        Field("turn_limit_rad", &WholeBodyGains::turn_limit).Positive().OrInfinite(),
+        Field("swing_stiffness_per_s2", &WholeBodyGains::swing_stiffness)
+            .Positive()
+            .Because("with 0 errors are not corrected"),
+        Field("swing_damping_per_s", &WholeBodyGains::swing_damping)
+            .AtLeast(0)
+            .Because("negative damping is unstable"),
+        Field("swing_limit_m_per_s2", &WholeBodyGains::swing_limit)
+            .Positive()
+            .OrInfinite()
+            .Scaled("swing_limit_g", [](double limit, const Scale& s) { return limit * s.gravity; }),
+        Field("stance_damping_per_s", &WholeBodyGains::stance_damping)
+            .AtLeast(0)
+            .Because("negative damping is unstable"),
+        Field("stretch_limit", &WholeBodyGains::stretch_limit)
+            .Above(0)
+            .AtMost(1)
+            .Because("1 is a straight leg"),
+        Field("stretch_stiffness_per_s2", &WholeBodyGains::stretch_stiffness)
+            .AtLeast(0)
+            .Because("0 turns it off"),
+        Field("load_ramp_s", &WholeBodyGains::load_ramp).AtLeast(0).Because("0 turns it off"),
+        {"dynamics", &WholeBodyGains::dynamics},
+        {"leg_compensation", &WholeBodyGains::compensation},
+        {"qp", &WholeBodyGains::qp}};
   }
 };
 

@@ -23,7 +23,8 @@ constexpr auto EnumNames(FrictionPyramid) {
                     Named{FrictionPyramid::kOctagonal, "octagonal"}};
 }
 
-/// Weights of the cost and the friction coefficient of WholeBodyQp.
+/// Weights of the cost and the friction coefficient of WholeBodyQp. In files for robots of all sizes they
+/// hold for forces in m g, torques in m g l and accelerations in g: the whole cost is multiplied by (m g)^2.
 struct WholeBodyQpParams {
   double wrench_weight = 100;         ///< Q of the force [1/N^2]
   double moment_weight = 100;         ///< Q of the horizontal moment about the CoM [1/(N m)^2]
@@ -37,14 +38,19 @@ struct WholeBodyQpParams {
   FrictionPyramid friction_pyramid = FrictionPyramid::kCircumscribed;
 
   static FieldList Fields() {
-    return {Field("wrench_weight", &WholeBodyQpParams::wrench_weight).Positive(),
-            Field("moment_weight", &WholeBodyQpParams::moment_weight).Positive(),
-            Field("tilt_weight_per_rad2", &WholeBodyQpParams::tilt_weight).AtLeast(0),
-            Field("free_tilt_rad", &WholeBodyQpParams::free_tilt).AtLeast(0),
-            Field("yaw_weight", &WholeBodyQpParams::yaw_weight).Positive(),
-            Field("force_weight", &WholeBodyQpParams::force_weight).Positive(),
-            Field("acceleration_weight", &WholeBodyQpParams::acceleration_weight).Positive(),
-            Field("slack_weight", &WholeBodyQpParams::slack_weight).Positive(),
+    using P = WholeBodyQpParams;
+    const auto moment = [](double w, const Scale& s) { return w / (s.length * s.length); };
+    const auto acceleration = [](double w, const Scale& s) { return w * (s.mass * s.mass); };
+    return {Field("wrench_weight", &P::wrench_weight).Positive().Scaled(),
+            Field("moment_weight", &P::moment_weight).Positive().Scaled("moment_weight", moment),
+            Field("tilt_weight_per_rad2", &P::tilt_weight).AtLeast(0).Scaled("tilt_weight_per_rad2", moment),
+            Field("free_tilt_rad", &P::free_tilt).AtLeast(0),
+            Field("yaw_weight", &P::yaw_weight).Positive().Scaled("yaw_weight", moment),
+            Field("force_weight", &P::force_weight).Positive().Scaled(),
+            Field("acceleration_weight", &P::acceleration_weight)
+                .Positive()
+                .Scaled("acceleration_weight", acceleration),
+            Field("slack_weight", &P::slack_weight).Positive().Scaled("slack_weight", acceleration),
             Field("friction", &WholeBodyQpParams::friction).Positive(),
             Field("friction_pyramid", &WholeBodyQpParams::friction_pyramid)};
   }

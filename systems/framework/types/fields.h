@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/systems/framework/types/range.h>
+#include <tenon/systems/framework/types/scale.h>
 
 #include <array>
 #include <concepts>
@@ -9,9 +10,12 @@
 #include <memory>
 #include <span>
 #include <type_traits>
+#include <typeinfo>
 #include <vector>
 
 namespace tenon {
+
+class Rate;
 
 namespace internal {
 
@@ -87,6 +91,9 @@ struct BytesOf {
 ///
 ///     Field("mass_kg", &Cart::mass).Positive(),  Field("share", &Cart::share).AtLeast(0).Below(1)
 ///
+/// A member of a member is listed by both: Field("noise_N", &Sensor::error, &SensorError::absolute). A rate
+/// is given in Hz.
+///
 /// Every member must be listed, as `Undescribed` if logs and snapshots omit it on purpose: the first use of a
 /// struct whose list lacks a member throws BuildError. The members of an aggregate are counted. In a class
 /// with constructors, private members or bases, the listed members must fill the object except for padding; a
@@ -100,13 +107,27 @@ class Field {
         elements(elements),
         offset(internal::OffsetOf(member)),
         size(sizeof(Member)),
+        whole(offset),
+        whole_size(size),
         initializers(internal::kInitializers<Member>),
-        type(&internal::TypeInfoOf<Member>) {}
+        type(&internal::TypeInfoOf<Member>),
+        owner(&typeid(Struct)) {
+    if constexpr (std::is_same_v<Member, Rate>) range.Above(0).AtMost(kFastestRate);
+  }
+  /// A member of a member of the struct.
+  template <class Struct, class Member, class Part, class Inner>
+  requires std::is_base_of_v<Part, Member> Field(const char* name, Member Struct::*member, Inner Part::*inner)
+      : Field(name, static_cast<Inner Member::*>(inner)) {
+    MoveInto(member);
+    owner = &typeid(Struct);
+  }
   /// A member without description: see `Undescribed`.
   template <class Struct, class Member>
   explicit Field(Member Struct::*member)
       : offset(internal::OffsetOf(member)),
         size(sizeof(Member)),
+        whole(offset),
+        whole_size(size),
         initializers(internal::kInitializers<Member>),
         constant(internal::kPointsToConstant<Member>) {}
 
@@ -122,15 +143,46 @@ class Field {
   Field& Between(double first, double last) { return range.Between(first, last), *this; }
   Field& Because(const char* remedy) { return range.Because(remedy), *this; }
 
+  /// A vector for which a file may give one number for all elements.
+  Field& Uniform() { return uniform = true, *this; }
+  /// A file for systems of all sizes gives this number under another key, in units of the system's scale:
+  ///
+  ///     .Scaled("stiffness_mg_per_l", [](double k, const Scale& s) { return k * (s.Weight() / s.length); })
+  ///
+  /// Such a file must give it, unless the default is 0, which holds for all sizes.
+  Field& Scaled(const char* key, double (*convert)(double value, const Scale& scale)) {
+    return scaled_name = key, scaled = convert, *this;
+  }
+  /// A number that is the same for all sizes, but which a file for all sizes must give like scaled ones.
+  Field& Scaled() {
+    return Scaled(name, [](double value, const Scale&) { return value; });
+  }
+
+  /// Makes this field of a struct one of the struct that contains it as `member`.
+  template <class Struct, class Member>
+  void MoveInto(Member Struct::*member) {
+    whole = internal::OffsetOf(member);
+    whole_size = sizeof(Member);
+    offset += whole;
+    initializers = internal::kInitializers<Member>;
+  }
+
+  static constexpr double kFastestRate = 1e5;  ///< in a file [Hz]
   const char* name = "";
   const char* units = "";
   const char* elements = "";  ///< names of a vector's elements or an array's items, as in a Spec
   std::size_t offset;         ///< place of the member in the struct [bytes]
   std::size_t size;           ///< size of the member [bytes]
-  std::size_t initializers;   ///< number of initialisers of the member in the braces of its struct
+  std::size_t whole;          ///< place of the struct's member that is, or contains, this one [bytes]
+  std::size_t whole_size;     ///< size of that member [bytes]
+  std::size_t initializers;   ///< number of initialisers of that member in the braces of its struct
   const internal::TypeInfo& (*type)() = nullptr;  ///< type of the member; null if it is not described
+  const std::type_info* owner = nullptr;          ///< struct that declares the member
   bool required = false;
   bool constant = false;  ///< a member without description that points to data that no run changes
+  bool uniform = false;   ///< one number may stand for all elements of the vector
+  const char* scaled_name = "";
+  double (*scaled)(double value, const Scale& scale) = nullptr;  ///< null if it holds for one size only
   Range range = {};
 };
 
@@ -151,6 +203,15 @@ Field Required(const char* name, Member Struct::*member) {
 template <class Struct, class Member>
 Field Undescribed(Member Struct::*member) {
   return Field(member);
+}
+
+/// Adds the fields of a member, whose keys stand beside those of the struct that contains it.
+template <class Struct, class Member>
+void AddInline(FieldList& fields, Member Struct::*member) {
+  for (Field field : Member::Fields()) {
+    field.MoveInto(member);
+    fields.push_back(field);
+  }
 }
 
 /// Structs with a static `FieldList Fields()`.

@@ -1,3 +1,4 @@
+#include <tenon/systems/framework/block/rate.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/key_unit.h>
@@ -105,6 +106,8 @@ void YamlNode::Read(const TypeInfo& type, void* value) const {
         return;
       }
       if (*type.id == typeid(YamlFile)) return ReadFile(static_cast<YamlFile*>(value));
+      if (*type.id == typeid(Rate)) return ReadRate(static_cast<Rate*>(value));
+      if (type.item != nullptr) return ReadChanges(type, static_cast<YamlText*>(value));
       Fail("its type has no YAML form: a struct needs a static Fields(), an enum EnumNames()");
   }
 }
@@ -199,20 +202,61 @@ void YamlNode::ReadMatrix(const TypeInfo& type, void* value) const {
   }
 }
 
-void YamlNode::ReadStruct(const TypeInfo& type, void* value) const {
-  CheckKeys(type.fields);
-  for (const Field& field : type.fields) {
-    if (const auto node = Find(field.name)) {
-      node->Read(field.type(), static_cast<std::byte*>(value) + field.offset);
-    }
+const char* YamlNode::KeyOf(const Field& field) const {
+  return scale_ != nullptr && field.scaled != nullptr ? field.scaled_name : field.name;
+}
+
+void YamlNode::ReadField(const Field& field, void* value) const {
+  if (field.uniform && !IsList()) {
+    double number = 0;
+    ReadDouble(&number);
+    auto* const numbers = static_cast<double*>(field.type().data(value));
+    std::fill(numbers, numbers + field.type().rows, number);
+  } else {
+    Read(field.type(), value);
   }
+}
+
+void YamlNode::ReadStruct(const TypeInfo& type, void* value) const {
+  CheckKeys(type.fields, value);
+  const auto at = [&](const Field& field) { return static_cast<std::byte*>(value) + field.offset; };
+  for (const Field& field : type.fields)
+    if (const auto node = Find(KeyOf(field))) node->ReadField(field, at(field));
   try {
-    for (const Field& field : type.fields)
-      if (!field.range.any()) CheckRange(field, value);
-    if (type.validate != nullptr) type.validate(value);
+    for (const Field& field : type.fields) {
+      if (!field.range.any()) CheckRange({KeyOf(field), field.units, &field.range, &field.type()}, at(field));
+      if (scale_ == nullptr || field.scaled == nullptr || !Find(KeyOf(field))) continue;
+      auto* const number = reinterpret_cast<double*>(at(field));
+      *number = field.scaled(*number, *scale_);
+    }
+    if (type.validate != nullptr && !is_part_) type.validate(value);
   } catch (const ParameterError& error) {
     FailValidation(error.what());
   }
+}
+
+void YamlNode::ReadRate(Rate* value) const {
+  if (IsNull()) return;
+  double hz = 0;
+  ReadDouble(&hz);
+  static const Range kRates =
+      Range().Above(0).AtMost(Field::kFastestRate).Also([](double rate) { Hz(rate); });
+  if (!kRates.Contains(hz)) {
+    try {
+      kRates.Refuse(hz, path_.substr(path_.rfind('.') + 1), "Hz");
+    } catch (const ParameterError& error) {
+      Fail(error.what());
+    }
+  }
+  *value = Hz(hz);
+}
+
+void YamlNode::ReadChanges(const TypeInfo& type, YamlText* value) const {
+  const AnyValue changed(type.item(), std::byte{});
+  static const Scale kAny;
+  const YamlTree given = WithoutNulls(*tree_);
+  YamlNode(given, path_, type.count > 0 ? &kAny : nullptr, true).Read(type.item(), changed.get());
+  value->text = FlowText(WithAbsolutePaths(given, false));
 }
 
 void YamlNode::ReadItems(const TypeInfo& item, void* first, const std::vector<YamlNode>& items) const {
@@ -255,7 +299,7 @@ std::string YamlNode::Below(std::string_view key) const {
 }
 
 YamlNode YamlNode::Child(const YamlTree& child, std::string_view key) const {
-  return {child, Below(key)};
+  return {child, Below(key), scale_, is_part_};
 }
 
 std::vector<YamlNode> YamlNode::Items() const {
@@ -285,7 +329,18 @@ std::optional<YamlNode> YamlNode::Find(std::string_view key) const {
   return Child(*it, key);
 }
 
-void YamlNode::CheckKeys(const FieldList& keys) const {
+bool YamlNode::NeedsScale(const Field& field, const void* value) {
+  const auto* const at = static_cast<const std::byte*>(value) + field.offset;
+  if (field.scaled != nullptr) return *reinterpret_cast<const double*>(at) != 0;
+  return field.type().kind == TypeInfo::Kind::kStruct &&
+         std::ranges::any_of(field.type().fields, [at](const Field& part) { return NeedsScale(part, at); });
+}
+
+void YamlNode::CheckKeys(FieldList keys, const void* value) const {
+  for (Field& key : keys) {
+    key.required |= scale_ != nullptr && NeedsScale(key, value);
+    key.name = KeyOf(key);
+  }
   const bool empty_document = path_.empty() && IsNull();
   if (tree_->kind != Kind::kMap && !empty_document)
     Fail(fmt::format("expected a map, found {}; valid keys: {}", Describe(*tree_), JoinKeys(keys)));
@@ -299,7 +354,7 @@ void YamlNode::CheckKeys(const FieldList& keys) const {
   }
   FieldList missing;
   for (const Field& key : keys)
-    if (key.required && !Find(key.name)) missing.push_back(key);
+    if (key.required && !is_part_ && !Find(key.name)) missing.push_back(key);
   if (!missing.empty())
     Fail(fmt::format("required but missing: {}; add {}, because there is no default", JoinKeys(missing),
                      missing.size() == 1 ? "it" : "them"));

@@ -341,6 +341,13 @@ YamlTree WithAbsolutePaths(YamlTree tree, bool names_file) {
   return tree;
 }
 
+YamlTree WithoutNulls(YamlTree tree) {
+  if (tree.kind == Kind::kMap)
+    std::erase_if(tree.children, [](const YamlTree& child) { return child.kind == Kind::kNull; });
+  for (YamlTree& child : tree.children) child = WithoutNulls(std::move(child));
+  return tree;
+}
+
 bool IsName(const YamlTree& tree) {
   if (tree.kind != Kind::kScalar || tree.text.empty() || tree.text == "true" || tree.text == "false")
     return false;

@@ -76,6 +76,9 @@ std::string PathOf(const YamlTree& tree);
 /// `file`, a name with a slash is a path, too.
 YamlTree WithAbsolutePaths(YamlTree tree, bool names_file);
 
+/// Returns the value without keys of maps that are null.
+YamlTree WithoutNulls(YamlTree tree);
+
 /// Returns whether a value can be a name: a text other than a number, true or false.
 bool IsName(const YamlTree& tree);
 

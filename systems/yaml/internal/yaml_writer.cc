@@ -1,3 +1,4 @@
+#include <tenon/systems/framework/block/rate.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/internal/yaml_writer.h>
 #include <tenon/systems/yaml/yaml.h>
@@ -57,10 +58,12 @@ class Writer {
       case TypeInfo::Kind::kMap:
         return WriteMap(type, value);
       case TypeInfo::Kind::kOpaque:
-        if (*type.id == typeid(YamlText)) {
-          emitter_ << YAML::Load(static_cast<const YamlText*>(value)->text);
+        if (*type.id == typeid(YamlText) || type.item != nullptr) {
+          const std::string& text = static_cast<const YamlText*>(value)->text;
+          emitter_ << YAML::Load(text.empty() ? "{}" : text);
           return;
         }
+        if (*type.id == typeid(Rate)) return WriteDouble(static_cast<const Rate*>(value)->hz());
         if (*type.id == typeid(YamlFile)) {
           emitter_ << YAML::Load(static_cast<const YamlFile*>(value)->text);
           return;

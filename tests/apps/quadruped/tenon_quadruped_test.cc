@@ -327,32 +327,15 @@ TEST_F(TenonQuadrupedTest, LandsOnItsFeetFromItsRopes) {
   EXPECT_EQ(Column(out, "loop.locomotion.schedule.legs.front_left.state").back(), 0) << "stance";
 }
 
+// One of each kind: in a file that the scenario names, beside it, of a range, a type or a name, found when
+// the diagram is made.
 TEST_F(TenonQuadrupedTest, RefusesBadSettings) {
-  ExpectSettingsRefused("stand", {"robot.foot_radius_m=-1",
-                                  "robot.foot_radius_m=1e9",
-                                  "hardware=perfect",
-                                  "start_height_m=-0.1",
-                                  "fall.min_height_ratio=1",
-                                  "fall.max_height_m=0",
-                                  "fall.max_height_m=0.01",
-                                  "fall.max_tilt_rad=4",
-                                  "live.yaw_rad_per_s=[1,2]",
-                                  "live.load_ratio=0",
-                                  "pd.rate_hz=-1",
-                                  "sensors.torque.noise_ratio=-1",
-                                  "sensors.imu.rate_hz=0",
-                                  "sensors.imu.rate_hz=1e9",
-                                  "sensors.encoders.rate_hz=1e-30",
-                                  "integrator.order=0",
-                                  "integrator.atol_bristles=0",
-                                  "integrator.atol_position=1e308",
-                                  "payload.mass_kg=-1",
-                                  "payload.edges_m=[-1,-1,-1]",
-                                  "payload.position_m=[0,-1e308,0]"});
-  ExpectSettingsRefused(
-      "flat", {"walk.gaits=none", "walk.gaits.trot=1", "walk.friction=0", "walk.state=guessed",
-               "walk.zmp.horizon_steps=9", "walk.mass_error_ratio=-1", "walk.model_error.mass_ratio=1",
-               "profile=standrd", "profile.qp_rate_hz=-1", "profile.sway_limit_rad_per_s2=-1"});
+  ExpectSettingsRefused("stand", {"robot.foot_radius_m=-1", "hardware=perfect", "hardware.link.delay_s=1.5",
+                                  "start_height_m=-0.1", "fall.max_height_m=0.01", "live.yaw_rad_per_s=[1,2]",
+                                  "sensors.torque.noise_ratio=-1", "sensors.encoders.rate_hz=1e-30",
+                                  "integrator.atol_position=1e308", "payload.position_m=[0,-1e308,0]"});
+  ExpectSettingsRefused("flat", {"walk.gaits.trot=1", "walk.state=guessed", "walk.zmp.horizon_steps=9",
+                                 "profile.qp_rate_hz=-1"});
 }
 
 // The message names the key of the list or map that is wrong, or the one that contradicts another.
@@ -366,20 +349,13 @@ TEST_F(TenonQuadrupedTest, RefusesSettingsThatDoNotFitTogether) {
        {"flat --set 'profile.observer.legs.butterworth={order: 3, bandwidth_rad_per_s: 100}'",
         ": profile.observer.legs: observer.legs.gains_per_s: "},
        {"stand --set 'payload={mass_kg: 1, slides: {reach_m: [-1, 0]}}'", ": payload.slides.reach_m.0: "},
-       {"stand --set 'payload={mass_kg: 1, slides: {friction: 11}}'", ": payload.slides.friction: "},
        {"stand --set 'payload={mass_kg: 1, position_m: [0, 0, -1.5]}'", ": payload.position_m: "},
        {"stand --set 'forces=[{on: tail, duration_s: 1}]'", ": forces.0.on: "},
-       {"stand --set 'forces=[{on: front_left, height: 3, duration_s: 1}]'", ": forces.0.height: "},
-       {"stand --set 'forces=[{duration_s: 1, frequency_rad_per_s: -3}]'",
-        ": forces.0.frequency_rad_per_s: "},
        {"stand --set \"forces=[$(printf '{duration_s: 1},%.0s' 1 2 3 4 5 6 7 8){duration_s: 1}]\"",
         ": forces: "},
        {"stand --set 'random_forces=[{lower_N: 3, upper_N: 2}]'", ": random_forces.0.upper_N: "},
-       {"stand --set 'random_forces=[{lower_N: 1, upper_N: 2, period_s: 0}]'",
-        ": random_forces.0.period_s: "},
        {"stand --set 'random_forces=[{lower_N: 1, upper_N: 2, period_s: 0.123456789123}]'",
         ": random_forces.0.period_s: "},
-       {"stand --set 'terrain={friction: -1}'", ": terrain.friction: "},
        {"flat --set terrain.grade=[50,0]", ": terrain: "},
        {"E1 --set ropes.0.tension_max_N=0", ": ropes.0.tension_max_N: "},
        {"E1 --set ropes.0.tension_min_N=1e3", ": ropes.0.tension_min_N: "},

@@ -49,15 +49,15 @@ pd: {stiffness_m_per_s2: 100, damping_m_per_s: 8}
 )";
   const CdprProfile profile = LoadCdprProfile({file.string()}, scale);
   std::filesystem::remove(file);
-  EXPECT_DOUBLE_EQ(profile.horizon, 2);
-  EXPECT_EQ(profile.num_steps, 7);
-  EXPECT_DOUBLE_EQ(profile.weights.position, 1);
-  EXPECT_DOUBLE_EQ(profile.weights.velocity, 1);
-  EXPECT_DOUBLE_EQ(profile.weights.attitude, 2);
-  EXPECT_DOUBLE_EQ(profile.weights.angular_velocity, 1);
-  EXPECT_DOUBLE_EQ(profile.weights.tension, 1);
-  EXPECT_DOUBLE_EQ(profile.pd_stiffness_N_per_m, 200);
-  EXPECT_DOUBLE_EQ(profile.pd_damping_N_s_per_m, 16);
+  EXPECT_DOUBLE_EQ(profile.mpc.horizon, 2);
+  EXPECT_EQ(profile.mpc.num_steps, 7);
+  EXPECT_DOUBLE_EQ(profile.mpc.weights.position, 1);
+  EXPECT_DOUBLE_EQ(profile.mpc.weights.velocity, 1);
+  EXPECT_DOUBLE_EQ(profile.mpc.weights.attitude, 2);
+  EXPECT_DOUBLE_EQ(profile.mpc.weights.angular_velocity, 1);
+  EXPECT_DOUBLE_EQ(profile.mpc.weights.tension, 1);
+  EXPECT_DOUBLE_EQ(profile.pd.stiffness, 200);
+  EXPECT_DOUBLE_EQ(profile.pd.damping, 16);
 }
 
 TEST(CdprProfile, RefusesAProfileOfAWalkingRobot) {
@@ -87,8 +87,8 @@ CdprLoopParams Similar(double length, double mass) {
   const auto rate = [&](double hz) { return Hz(hz / time); };
   params.mpc->rate = rate(100);
   params.mpc->command_rate = rate(1000);
-  params.mpc->weights = params.mpc->terminal_weights = profile.weights;
-  params.mpc->horizon = std::round(profile.horizon * params.mpc->rate.hz()) / params.mpc->rate.hz();
+  params.mpc->weights = params.mpc->terminal_weights = profile.mpc.weights;
+  params.mpc->horizon = std::round(profile.mpc.horizon * params.mpc->rate.hz()) / params.mpc->rate.hz();
   params.start_offset = length * Vec<3>(0.1, -0.2, 0.1);  // gains shape the return to the path
   params.control_rate = rate(1000);
   params.pose_sensor.rate = params.estimator.rate = rate(100);

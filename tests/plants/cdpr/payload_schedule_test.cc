@@ -19,11 +19,8 @@ TEST(PayloadScheduleTest, HangsThePayloadFromAttachToRelease) {
 
 TEST(PayloadScheduleTest, RefusesNonsense) {
   PayloadScheduleParams params;
-  params.payload.mass = -1;
-  EXPECT_TRUE(Refuses<PayloadSchedule>(params, "mass"));
-  params.payload.mass = 1;
   params.attach_s = 3;
-  EXPECT_TRUE(Refuses<PayloadSchedule>(params, "0 s", "3 s"));
+  EXPECT_TRUE(Refuses<PayloadSchedule>(params, "release_s", "attach_s"));
 }
 
 TEST(PayloadScheduleTest, LoadAndTimesAreSetInARun) {
@@ -34,7 +31,7 @@ TEST(PayloadScheduleTest, LoadAndTimesAreSetInARun) {
   EXPECT_EQ(rig.RunTo(1.5)[rig->payload].mass, 3);
   rig.Set(rig->release, 1.8);
   EXPECT_EQ(rig.RunTo(1.8)[rig->payload].mass, 0);
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->release, 1); }, "1 s", "1.5 s"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->release, 1); }, "release_s = 1", "1.5"));
 }
 
 }  // namespace

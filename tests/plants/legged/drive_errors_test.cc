@@ -30,10 +30,5 @@ TEST(DriveErrorsTest, RippleGrowsWithTheTorque) {
   for (int j = 0; j < 12; ++j) EXPECT_NEAR(std::sqrt(squares[j]), 0.05 * command[j], 0.003 * command[j]) << j;
 }
 
-TEST(DriveErrorsTest, RefusesImpossibleRatios) {
-  EXPECT_TRUE(Refuses<DriveErrors>({.gain_deviation = 1.5}, "gain_deviation"));
-  EXPECT_TRUE(Refuses<DriveErrors>({.ripple = -1}, "ripple"));
-}
-
 }  // namespace
 }  // namespace tenon::drive_errors_test

@@ -117,7 +117,6 @@ TEST(SlidingLoadTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness"));
   EXPECT_TRUE(refuses([](auto& p) { p.gravity = NAN; }, "gravity"));
   EXPECT_TRUE(refuses([](auto& p) { p.damping_ratio = -1; }, "damping_ratio"));
-  EXPECT_TRUE(refuses([](auto& p) { p.reach = {-1, 0}; }, "reach"));
 }
 
 }  // namespace

@@ -59,9 +59,5 @@ TEST(ImuErrorsTest, BiasesWalkWithTheRootOfTime) {
   EXPECT_EQ(rig[rig->measured].specific_force_B, kMeasurement.specific_force_B);
 }
 
-TEST(ImuErrorsTest, RefusesNegativeDeviations) {
-  EXPECT_TRUE(Refuses<ImuErrors>({.misalignment = -0.1}, "misalignment"));
-}
-
 }  // namespace
 }  // namespace tenon::imu_errors_test

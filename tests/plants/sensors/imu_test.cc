@@ -79,9 +79,6 @@ TEST(ImuTest, NoiseHasTheGivenDeviationsAndBiases) {
 }
 
 TEST(ImuTest, RefusesParametersThatMakeNoSense) {
-  EXPECT_TRUE(Refuses<Imu>({.specific_force_noise = {0, 0, -1}}, "specific_force_noise"));
-  EXPECT_TRUE(Refuses<Imu>({.angular_velocity_noise = {INFINITY, 0, 0}}, "angular_velocity_noise"));
-  EXPECT_TRUE(Refuses<Imu>({.angular_velocity_bias = {0, NAN, 0}}, "bias"));
   EXPECT_TRUE(Refuses<Imu>({.p_B = {0, 0, NAN}}, "p_B"));
   EXPECT_TRUE(Refuses<Imu>({.gravity = NAN}, "gravity"));
 }

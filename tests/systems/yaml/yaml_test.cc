@@ -1,3 +1,4 @@
+#include <tenon/systems/framework/block/rate.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/testing/temporary_path.h>
@@ -653,6 +654,100 @@ TEST(YamlDrawTest, RefusesDistributionsThatMakeNoSense) {
   EXPECT_THAT(error("mass_kg: {normal: [3, -2]}"),
               AllOf(StartsWith("load.yaml:1:19: "), HasSubstr("normal")));
   EXPECT_THAT(error("mass_kg: {normal: 3}"), StartsWith("load.yaml:1:19: "));
+}
+
+struct Noise {
+  double absolute = 0;
+  double bias = 0;
+  static FieldList Fields() { return {{"absolute", &Noise::absolute}, {"bias", &Noise::bias}}; }
+};
+
+struct Gains {
+  double stiffness = 100;
+  double offset = 0;
+  static FieldList Fields() {
+    return {
+        Field("stiffness_N_per_m", &Gains::stiffness)
+            .Positive()
+            .Scaled("stiffness_mg_per_l", [](double k, const Scale& s) { return k * s.Weight() / s.length; }),
+        Field("offset_m", &Gains::offset).Scaled("offset_l", [](double ratio, const Scale& s) {
+          return ratio * s.length;
+        })};
+  }
+};
+
+struct Sensor {
+  Noise noise;
+  Vec<3> deviation = Vec<3>::Zero();
+  Rate rate = Hz(1000);
+  Gains gains;
+  std::optional<int> bits;
+  static FieldList Fields() {
+    return {Field("noise_N", &Sensor::noise, &Noise::absolute).AtLeast(0),
+            Field("bias_N", &Sensor::noise, &Noise::bias),
+            Field("deviation_m", &Sensor::deviation).AtLeast(0).Uniform(),
+            {"rate_hz", &Sensor::rate},
+            {"gains", &Sensor::gains},
+            {"bits", &Sensor::bits}};
+  }
+};
+
+Sensor ReadSensor(const std::string& text, const Scale* scale = nullptr) {
+  return YamlDocument::Parse(text, "sensor.yaml").Read<Sensor>(scale);
+}
+
+TEST(YamlFieldTest, MembersOfMembersOneNumberForAVectorAndRates) {
+  const Sensor sensor = ReadSensor("{noise_N: 2, bias_N: -1, deviation_m: 0.5, rate_hz: 300}");
+  EXPECT_EQ(sensor.noise.absolute, 2);
+  EXPECT_EQ(sensor.noise.bias, -1);
+  EXPECT_EQ(sensor.deviation, Vec<3>(0.5, 0.5, 0.5));
+  EXPECT_EQ(sensor.rate.hz(), 300);
+  const Sensor again = ReadSensor(WriteYaml(sensor));
+  EXPECT_EQ(again.deviation, sensor.deviation);
+  EXPECT_EQ(again.rate, sensor.rate);
+  for (const auto& [text, key] : std::vector<std::pair<std::string, std::string>>{
+           {"noise_N: -1", "noise_N"}, {"deviation_m: -1", "deviation_m"}, {"rate_hz: 0", "rate_hz"}})
+    EXPECT_THAT(ErrorOf([&, text = text] { ReadSensor(text); }),
+                AllOf(StartsWith("sensor.yaml:1:"), HasSubstr(key)));
+}
+
+// A robot of 2 kg and 0.5 m with g = 10 m/s^2: m g / l = 40 N/m.
+TEST(YamlScaleTest, FilesForAllSizesGiveNumbersInUnitsOfTheScale) {
+  const Scale scale{.mass = 2, .length = 0.5, .gravity = 10};
+  const Sensor sensor = ReadSensor("gains: {stiffness_mg_per_l: 3, offset_l: 0.1}", &scale);
+  EXPECT_EQ(sensor.gains.stiffness, 120);
+  EXPECT_EQ(sensor.gains.offset, 0.05);
+  const auto error = [&](const std::string& text, const Scale* of) {
+    return ErrorOf([&] { ReadSensor(text, of); });
+  };
+  EXPECT_THAT(error("gains: {stiffness_mg_per_l: 3}", nullptr), HasSubstr("stiffness_N_per_m"));
+  EXPECT_THAT(error("gains: {stiffness_N_per_m: 3}", &scale), HasSubstr("stiffness_mg_per_l"));
+  EXPECT_THAT(error("gains: {stiffness_mg_per_l: -3}", &scale), HasSubstr("above 0"));
+  EXPECT_THAT(error("gains: {}", &scale), HasSubstr("missing: stiffness_mg_per_l")) << "holds for one size";
+  EXPECT_THAT(error("rate_hz: 5", &scale), HasSubstr("missing: gains"));
+}
+
+struct Bench {
+  YamlChanges<Sensor> sensor;
+  static FieldList Fields() { return {{"sensor", &Bench::sensor}}; }
+};
+
+TEST(YamlChangesTest, ReplaceKeysOfAFile) {
+  const auto read = [](const std::string& text) {
+    return YamlDocument::Parse(text, "setup.yaml").Read<Bench>();
+  };
+  const Bench setup = read("sensor: {noise_N: 3, bits: null, gains: {offset_m: 0.2}}");
+  auto document =
+      YamlDocument::Parse("sensor: {noise_N: 1, bits: 14, gains: {stiffness_N_per_m: 7}}", "hardware");
+  document.Change("sensor", setup.sensor);
+  const Sensor both = document.ReadAt<Sensor>("sensor");
+  EXPECT_EQ(both.noise.absolute, 3);
+  EXPECT_EQ(both.bits, 14) << "null is not set";
+  EXPECT_EQ(both.gains.stiffness, 7);
+  EXPECT_EQ(both.gains.offset, 0.2);
+  EXPECT_EQ(read(WriteYaml(setup)).sensor.text, setup.sensor.text);
+  EXPECT_THAT(ErrorOf([&] { read("sensor: {noise_N: -3}"); }),
+              AllOf(StartsWith("setup.yaml:1:"), HasSubstr("sensor.noise_N")));
 }
 
 }  // namespace tenon::yaml_test

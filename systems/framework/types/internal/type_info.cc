@@ -217,7 +217,7 @@ struct Gap {
 std::vector<Gap> FindGaps(const TypeInfo& type, const FieldList& fields, std::size_t begin) {
   std::vector<const Field*> sorted;
   for (const Field& field : fields) sorted.push_back(&field);
-  std::ranges::stable_sort(sorted, {}, &Field::offset);
+  std::ranges::stable_sort(sorted, {}, &Field::whole);
   std::vector<Gap> gaps;
   std::size_t end = begin;
   const Field* last = nullptr;
@@ -229,8 +229,8 @@ std::vector<Gap> FindGaps(const TypeInfo& type, const FieldList& fields, std::si
     gaps.push_back({next - end, last});
   };
   for (const Field* field : sorted) {
-    check_gap(field->offset);
-    end = std::max(end, field->offset + field->size);
+    check_gap(field->whole);
+    end = std::max(end, field->whole + field->whole_size);
     last = field;
   }
   check_gap(type.size);
@@ -251,8 +251,8 @@ std::string Described(const std::vector<Gap>& gaps) {
 }  // namespace
 
 void SetFields(TypeInfo& info, FieldList fields, int members, std::size_t begin) {
-  std::map<std::size_t, std::size_t> listed;  // a member may be listed twice
-  for (const Field& field : fields) listed[field.offset] = field.initializers;
+  std::map<std::size_t, std::size_t> listed;  // a member may be listed more than once
+  for (const Field& field : fields) listed[field.whole] = field.initializers;
   int missing = members;
   for (const auto& [offset, initializers] : listed) missing -= static_cast<int>(initializers);
   const std::vector<Gap> gaps = FindGaps(info, fields, begin);

@@ -152,7 +152,7 @@ struct TypeInfo {
   void (*load)(std::span<const std::byte> bytes, void* value) = nullptr;
   void (*validate)(const void* value) = nullptr;  ///< throws ParameterError; null if there is none
 
-  const TypeInfo& (*item)() = nullptr;
+  const TypeInfo& (*item)() = nullptr;  ///< of an opaque type: the struct whose keys its text changes
   std::size_t count = 0;
   void* (*insert)(void* map, const std::string& key) = nullptr;
   void (*clear)(void* map) = nullptr;
@@ -344,6 +344,9 @@ TypeInfo Describe() {
     info.kind = TypeInfo::Kind::kText;
   } else if constexpr (ItemsOf<T>::kKind != TypeInfo::Kind::kOpaque) {
     DescribeItems<T>(info);
+  } else if constexpr (requires { typename T::Changed; }) {
+    info.item = &TypeInfoOf<typename T::Changed>;
+    info.count = T::kHasScale ? 1 : 0;
   } else if constexpr (requires { SnapshotOf<T>::Save; }) {
     info.save = [](const void* value) { return SnapshotOf<T>::Save(*static_cast<const T*>(value)); };
     info.load = [](std::span<const std::byte> bytes, void* value) {
