@@ -2,7 +2,6 @@
 #include <tenon/apps/cdpr/cdpr_limits.h>
 #include <tenon/apps/cdpr/cdpr_live.h>
 #include <tenon/apps/cdpr/cdpr_run.h>
-#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/tally.h>
@@ -22,33 +21,12 @@ std::string Describe(const CdprScenario& scenario, const std::string& controller
                      scenario.duration_s, scenario.seed);
 }
 
-/// The keys of a scenario that hold the parameters of the blocks.
-static constexpr KeyOfBlock kKeysOfBlocks[] = {
-    {"plant", "robot"},
-    {"reference", "path"},
-    {"mpc", "mpc"},
-    {"load", "load"},
-    {"monitor", "max_tension_ratio"},
-    {"pd", "pd"},
-    {"payload", "payload"},
-    {"gusts", "gusts"},
-    {"hanging_load", "hanging_load"},
-    {"estimator", "noise"},
-    {"pose_sensor", "noise"},
-    {"imu", "noise"},
-    {"winch_errors", "hardware"},
-    {"command_delay", "hardware"},
-    {"cable_sensors", "hardware"},
-    {"imu_errors", "hardware"},
-};
-
 void CheckCdpr(const CdprScenario& scenario, const Customisation<CdprLoop>& customisation) {
   DiagramBuilder builder;
   Outputs outputs(builder);
   std::vector<const Source*> faults;
   AddDiagram(
-      builder, kKeysOfBlocks, [&] { return MakeLoopParams(scenario); }, customisation, scenario, outputs,
-      faults);
+      builder, [&] { return MakeLoopParams(scenario); }, customisation, scenario, outputs, faults);
 }
 
 RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
@@ -57,8 +35,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   Outputs outputs(builder);
   std::vector<const Source*> faults;
   auto& loop = AddDiagram(
-      builder, kKeysOfBlocks, [&] { return MakeLoopParams(scenario); }, customisation, scenario, outputs,
-      faults);
+      builder, [&] { return MakeLoopParams(scenario); }, customisation, scenario, outputs, faults);
   if (const std::string note = PayOutNote(*loop.reference.params.path); !note.empty())
     PrintNotes(options, {note});
   std::optional<CdprLive> live;

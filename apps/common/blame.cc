@@ -1,14 +1,27 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/systems/yaml/resources.h>
 
-#include <fmt/core.h>
+#include <string_view>
 
 namespace tenon::apps {
 
-std::string KeyOfBlockAt(std::string_view path, std::span<const KeyOfBlock> keys) {
-  const std::string dotted = fmt::format(".{}.", path);
-  for (const auto& [block, key] : keys)
-    if (dotted.find(fmt::format(".{}.", block)) != dotted.npos) return key;
+/// Returns the first key called `name` in a map or the maps in it; empty if there is none.
+static std::string FindKey(const YamlDocument& scenario, const std::string& map, std::string_view name) {
+  for (const std::string& key : scenario.Keys(map)) {
+    const std::string path = map.empty() ? key : map + "." + key;
+    if (key == name) return path;
+    if (std::string found = FindKey(scenario, path, name); !found.empty()) return found;
+  }
+  return {};
+}
+
+/// Returns the key called like a block, or like the innermost diagram around it that has a key.
+static std::string KeyOfBlock(const YamlDocument& scenario, std::string_view path) {
+  while (!path.empty()) {
+    const std::size_t dot = path.rfind('.');
+    if (std::string key = FindKey(scenario, "", path.substr(dot + 1)); !key.empty()) return key;
+    path = path.substr(0, dot == path.npos ? 0 : dot);
+  }
   return {};
 }
 
@@ -20,7 +33,8 @@ static std::string_view WithoutPlaceInMap(std::string_view message) {
 }
 
 void ThrowWithPlace(const YamlDocument& scenario, const KeyError& error) {
-  throw ParameterError(scenario.Placed(error.key(), WithoutPlaceInMap(error.what())));
+  const std::string key = error.key().empty() ? KeyOfBlock(scenario, error.block()) : error.key();
+  throw ParameterError(scenario.Placed(key, WithoutPlaceInMap(error.what())));
 }
 
 }  // namespace tenon::apps

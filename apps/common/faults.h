@@ -5,7 +5,6 @@
 #include <tenon/apps/common/notes.h>
 #include <tenon/diagrams/faults/faults.h>
 
-#include <span>
 #include <string>
 #include <vector>
 
@@ -25,13 +24,11 @@ decltype(auto) BlameFaults(F insert) {
 }
 
 /// Adds the diagram of a scenario to the builder, with the parameters that `params()` returns, the change of
-/// a user's program and the faults of the scenario, whose signals `faults` receives. `keys` name the keys of
-/// the diagram's blocks. Throws KeyError.
+/// a user's program and the faults of the scenario, whose signals `faults` receives. Throws KeyError.
 template <class Diagram>
-Diagram& AddDiagram(DiagramBuilder& builder, std::span<const KeyOfBlock> keys, const auto& params,
-                    const Customisation<Diagram>& customisation, const auto& scenario, Outputs& outputs,
-                    std::vector<const Source*>& faults) {
-  auto& diagram = BlameBlocks(keys, [&]() -> Diagram& { return builder.Add<Diagram>("loop", params()); });
+Diagram& AddDiagram(DiagramBuilder& builder, const auto& params, const Customisation<Diagram>& customisation,
+                    const auto& scenario, Outputs& outputs, std::vector<const Source*>& faults) {
+  auto& diagram = Blame("", [&]() -> Diagram& { return builder.Add<Diagram>("loop", params()); });
   customisation.Apply(builder, diagram, scenario.custom, outputs);
   faults = BlameFaults([&] { return InsertFaults(builder, diagram, scenario.faults); });
   return diagram;

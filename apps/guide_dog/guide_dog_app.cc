@@ -44,7 +44,7 @@ GuideDog& AddGuideDog(DiagramBuilder& builder, const GuideDogScenario& scenario,
     observer = made.observer.kind;
     return made;
   };
-  auto& loop = AddDiagram(builder, kKeysOfLegged, params, customisation, scenario, outputs, faults);
+  auto& loop = AddDiagram(builder, params, customisation, scenario, outputs, faults);
   CheckObserver(scenario.observer, loop);
   return loop;
 }

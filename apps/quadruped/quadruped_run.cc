@@ -30,7 +30,7 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
   Outputs outputs(builder);
   std::vector<const Source*> faults;
   auto& loop = AddDiagram(
-      builder, kKeysOfLegged, [&] { return params; }, customisation, scenario, outputs, faults);
+      builder, [&] { return params; }, customisation, scenario, outputs, faults);
   if constexpr (requires { loop.observer; }) CheckObserver(scenario.observer, loop);
   std::optional<QuadrupedLive> live;
   if (options.live) {
@@ -82,11 +82,10 @@ void CheckQuadruped(const QuadrupedScenario& scenario, const Customisation<Quadr
   std::vector<const Source*> faults;
   if (scenario.walk) {
     const auto params = [&] { return MakeWalkParams(scenario); };
-    CheckObserver(scenario.observer,
-                  AddDiagram(builder, kKeysOfLegged, params, customisation, scenario, outputs, faults));
+    CheckObserver(scenario.observer, AddDiagram(builder, params, customisation, scenario, outputs, faults));
   } else {
     const auto params = [&] { return MakeStandParams(scenario); };
-    AddDiagram<QuadrupedStand>(builder, kKeysOfLegged, params, {}, scenario, outputs, faults);
+    AddDiagram<QuadrupedStand>(builder, params, {}, scenario, outputs, faults);
   }
 }
 

@@ -12,38 +12,6 @@
 
 namespace tenon::apps {
 
-/// The keys of a scenario that hold the parameters of the blocks of legged robots.
-inline constexpr KeyOfBlock kKeysOfLegged[] = {
-    {"plant", "robot"},
-    {"monitor", "fall"},
-    {"walk", "walk.path"},
-    {"scheduler", "walk.gaits"},
-    {"com_planner", "walk.zmp"},
-    {"swing_planner", "walk.step"},
-    {"locomotion", "profile"},
-    {"observer", "profile"},
-    {"pd", "pd"},
-    {"sliding_load", "payload"},
-    {"disturbances", "forces"},
-    {"ropes", "ropes"},
-    {"tensions", "ropes"},
-    {"winches", "ropes"},
-    {"encoders", "hardware"},
-    {"torque_sensor", "hardware"},
-    {"foot_sensor", "hardware"},
-    {"imu", "hardware"},
-    {"imu_errors", "hardware"},
-    {"drive_lag", "hardware"},
-    {"drive_errors", "hardware"},
-    {"command_delay", "hardware"},
-    {"estimator", "walk.state"},
-    {"obstacles", "surroundings"},
-    {"person", "person"},
-    {"leash", "leash"},
-    {"supervisor", "supervisor"},
-    {"admittance", "admittance"},
-};
-
 /// The keys of a scenario that name shipped files, and the kinds of these files.
 std::vector<ScenarioFile> LeggedFiles();
 

@@ -1,31 +1,22 @@
 #include <tenon/apps/common/blame.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 #include <gtest/gtest.h>
 
 namespace tenon::apps::blame_test {
 namespace {
 
-TEST(BlameTest, FindsTheKeyOfABlockAndOfWhatIsInIt) {
-  constexpr KeyOfBlock kKeys[] = {{"walk", "walk.path"}, {"observer", "profile"}};
-  EXPECT_EQ(KeyOfBlockAt("observer", kKeys), "profile");
-  EXPECT_EQ(KeyOfBlockAt("loop.observer.leg_0", kKeys), "profile");
-  EXPECT_EQ(KeyOfBlockAt("loop.observer.walk", kKeys), "walk.path") << "the first entry";
-  EXPECT_EQ(KeyOfBlockAt("loop.observers", kKeys), "");
-  EXPECT_EQ(KeyOfBlockAt("", kKeys), "");
-}
-
-TEST(BlameTest, ErrorsOfBlocksGetTheirKey) {
-  constexpr KeyOfBlock kKeys[] = {{"pd", "gains"}};
-  const auto key_of = [&](const std::string& block) {
-    try {
-      BlameBlocks(kKeys, [&] { throw ParameterError("block 'pd': kp = -1", block); });
-    } catch (const KeyError& error) {
-      return error.key();
-    }
-    return std::string("no error");
+TEST(BlameTest, ErrorsOfBlocksHaveThePlaceOfTheKeyOfTheirName) {
+  const auto scenario = YamlDocument::Parse("mass: 3\nwalk:\n  pd: {kp: 1}\n", "cart.yaml");
+  const auto blames = [&](const std::string& block, const std::string& place) {
+    return Throws<ParameterError>(
+        [&] { RunBlaming(scenario, [&] { Blame("", [&] { throw ParameterError("too weak", block); }); }); },
+        place + ": too weak");
   };
-  EXPECT_EQ(key_of("loop.pd"), "gains");
-  EXPECT_EQ(key_of(""), "") << "the text is not searched";
+  EXPECT_TRUE(blames("loop.pd", "cart.yaml:3:7: walk.pd"));
+  EXPECT_TRUE(blames("loop.walk.joint_0", "cart.yaml:3:3: walk")) << "the diagram around it";
+  EXPECT_TRUE(blames("loop.masses", "cart.yaml"));
+  EXPECT_TRUE(blames("", "cart.yaml"));
 }
 
 }  // namespace
