@@ -13,20 +13,6 @@
 namespace tenon::apps {
 namespace {
 
-// The contents of the files that a scenario names.
-
-struct RobotFiles {
-  QuadrupedDescription robot;
-  MovingParts moving;  ///< links on the actuated joints of the robot's file
-  SizeRatio ratio;     ///< size relative to DogBot, if the scenario scales its forces
-  QuadrupedHardware hardware;
-};
-
-struct WalkFiles : RobotFiles {
-  LocomotionProfile profile;
-  FootSchedulerParams gaits;
-};
-
 QuadrupedDescription ReadRobot(const LeggedScenario& scenario) {
   return Blame("robot", [&] { return LoadQuadruped(scenario.robot); });
 }
@@ -46,30 +32,6 @@ SizeRatio ReadRatio(const LeggedScenario& scenario, const QuadrupedDescription& 
   const double length = scale.length / own.length;
   return {scale.mass / own.mass, length, CentreOfHips(robot) - length * CentreOfHips(dogbot)};
 }
-
-RobotFiles ReadRobotFiles(const LeggedScenario& scenario) {
-  RobotFiles files;
-  files.robot = ReadRobot(scenario);
-  files.moving = LoadMovingParts(scenario.robot);
-  files.ratio = ReadRatio(scenario, files.robot);
-  files.hardware = Blame("hardware", [&] {
-    return LoadHardware(scenario.hardware, ScaleOf(files.robot, QuadrupedPlantParams().gravity),
-                        scenario.sensors);
-  });
-  return files;
-}
-
-WalkFiles ReadWalkFiles(const QuadrupedScenario& scenario) {
-  WalkFiles files{ReadRobotFiles(scenario), {}, {}};
-  // Profile and gaits are scaled to the true robot, whatever model of it the
-  // controller has.
-  const RobotScale scale = ScaleOf(files.robot);
-  files.profile = Blame("profile", [&] { return LoadLocomotionProfile(scenario.profile, scale); });
-  files.gaits = Blame("walk.gaits", [&] { return LoadGaits(scenario.walk->gaits, scale); });
-  return files;
-}
-
-// Makes the parameters of diagrams from a scenario.
 
 /// Returns the point of the robot on which a force acts, with a force of zero.
 ExternalForce PointOf(const QuadrupedDescription& robot, const ForceScenario& force) {
@@ -96,10 +58,10 @@ void AddForce(const ForceScenario& force, QuadrupedWorldParams& world) {
 void SetPayload(const TrunkLoadScenario& payload, double stance_height, QuadrupedWorldParams& world) {
   const double lowest = payload.position_m.z() - payload.edges_m.z() / 2;
   if (payload.mass_kg > 0 && lowest < -stance_height)
-    throw KeyError("payload.position_m", fmt::format("the payload reaches {:.3g} m below the trunk, "
-                                                     "which stands only {:.3g} m "
-                                                     "above the ground: lift it",
-                                                     -lowest, stance_height));
+    throw KeyError("payload.position_m",
+                   fmt::format("the payload reaches {:.3g} m below the trunk, which stands only {:.3g} m "
+                               "above the ground: lift it",
+                               -lowest, stance_height));
   if (payload.slides && payload.mass_kg > 0) {
     world.sliding_load = payload.slides;
     world.sliding_load->mass = payload.mass_kg;
@@ -114,23 +76,27 @@ void SetFall(const FallScenario& fall, double stance_height, QuadrupedWorldParam
   world.max_tilt = fall.max_tilt_rad;
   world.max_height = fall.max_height_m;
   if (world.max_height <= world.min_height)
-    throw KeyError("fall.max_height_m", fmt::format("{} must be above {:.3g}, the height below "
-                                                    "which the robot has fallen",
-                                                    world.max_height, world.min_height));
+    throw KeyError("fall.max_height_m",
+                   fmt::format("{} must be above {:.3g}, the height below which the robot has fallen",
+                               world.max_height, world.min_height));
 }
 
-QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const RobotFiles& files, Rate rate) {
-  const QuadrupedDescription& robot = files.robot;
+/// The world of a scenario that is scaled to this robot. `rate` is the sample rate of the controller.
+QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const QuadrupedDescription& robot,
+                                     Rate rate) {
   TerrainParams terrain = scenario.terrain;
   if (terrain.field) terrain.field->seed += scenario.seed;  // so that the layout depends on the run's seed
   QuadrupedWorldParams world = Blame("terrain", [&] { return MakeQuadrupedWorld(robot, terrain); });
   world.plant.limit_speed = scenario.limit_speed;
   world.plant.initial.p_WB[2] += scenario.start_height_m;
   SetPayload(scenario.payload, robot.StanceHeight(), world);
-  std::vector<AttachedBody> bodies = files.moving.bodies;
-  bodies.insert(bodies.end(), scenario.attached.begin(), scenario.attached.end());
-  if (!bodies.empty()) world.plant.extend = Attach(bodies, files.moving.at_rest);
-  Blame("hardware", [&] { SetHardware(files.hardware, rate, world); });
+  MovingParts moving = LoadMovingParts(scenario.robot);
+  moving.bodies.insert(moving.bodies.end(), scenario.attached.begin(), scenario.attached.end());
+  if (!moving.bodies.empty()) world.plant.extend = Attach(moving.bodies, moving.at_rest);
+  Blame("hardware", [&] {
+    SetHardware(LoadHardware(scenario.hardware, ScaleOf(robot, world.plant.gravity), scenario.sensors), rate,
+                world);
+  });
   for (const ForceScenario& force : scenario.forces) AddForce(force, world);
   for (const RandomForceScenario& force : scenario.random_forces)
     world.random.push_back({robot, force.on_trunk, force.lower_N, force.upper_N, Seconds(force.period_s)});
@@ -144,15 +110,13 @@ QuadrupedDescription MakeModel(const WalkScenario& walk, const QuadrupedDescript
   RandomStream errors(seed, "walk.model_error");
   QuadrupedDescription model =
       WithModelError(WithMassFactor(robot, 1 + walk.mass_error_ratio), walk.model_error, errors);
-  // A rotor inertia from the data sheet of the hardware is known to the
-  // controller.
+  // A rotor inertia from the data sheet of the hardware is known to the controller.
   if (drive.rotor_inertia != robot.drive.rotor_inertia) model.drive.rotor_inertia = drive.rotor_inertia;
   return model;
 }
 
-/// The filter has the controller's model and the noise of the sensors, but not
-/// their biases. Its initial state differs from the true one by a random error
-/// with the filter's own initial deviations.
+/// The filter has the controller's model and the noise of the sensors, but not their biases. Its initial
+/// state differs from the true one by a random error with the filter's own initial deviations.
 LeggedStateEstimatorParams MakeEstimator(const QuadrupedSensors& sensors, const QuadrupedDescription& model,
                                          const QuadrupedPlantParams& plant, std::uint64_t seed) {
   LeggedStateEstimatorParams params;
@@ -166,40 +130,6 @@ LeggedStateEstimatorParams MakeEstimator(const QuadrupedSensors& sensors, const 
   params.initial.q_WB = QuaternionProduct(QuaternionFromRotationVector(turn), params.initial.q_WB);
   params.initial.p_WB += NormalVector(random, Vec<3>::Constant(start.position));
   params.initial.v_W += NormalVector(random, Vec<3>::Constant(start.velocity));
-  return params;
-}
-
-QuadrupedStandParams TranslateStand(const QuadrupedScenario& scenario, const RobotFiles& files) {
-  QuadrupedStandParams params;
-  params.world = MakeWorldParams(scenario, files, Hz(scenario.pd->rate_hz));
-  params.pd = scenario.pd->For(files.robot);
-  params.pd.gravity = params.world.plant.gravity;
-  return params;
-}
-
-QuadrupedWalkParams TranslateWalk(const QuadrupedScenario& scenario, const WalkFiles& files) {
-  const WalkScenario& walk = *scenario.walk;
-  EndOfWalk(walk);  // throws for a path that cannot be walked
-  const QuadrupedWorldParams world = MakeWorldParams(scenario, files, WholeBodyParams().rate);
-  const QuadrupedDescription model = MakeModel(walk, files.robot, world.plant.robot.drive, scenario.seed);
-  QuadrupedWalkParams params = MakeQuadrupedWalk(world, model, files.profile, files.gaits);
-  if (!scenario.ropes.empty())
-    Blame("ropes", [&] { AddRopes(scenario.ropes, &params, scenario.start_height_m); });
-  params.walk = walk.path;
-  params.locomotion.pace = walk.pace;
-  params.locomotion.mpc = walk.mpc;
-  if (walk.mpc) Blame("walk.mpc", [&] { CentroidalMpcParams{.robot = model, .mpc = *walk.mpc}.Validate(); });
-  params.locomotion.mapped = walk.terrain_map.has_value();
-  if (walk.terrain_map)
-    params.map = {.terrain = world.plant.terrain, .map = *walk.terrain_map, .seed = scenario.seed};
-  params.locomotion.com_planner.reference = walk.com_reference;
-  params.locomotion.com_planner.zmp = walk.zmp;
-  params.locomotion.swing_planner.step = walk.step;
-  if (walk.friction) params.locomotion.whole_body.gains.qp.friction = *walk.friction;
-  params.known_additions = scenario.known_additions;
-  if (scenario.observer) params.observer.kind = *scenario.observer;
-  if (walk.state == StateSource::kEstimated)
-    params.estimator = MakeEstimator(params.world, model, params.world.plant, scenario.seed);
   return params;
 }
 
@@ -262,17 +192,48 @@ QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario, const SizeRatio& rat
   return scenario;
 }
 
-QuadrupedStandParams MakeStandParams(const QuadrupedScenario& scenario) {
-  const RobotFiles files = ReadRobotFiles(scenario);
-  return TranslateStand(ScaledToRobot(scenario, files.ratio), files);
+QuadrupedStandParams MakeStandParams(const QuadrupedScenario& given) {
+  const QuadrupedDescription robot = ReadRobot(given);
+  const QuadrupedScenario scenario = ScaledToRobot(given, ReadRatio(given, robot));
+  QuadrupedStandParams params;
+  params.world = MakeWorldParams(scenario, robot, Hz(scenario.pd->rate_hz));
+  params.pd = scenario.pd->For(robot);
+  params.pd.gravity = params.world.plant.gravity;
+  return params;
 }
 
-QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& scenario) {
-  const WalkFiles files = ReadWalkFiles(scenario);
-  QuadrupedScenario scaled = ScaledToRobot(scenario, files.ratio);
-  double& load = scaled.payload.mass_kg;
-  if (scenario.scale_forces && load > 0) load = std::min(load, HeldByTwoLegs(files.robot).load);
-  return TranslateWalk(scaled, files);
+QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& given) {
+  const QuadrupedDescription robot = ReadRobot(given);
+  QuadrupedScenario scenario = ScaledToRobot(given, ReadRatio(given, robot));
+  double& load = scenario.payload.mass_kg;
+  if (scenario.scale_forces && load > 0) load = std::min(load, HeldByTwoLegs(robot).load);
+  const WalkScenario& walk = *scenario.walk;
+  EndOfWalk(walk);  // throws for a path that cannot be walked
+  const QuadrupedWorldParams world = MakeWorldParams(scenario, robot, WholeBodyParams().rate);
+  const QuadrupedDescription model = MakeModel(walk, robot, world.plant.robot.drive, scenario.seed);
+  // Profile and gaits are scaled to the true robot, whatever model of it the controller has.
+  const RobotScale scale = ScaleOf(robot);
+  QuadrupedWalkParams params = MakeQuadrupedWalk(
+      world, model, Blame("profile", [&] { return LoadLocomotionProfile(scenario.profile, scale); }),
+      Blame("walk.gaits", [&] { return LoadGaits(walk.gaits, scale); }));
+  if (!scenario.ropes.empty())
+    Blame("ropes", [&] { AddRopes(scenario.ropes, &params, scenario.start_height_m); });
+  params.walk = walk.path;
+  params.locomotion.pace = walk.pace;
+  params.locomotion.mpc = walk.mpc;
+  if (walk.mpc) Blame("walk.mpc", [&] { CentroidalMpcParams{.robot = model, .mpc = *walk.mpc}.Validate(); });
+  params.locomotion.mapped = walk.terrain_map.has_value();
+  if (walk.terrain_map)
+    params.map = {.terrain = world.plant.terrain, .map = *walk.terrain_map, .seed = scenario.seed};
+  params.locomotion.com_planner.reference = walk.com_reference;
+  params.locomotion.com_planner.zmp = walk.zmp;
+  params.locomotion.swing_planner.step = walk.step;
+  if (walk.friction) params.locomotion.whole_body.gains.qp.friction = *walk.friction;
+  params.known_additions = scenario.known_additions;
+  if (scenario.observer) params.observer.kind = *scenario.observer;
+  if (walk.state == StateSource::kEstimated)
+    params.estimator = MakeEstimator(params.world, model, params.world.plant, scenario.seed);
+  return params;
 }
 
 void AddHoldingNotes(const QuadrupedScenario& scenario, std::vector<std::string>& notes) {
@@ -283,12 +244,11 @@ void AddHoldingNotes(const QuadrupedScenario& scenario, std::vector<std::string>
   const double load = scenario.payload.mass_kg * ReadRatio(scenario, robot).weight;
   if (load <= held.load) return;
   const JointDescription& joint = robot.joint(held.joint);
-  notes.push_back(
-      fmt::format("payload: {:.3g} kg, {:.0f} % of the robot's weight, are more than the "
-                  "{:.3g} kg that two legs hold "
-                  "beside the robot by the {:.3g} N m of joint '{}'; {}",
-                  load, 100 * load / robot.mass(), held.load, joint.torque_limit, joint.name,
-                  scenario.scale_forces ? "reduced to this mass" : "the robot may fall"));
+  notes.push_back(fmt::format(
+      "payload: {:.3g} kg, {:.0f} % of the robot's weight, are more than the {:.3g} kg that two legs hold "
+      "beside the robot by the {:.3g} N m of joint '{}'; {}",
+      load, 100 * load / robot.mass(), held.load, joint.torque_limit, joint.name,
+      scenario.scale_forces ? "reduced to this mass" : "the robot may fall"));
 }
 
 }  // namespace tenon::apps
