@@ -121,8 +121,9 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
         checks_stages(options.fixed_step == 0 && (options.method == Method::kDirk ||
                                                   (options.method == Method::kErk && options.order > 3))),
         checks_bends(checks_stages && options.method == Method::kErk && options.order == 5) {
-    for (std::vector<double>& each : jump_work) each.resize(before.size());
+    for (std::vector<double>& each : jump_work) each.resize(tolerances.size());
     for (std::vector<double>& each : motion) each.resize(before.size());
+    if (solver.multistep()) slope.resize(before.size()), slope_before.resize(before.size());
     if (checks_stages) stages.slopes.resize(stages.times.size() * before.size());
   }
 
@@ -144,9 +145,12 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   void KeepStage(double t, const double* xdot);
   std::size_t SortStages(std::array<std::size_t, 16>* order) const;
   bool StagesJump() const;
+  double EndBends(double h) const;
   double KinkError() const;
   void Retake(double time);
   bool RetakeBefore(double event);
+  void EndBefore(double time, double size);
+  bool SlopesJump(double h);
   bool MovesUntil(double event);
   void EvaluateWitnesses(double t, double* values);
   void KeepStepStart();
@@ -176,6 +180,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   void FindWorstState();
 
   int Derivatives(double t, const double* y, double* ydot) override;
+  int Jacobian(double t, double* y, const double* f, double* const* columns) override;
   double ChooseStep(double t, double h, double error, int order) override;
   double NextStep(double t, double h, double error, int order);
   void ErrorWeights(const double* y, double* weights) override;
@@ -213,6 +218,15 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   // True if accepted steps are searched for jumps that the table detects badly.
   const bool checks_stages;
   const bool checks_bends;  // the stages of DIRK methods are too inaccurate for that
+  const bool checks_ends =  // see EndBends
+      seeks_jumps && options.fixed_step == 0 && options.order <= 3 &&
+      (options.method == Method::kStabilized || (internal::IsExplicit(options.method) && options.order == 3));
+  std::array<const double*, 3> recent{};  // the last three derivatives, in memory of the solver
+  // Of a multistep method: the last derivatives, those at the end of the step before, the rate at which they
+  // changed in it, and the number of steps since the restart.
+  std::vector<double> slope, slope_before;
+  double rate = 0;
+  int num_slopes = 0;
   struct {
     std::size_t count = 0;
     std::array<double, 16> times{};
@@ -299,6 +313,7 @@ void SundialsIntegrator::Run::Restart(double time, double first_step) {
   failed = false;
   jump.known = false;
   stages.count = 0;
+  num_slopes = 0;
   finish = time;
   live = true;
   edition = context.edition_;
@@ -404,7 +419,8 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
     const int flag = solver.Step(Target(), &t);
     if (flag < 0) ThrowFailure(flag);
     const auto present = jump;
-    if (checks_stages && StagesJump() && FindJump(finish, step_states.data(), finish, t) &&
+    const double bend = checks_ends ? EndBends(t - finish) : 0;
+    if ((bend > 1 || (checks_stages && StagesJump())) && FindJump(finish, step_states.data(), finish, t) &&
         jump.from > finish + 4 * Tiny(t)) {
       // another attempt, which ends before the jump
       const auto found = jump;
@@ -414,7 +430,13 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
       continue;
     }
     jump = present;
-    if (const double error = checks_bends ? KinkError() : 0; error > 1) {
+    if (solver.multistep() && SlopesJump(t - finish) && FindJump(finish, step_states.data(), finish, t) &&
+        jump.from > finish + 100 * Tiny(t)) {
+      EndBefore(jump.from, t - finish);
+      continue;
+    }
+    jump.known &= !solver.multistep();
+    if (const double error = checks_bends ? KinkError() : bend; error > 1) {
       Retake(finish + std::max(kMinShrink, kSafety / std::sqrt(error)) * (t - finish));
       continue;
     }
@@ -498,6 +520,33 @@ bool SundialsIntegrator::Run::StagesJump() const {
   return false;
 }
 
+/// Returns whether the derivatives change much faster in the last step, of size `h`, of a multistep method
+/// than in the step before. The method errs by more than it estimates if they jump.
+bool SundialsIntegrator::Run::SlopesJump(double h) {
+  double change = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
+    change = std::max(change, std::abs(slope[i] - slope_before[i]) / tolerance);
+  }
+  const double last =
+      std::exchange(rate, num_slopes < 1 ? std::numeric_limits<double>::infinity() : change / h);
+  slope_before = slope;
+  return ++num_slopes > 2 && change * h > kShows && rate > kJumps * last;
+}
+
+/// A second estimate of the error of a step of `h`, in tolerances, for tables whose own estimate does not
+/// contain the last stage but one: the second difference of the last three stages, which are equidistant.
+/// That stage alone can be beyond a jump in state.
+double SundialsIntegrator::Run::EndBends(double h) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
+    const double error = h * (recent[0][i] - 2 * recent[1][i] + recent[2][i]) / (12 * tolerance);
+    sum += error * error;
+  }
+  return std::sqrt(sum / static_cast<double>(before.size()));
+}
+
 /// Estimates the error, in tolerances, of a kink in time inside the step, which the error estimate of the
 /// table hardly sees; 0 unless the derivatives bend much more between two stages than elsewhere. If the rate
 /// of the derivative changes by r at the kink, the error of a step h is a small part of r h^2.
@@ -562,13 +611,17 @@ bool SundialsIntegrator::Run::RetakeBefore(double event) {
   if (event - step_begin <= kBeginning * (finish - step_begin)) return false;
   const double size = (1 - kBefore) * (event - step_begin);
   if (size <= 100 * Tiny(event)) return false;
-  const double next = finish - step_begin;
-  EndAt(step_begin + size);
-  before_event = true;
   context.step_start_.valid = false;
-  Retake(end);
-  context.next_step_ = next;
+  EndBefore(step_begin + size, finish - step_begin);
   return true;
+}
+
+/// Goes back to the beginning of the last step, of size `size`, to end the interval at `time`.
+void SundialsIntegrator::Run::EndBefore(double time, double size) {
+  EndAt(time);
+  before_event = true;
+  Retake(end);
+  context.next_step_ = size;
 }
 
 /// Throws RunError if max_steps successive steps have not been as long as they may be, and the states then
@@ -787,6 +840,8 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
   }
   if (internal::AllFinite(ydot, before.size())) {
     if (checks_stages) KeepStage(t, ydot);
+    recent = {recent[1], recent[2], ydot};
+    if (!slope.empty()) std::copy_n(ydot, size, slope.data());
     not_finite.clear();
     return 0;
   }
@@ -794,6 +849,46 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
   // A smaller step may help; the number of attempts is limited because the step size is not.
   failed = true;
   return first || ++refused > kMaxRefused ? -1 : 1;
+}
+
+/// Computes the Jacobian by differences with the increments of SUNDIALS. A jump of the derivatives within an
+/// increment would make the matrix so large that Newton's method accepts wrong states. Unless a column has no
+/// effect in the longest step, it is computed on both sides, and a difference that is much smaller counts.
+int SundialsIntegrator::Run::Jacobian(double t, double* y, const double* f, double* const* columns) {
+  constexpr double kEpsilon = std::numeric_limits<double>::epsilon(), kLeast = 1000;
+  const std::size_t n = tolerances.size();
+  const double step = std::abs(solver.current_step());
+  std::vector<double>&weights = jump_work[0], &other = jump_work[1];
+  ErrorWeights(y, weights.data());
+  const auto norm = [&](const double* from, const double* to) {
+    double sum = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double part = (to[i] - (from == nullptr ? 0 : from[i])) * weights[i];
+      sum += part * part;
+    }
+    return std::sqrt(sum / static_cast<double>(n));
+  };
+  const std::vector<double> kept = slope;
+  const double size = norm(nullptr, f), longest = std::min(LargestStep(t), end - t);
+  const double least = size == 0 ? 1 : kLeast * step * kEpsilon * static_cast<double>(n) * size;
+  for (std::size_t j = 0; j < n; ++j) {
+    const double state = y[j];
+    const double increment = std::max(std::sqrt(kEpsilon) * std::abs(state), least / weights[j]);
+    y[j] = state + increment;
+    int flag = Derivatives(t, y, columns[j]);
+    const bool depends = longest * norm(f, columns[j]) > increment * weights[j];
+    y[j] = state - increment;
+    if (flag == 0 && depends) flag = Derivatives(t, y, other.data());
+    y[j] = state;
+    if (flag != 0) return flag;
+    for (std::size_t i = 0; i < n; ++i) {
+      double change = columns[j][i] - f[i];
+      if (depends && std::abs(f[i] - other[i]) < 0.5 * std::abs(change)) change = f[i] - other[i];
+      columns[j][i] = change / increment;
+    }
+  }
+  slope = kept;
+  return 0;
 }
 
 /// The next step, or the next attempt at a step after an error of more than 1. ARKODE does not lengthen the

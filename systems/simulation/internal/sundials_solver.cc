@@ -256,6 +256,10 @@ SundialsClient& Client(void* client) {
 int Derivatives(double t, N_Vector y, N_Vector ydot, void* client) {
   return Client(client).Derivatives(t, NV_DATA_S(y), NV_DATA_S(ydot));
 }
+int Jacobian(double t, N_Vector y, N_Vector f, SUNMatrix jacobian, void* client, N_Vector, N_Vector,
+             N_Vector) {
+  return Client(client).Jacobian(t, NV_DATA_S(y), NV_DATA_S(f), SM_COLS_D(jacobian));
+}
 int ChooseStep(N_Vector, double t, double h, double, double, double error, double, double, int q, int p,
                double* next, void* client) {
   *next = Client(client).ChooseStep(t, h, error, std::min(p, q) + 1) / kSafetyFactor;
@@ -385,6 +389,7 @@ void SundialsSolver::CreateRungeKutta(bool open, double time, SundialsClient& cl
     }
     CreateLinearSolver();
     Check(ARKStepSetLinearSolver(memory_, h.linear_solver, h.matrix), "SetLinearSolver");
+    Check(ARKStepSetJacFn(memory_, Jacobian), "SetJacFn");
     // Update the Newton matrix with the step size. The default accepts a single iteration with a matrix for a
     // step size that differs by 20 %, based on the convergence of earlier stages, and can err by a hundred
     // tolerances.
@@ -417,6 +422,7 @@ void SundialsSolver::CreateMultistep(double time) {
   Check(CVodeSetMaxOrd(memory_, options_.order), "SetMaxOrd");
   CreateLinearSolver();
   Check(CVodeSetLinearSolver(memory_, h.linear_solver, h.matrix), "SetLinearSolver");
+  Check(CVodeSetJacFn(memory_, Jacobian), "SetJacFn");
 }
 
 void SundialsSolver::CreateLinearSolver() {
