@@ -96,6 +96,7 @@ bool HasFeedingTicks(const internal::Program& program) {
 
 /// Divides the rest of the interval evenly into steps not larger than `wanted`, to avoid a tiny last step.
 double EvenStep(double remaining, double wanted) {
+  if (remaining <= wanted) return remaining;
   if (std::isinf(remaining)) return wanted;
   const double count = std::ceil(remaining / wanted * (1 - 1e-9));
   return remaining / std::max(1.0, count);
@@ -134,18 +135,22 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   [[gnu::visibility("hidden")]] void MoveContext(double t, double time, double rest);
   [[gnu::visibility("hidden")]] void LoadInside(double t);
   [[gnu::visibility("hidden")]] double FirstStep(double time);
+  [[gnu::visibility("hidden")]] double NextStep(double t, double h, double error, int order);
+  [[gnu::visibility("hidden")]] void KeepStepControl(double h);
+  [[gnu::visibility("hidden")]] void SetOrigin(double time);
+  [[gnu::visibility("hidden")]] double EndBends(double h) const;
   [[gnu::visibility("hidden")]] double LargestStep(double time) const;
   [[gnu::visibility("hidden")]] void Count(double step);
   bool TakeStepAgain();
-  void CheckProgress(double from, double to, bool arrived);
+  void CheckProgress(double from, double to);
   double FirstGuess(double time);
   void BeginMotion();
   void EndMotion();
   bool JumpsAt(double event);
+  void KeepSlope(double t, const double* xdot);
   void KeepStage(double t, const double* xdot);
   std::size_t SortStages(std::array<std::size_t, 16>* order) const;
   bool StagesJump() const;
-  double EndBends(double h) const;
   double KinkError() const;
   void Retake(double time);
   bool RetakeBefore(double event);
@@ -154,7 +159,6 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   bool MovesUntil(double event);
   void EvaluateWitnesses(double t, double* values);
   void KeepStepStart();
-  void SetOrigin(double time);
   void EndAt(double time);
   /// The solver's time at the run's time `time` + `rest`.
   double Local(double time, double rest) const { return time - origin + rest; }
@@ -163,7 +167,6 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   /// The time of an evaluation at `t`: not after a jump at the end of the interval.
   double Instant(double t) const { return Global(std::min(t, last_instant)); }
   double Tiny(double t) const { return 1e-14 * (unit + std::abs(t)); }
-  void KeepStepControl(double h);
   void KeepJump();
   double Target() const;
   bool has_past() const { return !internal::IsExplicit(options.method); }
@@ -182,7 +185,6 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   int Derivatives(double t, const double* y, double* ydot) override;
   int Jacobian(double t, double* y, const double* f, double* const* columns) override;
   double ChooseStep(double t, double h, double error, int order) override;
-  double NextStep(double t, double h, double error, int order);
   void ErrorWeights(const double* y, double* weights) override;
   void EvaluateForInterpolant(double t, const double* x, double* xdot) override;
   void Evaluate(double ahead, int order, double* values) override;
@@ -221,6 +223,8 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   const bool checks_ends =  // see EndBends
       seeks_jumps && options.fixed_step == 0 && options.order <= 3 &&
       (options.method == Method::kStabilized || (internal::IsExplicit(options.method) && options.order == 3));
+  const bool keeps_slopes = checks_stages || solver.multistep();
+  const bool goes_back = seeks_jumps || !program.witness_plans.empty();  // to the beginning of a step
   std::array<const double*, 3> recent{};  // the last three derivatives, in memory of the solver
   // Of a multistep method: the last derivatives, those at the end of the step before, the rate at which they
   // changed in it, and the number of steps since the restart.
@@ -374,9 +378,9 @@ bool SundialsIntegrator::Run::TakeStepAgain() {
   before_event = std::isfinite(from.end_before_event);
   SetOrigin(from.origin);
   if (before_event) EndAt(from.end_before_event);
-  Restart(from.time, std::abs(from.size));
-  failed = from.size < 0;
-  after_retake = from.jump_step < 0;
+  Restart(from.time, from.size);
+  failed = from.failed;
+  after_retake = from.after_retake;
   jump = {from.jump_step > 0, from.jump_from, from.jump_to, from.jump_step};
   first_evaluation = false;  // the context's values are for another time
   const std::vector<double> held(context.continuous_data(),
@@ -413,29 +417,32 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
     double t = finish;
     step_begin = finish;
     refused = 0;
-    std::copy_n(solver.states(), program.num_continuous, step_states.data());
+    if (goes_back) std::copy_n(solver.states(), program.num_continuous, step_states.data());
     if (checks_stages) KeepStage(finish, nullptr);
     if (solver.multistep()) solver.SetMaxStep(LargestStep(finish));
     const int flag = solver.Step(Target(), &t);
     if (flag < 0) ThrowFailure(flag);
-    const auto present = jump;
     const double bend = checks_ends ? EndBends(t - finish) : 0;
-    if ((bend > 1 || (checks_stages && StagesJump())) && FindJump(finish, step_states.data(), finish, t) &&
-        jump.from > finish + 4 * Tiny(t)) {
-      // another attempt, which ends before the jump
-      const auto found = jump;
-      Retake(jump.from);
-      jump = found;
-      jump.step = t - step_begin;
-      continue;
+    if (bend > 1 || (checks_stages && StagesJump())) {
+      const auto present = jump;
+      if (FindJump(finish, step_states.data(), finish, t) && jump.from > finish + 4 * Tiny(t)) {
+        // another attempt, which ends before the jump
+        const auto found = jump;
+        Retake(jump.from);
+        jump = found;
+        jump.step = t - step_begin;
+        continue;
+      }
+      jump = present;
     }
-    jump = present;
-    if (solver.multistep() && SlopesJump(t - finish) && FindJump(finish, step_states.data(), finish, t) &&
-        jump.from > finish + 100 * Tiny(t)) {
-      EndBefore(jump.from, t - finish);
-      continue;
+    if (solver.multistep() && SlopesJump(t - finish)) {
+      const bool found = FindJump(finish, step_states.data(), finish, t);
+      jump.known = false;
+      if (found && jump.from > finish + 100 * Tiny(t)) {
+        EndBefore(jump.from, t - finish);
+        continue;
+      }
     }
-    jump.known &= !solver.multistep();
     if (const double error = checks_bends ? KinkError() : bend; error > 1) {
       Retake(finish + std::max(kMinShrink, kSafety / std::sqrt(error)) * (t - finish));
       continue;
@@ -447,9 +454,18 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
     } else if (options.fixed_step > 0) {
       Count(step);
     }
-    CheckProgress(step_begin, finish, arrived);
+    if (arrived && !before_event) {
+      context.num_steps_ = context.movement_ = 0;
+    } else {
+      CheckProgress(step_begin, finish);
+    }
   } while (!arrived && (!one_step || finish == step_begin));
   if (one_step) interpolant.SetStep(begin, before.data(), finish, solver.states());
+}
+
+void SundialsIntegrator::Run::KeepSlope(double t, const double* xdot) {
+  if (checks_stages) KeepStage(t, xdot);
+  if (solver.multistep()) std::copy_n(xdot, slope.size(), slope.data());
 }
 
 /// Keeps a derivative of the present step. With null, a new attempt begins at `t`; the last derivative of the
@@ -627,8 +643,8 @@ void SundialsIntegrator::Run::EndBefore(double time, double size) {
 /// Throws RunError if max_steps successive steps have not been as long as they may be, and the states then
 /// move by less than a tolerance per step, or the time by less than its rounding: the length of the steps is
 /// not limited by the accuracy. A tick or a declared jump limits a step, too.
-void SundialsIntegrator::Run::CheckProgress(double from, double to, bool arrived) {
-  if (before.empty() || (arrived && !before_event) || options.fixed_step > 0 ||
+void SundialsIntegrator::Run::CheckProgress(double from, double to) {
+  if (before.empty() || options.fixed_step > 0 ||
       (options.max_step > 0 && to - from > 0.5 * options.max_step)) {
     context.num_steps_ = context.movement_ = 0;
     return;
@@ -670,6 +686,7 @@ void SundialsIntegrator::Run::KeepStepStart() {
   from.time = begin;
   from.states = before;
   from.size = step;
+  from.failed = false;
   from.next_step = context.next_step_;
   from.last_error = context.last_error_;
   from.interval_begin = interval_begin;
@@ -839,9 +856,8 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
     return -1;
   }
   if (internal::AllFinite(ydot, before.size())) {
-    if (checks_stages) KeepStage(t, ydot);
     recent = {recent[1], recent[2], ydot};
-    if (!slope.empty()) std::copy_n(ydot, size, slope.data());
+    if (keeps_slopes) KeepSlope(t, ydot);
     not_finite.clear();
     return 0;
   }
@@ -931,11 +947,11 @@ double SundialsIntegrator::Run::NextStep(double t, double h, double measured, in
   return remaining > Tiny(t) ? EvenStep(remaining, wanted) : wanted;
 }
 
-/// Keeps the size of an accepted step, negative after failed attempts, and the memory of the step-size
-/// control before it, to repeat the step.
+/// Keeps the size of an accepted step, and the memory of the step-size control before it, to repeat the step.
 void SundialsIntegrator::Run::KeepStepControl(double h) {
-  if (has_past()) return;
-  context.step_start_.size = failed ? -h : h;
+  if (has_past() || !context.step_start_.valid) return;
+  context.step_start_.size = h;
+  context.step_start_.failed = failed;
   context.step_start_.next_step = context.next_step_;
   context.step_start_.last_error = context.last_error_;
   KeepJump();
@@ -944,7 +960,8 @@ void SundialsIntegrator::Run::KeepStepControl(double h) {
 void SundialsIntegrator::Run::KeepJump() {
   context.step_start_.jump_from = jump.from;
   context.step_start_.jump_to = jump.to;
-  context.step_start_.jump_step = jump.known ? jump.step : after_retake ? -1 : 0;
+  context.step_start_.jump_step = jump.known ? jump.step : 0;
+  context.step_start_.after_retake = after_retake;
 }
 
 /// Handles a jump of the derivatives, in time or state, that is not declared. The error test alone would
