@@ -445,7 +445,7 @@ void Simulator::StartIntegrator() {
   if (interval.local && tick <= jump) interval.end_rest = schedule_->next_feeding_rest();
   const double time = context_->time(), rest = context_->time_rest_;
   const bool inside = context_->step_start_.valid;
-  if (inside) present_memory_ = context_->witness_memory_;
+  const std::vector<double> present = inside ? context_->witness_memory_ : std::vector<double>();
   const bool again = integrator_->Start(interval);
   horizon_ = integrator_->Local(interval.end, interval.end_rest);
   next_stop_ = integrator_->finish();
@@ -457,7 +457,7 @@ void Simulator::StartIntegrator() {
     // The step was repeated, and with it the search for the next event in it.
     context_->witness_memory_ = context_->step_start_.witnesses;
     FindEvent(context_->step_start_.searched_from);
-    if (next_stop_ <= now) context_->witness_memory_ = present_memory_;
+    if (next_stop_ <= now) context_->witness_memory_ = present;
     stop_is_due_ = next_stop_ > now;
     integrator_->MoveContext(time, rest);
     return;
@@ -539,7 +539,8 @@ void Simulator::EndStep() {
   const Profiled end(profiler_.get(), Profiler::kTicks);
   stop_is_due_ = false;
   integrator_->MoveContext(next_stop_);
-  const bool at_end = next_stop_ >= integrator_->finish() - integrator_->rounding(next_stop_);
+  const double finish = integrator_->finish();
+  const bool at_end = next_stop_ == finish || next_stop_ >= finish - integrator_->rounding(next_stop_);
   // An event inside a step ends the step if it restarts the integrator.
   if (watches_steps_ && (at_end || EventFeeds())) {
     Judge(program_.each_step_monitors, program_.each_step_verdicts);
@@ -573,7 +574,7 @@ void Simulator::Apply(const internal::UpdatePlan& plan) {
 
 const TickPlan& Simulator::PlanFor(const std::vector<int>& due) {
   for (const auto& plan : plans_) {
-    if (plan->groups == due) return *plan;
+    if (std::ranges::equal(plan->groups, due, [](int a, int b) { return a == b; })) return *plan;
   }
   plans_.push_back(std::make_unique<TickPlan>(program_.MakeTick(due)));
   return *plans_.back();

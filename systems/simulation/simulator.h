@@ -169,8 +169,7 @@ class Simulator {
 
   std::unique_ptr<internal::EventFinder> finder_;
   std::vector<double> witness_values_;
-  std::vector<double> present_memory_;  ///< of the finder, while a step is repeated
-  std::vector<std::size_t> fired_;      ///< witnesses and kinks of the event at next_stop_
+  std::vector<std::size_t> fired_;  ///< witnesses and kinks of the event at next_stop_
 
   std::optional<std::string> end_reason_;
   const Source* ended_by_ = nullptr;        ///< see RunStatus::monitor

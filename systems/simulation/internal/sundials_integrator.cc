@@ -32,8 +32,9 @@ constexpr double kStays = 0.2;
 constexpr double kJumps = 3;
 /// Error of a step, in tolerances, that a jump must be able to cause to be considered.
 constexpr double kShows = 0.1;
-/// Error of the step across a jump, in tolerances, at most.
-constexpr double kCrosses = 0.01;
+/// Error of the step across a jump, in tolerances, at most; with kDirk, whose stages err by the residual of
+/// Newton's method, which must not undo the step.
+constexpr double kCrosses = 0.01, kDirkCrosses = 0.05;
 /// Error of a step with a kink, over the change of the derivative's rate times the step squared.
 constexpr double kKinkWeight = 0.02;
 /// First step over the largest one, without further information; the error test corrects it.
@@ -557,10 +558,11 @@ double SundialsIntegrator::Run::EndBends(double h) const {
   double sum = 0;
   for (std::size_t i = 0; i < before.size(); ++i) {
     const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
-    const double error = h * (recent[0][i] - 2 * recent[1][i] + recent[2][i]) / (12 * tolerance);
-    sum += error * error;
+    const double change = (recent[0][i] - 2 * recent[1][i] + recent[2][i]) / tolerance;
+    sum += change * change;
   }
-  return std::sqrt(sum / static_cast<double>(before.size()));
+  const double limit = 144 * static_cast<double>(before.size());
+  return h * h * sum > limit ? h * std::sqrt(sum / limit) : 0;
 }
 
 /// Estimates the error, in tolerances, of a kink in time inside the step, which the error estimate of the
@@ -949,7 +951,7 @@ double SundialsIntegrator::Run::NextStep(double t, double h, double measured, in
 
 /// Keeps the size of an accepted step, and the memory of the step-size control before it, to repeat the step.
 void SundialsIntegrator::Run::KeepStepControl(double h) {
-  if (has_past() || !context.step_start_.valid) return;
+  if (!context.step_start_.valid || has_past()) return;
   context.step_start_.size = h;
   context.step_start_.failed = failed;
   context.step_start_.next_step = context.next_step_;
@@ -1110,7 +1112,8 @@ bool SundialsIntegrator::Run::FindJump(double t, const double* y, double from, d
   }
   jump.from = from;
   // The states may need longer than the time to move by their rounding.
-  jump.to = shows > 0 ? std::max(to, from + kCrosses / first) : to;
+  const double crosses = options.method == Method::kDirk ? kDirkCrosses : kCrosses;
+  jump.to = shows > 0 ? std::max(to, from + crosses / first) : to;
   return jump.known;
 }
 
