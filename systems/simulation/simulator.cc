@@ -18,7 +18,6 @@ namespace tenon {
 using internal::Profiled;
 using internal::Profiler;
 using internal::TickPlan;
-using internal::TickRounding;
 using internal::Tiny;
 
 namespace {
@@ -56,8 +55,10 @@ enum { kLast, kRest, kCount, kInterval, kEarlier, kShrinking, kEventMemory };
 /// that restart the integrator, or of the longest step if there are none.
 constexpr double kExactTime = 1e-8;
 constexpr double kLongStep = 0.1;  ///< without a longest step [s]
-/// A time that misses a tick by less than this part of the distance to the tick beside it means the tick.
-constexpr double kMisses = 0.01;
+/// A time that misses a tick by less than this part of the distance to the tick beside it, and by not more
+/// than the rounding errors of this many additions and of a sum of periods since the beginning, means the
+/// tick.
+constexpr double kMisses = 0.01, kAdditions = 16;
 
 /// Returns a pointer that is not null.
 template <class Pointer>
@@ -237,6 +238,9 @@ void Simulator::RebuildSchedule() {
   schedule_ = std::make_unique<internal::Schedule>(entries);
   MoveSchedule();
   due_.reserve(entries.size());
+  double interval = schedule_->shortest_feeding_period();
+  if (interval == 0) interval = options_.max_step > 0 ? options_.max_step : kLongStep;
+  exact_until_ = kExactTime / Tiny(0) * interval - 1;
 }
 
 void Simulator::MoveSchedule() {
@@ -274,7 +278,11 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
   using Progress = Context::Progress;
   if (!std::isfinite(time))
     throw RunError(fmt::format("cannot advance to t = {} s: give a finite time", time));
-  const double rounding = std::min(TickRounding(time), kMisses * schedule_->shortest_period());
+  const double period = schedule_->shortest_period(), begin = context_->begin_time_;
+  const double additions = kAdditions + (period > 0 ? std::abs(time - begin) / period : 0);
+  const double rounding =
+      std::min(additions * std::numeric_limits<double>::epsilon() * std::max(std::abs(time), std::abs(begin)),
+               kMisses * period);
   if (time < context_->time() - std::max(rounding, 1e-15 * std::abs(time))) {
     throw RunError(
         fmt::format("cannot advance to t = {} s: the run is already at t = {} s", time, context_->time()));
@@ -299,23 +307,23 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
       context_->Apply(program_.at_start);
       context_->progress_ = Progress::kStarted;
     }
-    const bool at_next = MeansNextTick(time) && schedule_->next_time() == context_->time();
+    const bool at_next = MeansNextTick(time, rounding) && schedule_->next_time() == context_->time();
     const bool goes_on = !before_tick || (time > context_->time() && !at_next);
     if (context_->progress_ == Progress::kStarted && goes_on) FirstTick();
     DemandUnchanged(context_->edition_, known_edition_, context_->time());
     while (!end_reason_) {
       const double next = schedule_->next_time();
-      const bool meant = MeansNextTick(time);
+      const bool meant = MeansNextTick(time, rounding);
       const bool tick = meant ? !before_tick : next < time;
       const double target = meant || tick ? next : time;
-      if (!tick && (context_->time() >= target || MeansLastTick(time))) break;
+      if (!tick && (context_->time() >= target || MeansLastTick(time, rounding))) break;
       try {
         IntegrateTo(target);
       } catch (const RunError& error) {
         if (context_->time() > time) RethrowAsLater(error, time);
         throw;
       }
-      KeepPace(tick);
+      if (options_.real_time_rate != 0) KeepPace(tick);
       if (tick && !end_reason_) Tick();
       DemandUnchanged(context_->edition_, known_edition_, context_->time());
     }
@@ -336,26 +344,17 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
 }
 
 /// Returns whether `time`, which may be a sum of periods, means the next tick.
-bool Simulator::MeansNextTick(double time) const {
-  const double tick = schedule_->next_time();
-  if (tick == time) return true;
-  const double miss = std::abs(tick - time);
-  return miss <= TickRounding(time) && miss <= kMisses * (tick - schedule_->previous_time()) &&
-         miss <= kMisses * (schedule_->following_time() - tick);
+bool Simulator::MeansNextTick(double time, double rounding) const {
+  const double tick = schedule_->next_time(), miss = std::abs(tick - time);
+  return miss == 0 || (miss <= rounding && miss <= kMisses * (tick - schedule_->previous_time()) &&
+                       miss <= kMisses * (schedule_->following_time() - tick));
 }
 
 /// Returns whether `time`, which is later than the present time, means the tick that has just run.
-bool Simulator::MeansLastTick(double time) const {
+bool Simulator::MeansLastTick(double time, double rounding) const {
   const double tick = context_->time();
-  return time - tick <= TickRounding(time) && time - tick <= kMisses * (schedule_->next_time() - tick) &&
+  return time - tick <= rounding && time - tick <= kMisses * (schedule_->next_time() - tick) &&
          context_->progress_ == Context::Progress::kTickDone && tick == schedule_->previous_time();
-}
-
-/// Returns whether a double resolves times near `time` so coarsely that intervals need their own origin.
-bool Simulator::IsCoarse(double time) const {
-  double interval = schedule_->shortest_feeding_period();
-  if (interval == 0) interval = options_.max_step > 0 ? options_.max_step : kLongStep;
-  return !(Tiny(time) <= kExactTime * interval);
 }
 
 /// The exact time of the next tick minus its double; 0 for another time, and where it is negligible.
@@ -406,17 +405,18 @@ void Simulator::IntegrateTo(double target) {
     if (!stop_is_due_ && IsReached(target, rest)) break;
     if (!integrator_->can_go_on()) StartIntegrator();
     const double to = integrator_->Local(target, rest), rounding = integrator_->rounding(to);
+    if (!stop_is_due_) {
+      DemandUnchanged(context_->edition_, known_edition_,
+                      context_->time());  // or the integrator starts again
+      integrator_->Advance(watches_steps_ || horizon_ - to > rounding);
+      FindEvent(integrator_->begin());
+      if (!stop_is_due_) continue;
+    }
     if (next_stop_ > to + rounding) {
       integrator_->MoveContext(target, rest);
       return;
     }
-    if (stop_is_due_) {
-      EndStep();
-      continue;
-    }
-    DemandUnchanged(context_->edition_, known_edition_, context_->time());  // or the integrator starts again
-    integrator_->Advance(watches_steps_ || horizon_ - to > rounding);
-    FindEvent(integrator_->begin());
+    EndStep();
   }
   if (end_reason_) return;
   context_->time_rest_ = rest;
@@ -445,11 +445,11 @@ void Simulator::StartIntegrator() {
   if (interval.local && tick <= jump) interval.end_rest = schedule_->next_feeding_rest();
   const double time = context_->time(), rest = context_->time_rest_;
   const bool inside = context_->step_start_.valid;
-  if (inside) present_memory_ = context_->witness_memory_;
+  const std::vector<double> present = inside ? context_->witness_memory_ : std::vector<double>();
   const bool again = integrator_->Start(interval);
-  const double now = integrator_->Local(time, rest);
   horizon_ = integrator_->Local(interval.end, interval.end_rest);
   next_stop_ = integrator_->finish();
+  const double now = again ? integrator_->Local(time, rest) : next_stop_;
   stop_is_due_ = next_stop_ > now;
   is_event_ = false;
   if (finder_->empty()) return;
@@ -457,7 +457,7 @@ void Simulator::StartIntegrator() {
     // The step was repeated, and with it the search for the next event in it.
     context_->witness_memory_ = context_->step_start_.witnesses;
     FindEvent(context_->step_start_.searched_from);
-    if (next_stop_ <= now) context_->witness_memory_ = present_memory_;
+    if (next_stop_ <= now) context_->witness_memory_ = present;
     stop_is_due_ = next_stop_ > now;
     integrator_->MoveContext(time, rest);
     return;
@@ -539,7 +539,8 @@ void Simulator::EndStep() {
   const Profiled end(profiler_.get(), Profiler::kTicks);
   stop_is_due_ = false;
   integrator_->MoveContext(next_stop_);
-  const bool at_end = next_stop_ >= integrator_->finish() - integrator_->rounding(next_stop_);
+  const double finish = integrator_->finish();
+  const bool at_end = next_stop_ == finish || next_stop_ >= finish - integrator_->rounding(next_stop_);
   // An event inside a step ends the step if it restarts the integrator.
   if (watches_steps_ && (at_end || EventFeeds())) {
     Judge(program_.each_step_monitors, program_.each_step_verdicts);
@@ -573,7 +574,7 @@ void Simulator::Apply(const internal::UpdatePlan& plan) {
 
 const TickPlan& Simulator::PlanFor(const std::vector<int>& due) {
   for (const auto& plan : plans_) {
-    if (plan->groups == due) return *plan;
+    if (std::ranges::equal(plan->groups, due, [](int a, int b) { return a == b; })) return *plan;
   }
   plans_.push_back(std::make_unique<TickPlan>(program_.MakeTick(due)));
   return *plans_.back();
@@ -745,7 +746,7 @@ void Simulator::HandleJumps() {
 
 /// Waits for the wall-clock time of the tick, when it exchanges values with the outside.
 void Simulator::KeepPace(bool tick) {
-  if (options_.real_time_rate == 0 || end_reason_) return;
+  if (end_reason_) return;
   using Duration = std::chrono::duration<double>;
   const Duration since_start((context_->time() - pace_start_time_) / options_.real_time_rate);
   const Clock::time_point due(std::chrono::nanoseconds(*pace_start_) +

@@ -6,6 +6,7 @@
 #include <tenon/systems/simulation/signal_log.h>
 #include <tenon/systems/simulation/simulator_options.h>
 
+#include <cmath>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -102,11 +103,7 @@ class Simulator {
 
  private:
   void Synchronize();
-  bool MeansNextTick(double time) const;
-  bool MeansLastTick(double time) const;
-  bool IsCoarse(double time) const;
-  double RestOf(double time) const;
-  bool IsReached(double target, double rest) const;
+  bool IsCoarse(double time) const { return !(std::abs(time) <= exact_until_); }
   void RebuildSchedule();
   void MoveSchedule();
   void MakeEventFinder();
@@ -122,6 +119,10 @@ class Simulator {
   bool IsMultistep() const;
   bool KinkFires() const;
   // Functions called at every tick have hidden visibility, so that GCC can inline them.
+  [[gnu::visibility("hidden")]] bool MeansNextTick(double time, double rounding) const;
+  [[gnu::visibility("hidden")]] bool MeansLastTick(double time, double rounding) const;
+  [[gnu::visibility("hidden")]] double RestOf(double time) const;
+  [[gnu::visibility("hidden")]] bool IsReached(double target, double rest) const;
   [[gnu::visibility("hidden")]] void IntegrateTo(double target);
   [[gnu::visibility("hidden")]] void StartFinder();
   [[gnu::visibility("hidden")]] void StartIntegrator();
@@ -149,7 +150,8 @@ class Simulator {
   std::vector<int> due_;                                    ///< groups due at a tick, without logs
   std::uint64_t known_edition_ = 0;  ///< edition of the context at the beginning of the last advance
   // Times of the integrator, see SundialsIntegrator.
-  double horizon_ = 0;          ///< time of the next change of the dynamics at the latest
+  double exact_until_ = 0;  ///< a double resolves later times so coarsely that intervals need an origin [s]
+  double horizon_ = 0;      ///< time of the next change of the dynamics at the latest
   bool ends_at_jump_ = false;   ///< the horizon is a declared jump
   double next_stop_ = 0;        ///< the first event in the last step, or its end
   bool stop_is_due_ = false;    ///< the actions at next_stop_ are still to come
@@ -167,8 +169,7 @@ class Simulator {
 
   std::unique_ptr<internal::EventFinder> finder_;
   std::vector<double> witness_values_;
-  std::vector<double> present_memory_;  ///< of the finder, while a step is repeated
-  std::vector<std::size_t> fired_;      ///< witnesses and kinks of the event at next_stop_
+  std::vector<std::size_t> fired_;  ///< witnesses and kinks of the event at next_stop_
 
   std::optional<std::string> end_reason_;
   const Source* ended_by_ = nullptr;        ///< see RunStatus::monitor

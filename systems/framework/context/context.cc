@@ -77,6 +77,7 @@ Context::Context(const Context& other, const internal::Program& program)
       progress_(other.progress_),
       failure_(other.failure_),
       time_rest_(other.time_rest_),
+      begin_time_(other.begin_time_),
       next_step_(other.next_step_),
       last_error_(other.last_error_),
       witness_memory_(other.witness_memory_),
@@ -330,6 +331,7 @@ void Context::SetTime(double time) {
     throw RunError(fmt::format("cannot set the time to {} s: give a finite time", time));
   SetRunTime(time);
   time_rest_ = 0;
+  begin_time_ = time;
   MarkAllStale();
   next_step_ = last_error_ = 0;
 }

@@ -213,8 +213,9 @@ class Context {
     kTickDue,   ///< a tick at the present time is still to come
   };
   Progress progress_ = Progress::kNew;
-  std::string failure_;   ///< why the run cannot continue
-  double time_rest_ = 0;  ///< the present instant minus time(), which rounds it [s]
+  std::string failure_;    ///< why the run cannot continue
+  double time_rest_ = 0;   ///< the present instant minus time(), which rounds it [s]
+  double begin_time_ = 0;  ///< the last time that was set [s]
   double next_step_ = 0;
   double last_error_ = 0;
   /// The side of zero of each witness, see internal::EventFinder; empty if it follows from the values.
@@ -228,7 +229,9 @@ class Context {
   /// its end: the states, the step size, and the memories of the step-size control and the witnesses.
   struct StepStart {
     bool valid = false;
-    /// Times count from the origin. The size is negative if attempts at the step failed.
+    bool failed = false;        ///< attempts at the step failed
+    bool after_retake = false;  ///< the interval before ended just before an event
+    /// Times count from the origin.
     double origin = 0, time = 0, size = 0, next_step = 0, last_error = 0;
     double interval_begin = 0;  ///< time at which the integrator was started [s]
     std::vector<double> states = {};
@@ -242,7 +245,9 @@ class Context {
     double end_before_event = std::numeric_limits<double>::infinity();
 
     static FieldList Fields() {
-      return {{"origin", &StepStart::origin},
+      return {{"failed", &StepStart::failed},
+              {"after_retake", &StepStart::after_retake},
+              {"origin", &StepStart::origin},
               {"time", &StepStart::time},
               {"size", &StepStart::size},
               {"next_step", &StepStart::next_step},

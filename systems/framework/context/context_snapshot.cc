@@ -70,6 +70,7 @@ std::vector<std::byte> Context::Save() const {
   internal::Save(seed_, archive);
   internal::Save(progress_, archive);
   internal::Save(time_rest_, archive);
+  internal::Save(begin_time_, archive);
   internal::Save(next_step_, archive);
   internal::Save(last_error_, archive);
   internal::Save(internal::TypeInfoOf<std::vector<double>>(), &witness_memory_, archive);
@@ -117,12 +118,14 @@ void Context::Load(std::span<const std::byte> bytes) {
   internal::Load(time, archive);
   internal::Load(seed_, archive);
   internal::Load(progress_, archive);
-  double time_rest = 0;
+  double time_rest = 0, begin_time = 0;
   internal::Load(time_rest, archive);
+  internal::Load(begin_time, archive);
   if (!std::isfinite(time) || progress_ > Progress::kTickDue)
     throw RunError("the snapshot is damaged: its time or its progress is invalid");
   SetTime(time);
   time_rest_ = time_rest;
+  begin_time_ = begin_time;
   failure_.clear();
   internal::Load(next_step_, archive);
   internal::Load(last_error_, archive);

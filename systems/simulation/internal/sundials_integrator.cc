@@ -32,8 +32,9 @@ constexpr double kStays = 0.2;
 constexpr double kJumps = 3;
 /// Error of a step, in tolerances, that a jump must be able to cause to be considered.
 constexpr double kShows = 0.1;
-/// Error of the step across a jump, in tolerances, at most.
-constexpr double kCrosses = 0.01;
+/// Error of the step across a jump, in tolerances, at most; with kDirk, whose stages err by the residual of
+/// Newton's method, which must not undo the step.
+constexpr double kCrosses = 0.01, kDirkCrosses = 0.05;
 /// Error of a step with a kink, over the change of the derivative's rate times the step squared.
 constexpr double kKinkWeight = 0.02;
 /// First step over the largest one, without further information; the error test corrects it.
@@ -96,6 +97,7 @@ bool HasFeedingTicks(const internal::Program& program) {
 
 /// Divides the rest of the interval evenly into steps not larger than `wanted`, to avoid a tiny last step.
 double EvenStep(double remaining, double wanted) {
+  if (remaining <= wanted) return remaining;
   if (std::isinf(remaining)) return wanted;
   const double count = std::ceil(remaining / wanted * (1 - 1e-9));
   return remaining / std::max(1.0, count);
@@ -121,8 +123,9 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
         checks_stages(options.fixed_step == 0 && (options.method == Method::kDirk ||
                                                   (options.method == Method::kErk && options.order > 3))),
         checks_bends(checks_stages && options.method == Method::kErk && options.order == 5) {
-    for (std::vector<double>& each : jump_work) each.resize(before.size());
+    for (std::vector<double>& each : jump_work) each.resize(tolerances.size());
     for (std::vector<double>& each : motion) each.resize(before.size());
+    if (solver.multistep()) slope.resize(before.size()), slope_before.resize(before.size());
     if (checks_stages) stages.slopes.resize(stages.times.size() * before.size());
   }
 
@@ -133,24 +136,30 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   [[gnu::visibility("hidden")]] void MoveContext(double t, double time, double rest);
   [[gnu::visibility("hidden")]] void LoadInside(double t);
   [[gnu::visibility("hidden")]] double FirstStep(double time);
+  [[gnu::visibility("hidden")]] double NextStep(double t, double h, double error, int order);
+  [[gnu::visibility("hidden")]] void KeepStepControl(double h);
+  [[gnu::visibility("hidden")]] void SetOrigin(double time);
+  [[gnu::visibility("hidden")]] double EndBends(double h) const;
   [[gnu::visibility("hidden")]] double LargestStep(double time) const;
   [[gnu::visibility("hidden")]] void Count(double step);
   bool TakeStepAgain();
-  void CheckProgress(double from, double to, bool arrived);
+  void CheckProgress(double from, double to);
   double FirstGuess(double time);
   void BeginMotion();
   void EndMotion();
   bool JumpsAt(double event);
+  void KeepSlope(double t, const double* xdot);
   void KeepStage(double t, const double* xdot);
   std::size_t SortStages(std::array<std::size_t, 16>* order) const;
   bool StagesJump() const;
   double KinkError() const;
   void Retake(double time);
   bool RetakeBefore(double event);
+  void EndBefore(double time, double size);
+  bool SlopesJump(double h);
   bool MovesUntil(double event);
   void EvaluateWitnesses(double t, double* values);
   void KeepStepStart();
-  void SetOrigin(double time);
   void EndAt(double time);
   /// The solver's time at the run's time `time` + `rest`.
   double Local(double time, double rest) const { return time - origin + rest; }
@@ -159,7 +168,6 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   /// The time of an evaluation at `t`: not after a jump at the end of the interval.
   double Instant(double t) const { return Global(std::min(t, last_instant)); }
   double Tiny(double t) const { return 1e-14 * (unit + std::abs(t)); }
-  void KeepStepControl(double h);
   void KeepJump();
   double Target() const;
   bool has_past() const { return !internal::IsExplicit(options.method); }
@@ -176,8 +184,8 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   void FindWorstState();
 
   int Derivatives(double t, const double* y, double* ydot) override;
+  int Jacobian(double t, double* y, const double* f, double* const* columns) override;
   double ChooseStep(double t, double h, double error, int order) override;
-  double NextStep(double t, double h, double error, int order);
   void ErrorWeights(const double* y, double* weights) override;
   void EvaluateForInterpolant(double t, const double* x, double* xdot) override;
   void Evaluate(double ahead, int order, double* values) override;
@@ -213,6 +221,17 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   // True if accepted steps are searched for jumps that the table detects badly.
   const bool checks_stages;
   const bool checks_bends;  // the stages of DIRK methods are too inaccurate for that
+  const bool checks_ends =  // see EndBends
+      seeks_jumps && options.fixed_step == 0 && options.order <= 3 &&
+      (options.method == Method::kStabilized || (internal::IsExplicit(options.method) && options.order == 3));
+  const bool keeps_slopes = checks_stages || solver.multistep();
+  const bool goes_back = seeks_jumps || !program.witness_plans.empty();  // to the beginning of a step
+  std::array<const double*, 3> recent{};  // the last three derivatives, in memory of the solver
+  // Of a multistep method: the last derivatives, those at the end of the step before, the rate at which they
+  // changed in it, and the number of steps since the restart.
+  std::vector<double> slope, slope_before;
+  double rate = 0;
+  int num_slopes = 0;
   struct {
     std::size_t count = 0;
     std::array<double, 16> times{};
@@ -299,6 +318,7 @@ void SundialsIntegrator::Run::Restart(double time, double first_step) {
   failed = false;
   jump.known = false;
   stages.count = 0;
+  num_slopes = 0;
   finish = time;
   live = true;
   edition = context.edition_;
@@ -359,9 +379,9 @@ bool SundialsIntegrator::Run::TakeStepAgain() {
   before_event = std::isfinite(from.end_before_event);
   SetOrigin(from.origin);
   if (before_event) EndAt(from.end_before_event);
-  Restart(from.time, std::abs(from.size));
-  failed = from.size < 0;
-  after_retake = from.jump_step < 0;
+  Restart(from.time, from.size);
+  failed = from.failed;
+  after_retake = from.after_retake;
   jump = {from.jump_step > 0, from.jump_from, from.jump_to, from.jump_step};
   first_evaluation = false;  // the context's values are for another time
   const std::vector<double> held(context.continuous_data(),
@@ -398,23 +418,33 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
     double t = finish;
     step_begin = finish;
     refused = 0;
-    std::copy_n(solver.states(), program.num_continuous, step_states.data());
+    if (goes_back) std::copy_n(solver.states(), program.num_continuous, step_states.data());
     if (checks_stages) KeepStage(finish, nullptr);
     if (solver.multistep()) solver.SetMaxStep(LargestStep(finish));
     const int flag = solver.Step(Target(), &t);
     if (flag < 0) ThrowFailure(flag);
-    const auto present = jump;
-    if (checks_stages && StagesJump() && FindJump(finish, step_states.data(), finish, t) &&
-        jump.from > finish + 4 * Tiny(t)) {
-      // another attempt, which ends before the jump
-      const auto found = jump;
-      Retake(jump.from);
-      jump = found;
-      jump.step = t - step_begin;
-      continue;
+    const double bend = checks_ends ? EndBends(t - finish) : 0;
+    if (bend > 1 || (checks_stages && StagesJump())) {
+      const auto present = jump;
+      if (FindJump(finish, step_states.data(), finish, t) && jump.from > finish + 4 * Tiny(t)) {
+        // another attempt, which ends before the jump
+        const auto found = jump;
+        Retake(jump.from);
+        jump = found;
+        jump.step = t - step_begin;
+        continue;
+      }
+      jump = present;
     }
-    jump = present;
-    if (const double error = checks_bends ? KinkError() : 0; error > 1) {
+    if (solver.multistep() && SlopesJump(t - finish)) {
+      const bool found = FindJump(finish, step_states.data(), finish, t);
+      jump.known = false;
+      if (found && jump.from > finish + 100 * Tiny(t)) {
+        EndBefore(jump.from, t - finish);
+        continue;
+      }
+    }
+    if (const double error = checks_bends ? KinkError() : bend; error > 1) {
       Retake(finish + std::max(kMinShrink, kSafety / std::sqrt(error)) * (t - finish));
       continue;
     }
@@ -425,9 +455,18 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
     } else if (options.fixed_step > 0) {
       Count(step);
     }
-    CheckProgress(step_begin, finish, arrived);
+    if (arrived && !before_event) {
+      context.num_steps_ = context.movement_ = 0;
+    } else {
+      CheckProgress(step_begin, finish);
+    }
   } while (!arrived && (!one_step || finish == step_begin));
   if (one_step) interpolant.SetStep(begin, before.data(), finish, solver.states());
+}
+
+void SundialsIntegrator::Run::KeepSlope(double t, const double* xdot) {
+  if (checks_stages) KeepStage(t, xdot);
+  if (solver.multistep()) std::copy_n(xdot, slope.size(), slope.data());
 }
 
 /// Keeps a derivative of the present step. With null, a new attempt begins at `t`; the last derivative of the
@@ -498,6 +537,34 @@ bool SundialsIntegrator::Run::StagesJump() const {
   return false;
 }
 
+/// Returns whether the derivatives change much faster in the last step, of size `h`, of a multistep method
+/// than in the step before. The method errs by more than it estimates if they jump.
+bool SundialsIntegrator::Run::SlopesJump(double h) {
+  double change = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
+    change = std::max(change, std::abs(slope[i] - slope_before[i]) / tolerance);
+  }
+  const double last =
+      std::exchange(rate, num_slopes < 1 ? std::numeric_limits<double>::infinity() : change / h);
+  slope_before = slope;
+  return ++num_slopes > 2 && change * h > kShows && rate > kJumps * last;
+}
+
+/// A second estimate of the error of a step of `h`, in tolerances, for tables whose own estimate does not
+/// contain the last stage but one: the second difference of the last three stages, which are equidistant.
+/// That stage alone can be beyond a jump in state.
+double SundialsIntegrator::Run::EndBends(double h) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
+    const double change = (recent[0][i] - 2 * recent[1][i] + recent[2][i]) / tolerance;
+    sum += change * change;
+  }
+  const double limit = 144 * static_cast<double>(before.size());
+  return h * h * sum > limit ? h * std::sqrt(sum / limit) : 0;
+}
+
 /// Estimates the error, in tolerances, of a kink in time inside the step, which the error estimate of the
 /// table hardly sees; 0 unless the derivatives bend much more between two stages than elsewhere. If the rate
 /// of the derivative changes by r at the kink, the error of a step h is a small part of r h^2.
@@ -562,20 +629,24 @@ bool SundialsIntegrator::Run::RetakeBefore(double event) {
   if (event - step_begin <= kBeginning * (finish - step_begin)) return false;
   const double size = (1 - kBefore) * (event - step_begin);
   if (size <= 100 * Tiny(event)) return false;
-  const double next = finish - step_begin;
-  EndAt(step_begin + size);
-  before_event = true;
   context.step_start_.valid = false;
-  Retake(end);
-  context.next_step_ = next;
+  EndBefore(step_begin + size, finish - step_begin);
   return true;
+}
+
+/// Goes back to the beginning of the last step, of size `size`, to end the interval at `time`.
+void SundialsIntegrator::Run::EndBefore(double time, double size) {
+  EndAt(time);
+  before_event = true;
+  Retake(end);
+  context.next_step_ = size;
 }
 
 /// Throws RunError if max_steps successive steps have not been as long as they may be, and the states then
 /// move by less than a tolerance per step, or the time by less than its rounding: the length of the steps is
 /// not limited by the accuracy. A tick or a declared jump limits a step, too.
-void SundialsIntegrator::Run::CheckProgress(double from, double to, bool arrived) {
-  if (before.empty() || (arrived && !before_event) || options.fixed_step > 0 ||
+void SundialsIntegrator::Run::CheckProgress(double from, double to) {
+  if (before.empty() || options.fixed_step > 0 ||
       (options.max_step > 0 && to - from > 0.5 * options.max_step)) {
     context.num_steps_ = context.movement_ = 0;
     return;
@@ -617,6 +688,7 @@ void SundialsIntegrator::Run::KeepStepStart() {
   from.time = begin;
   from.states = before;
   from.size = step;
+  from.failed = false;
   from.next_step = context.next_step_;
   from.last_error = context.last_error_;
   from.interval_begin = interval_begin;
@@ -786,7 +858,8 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
     return -1;
   }
   if (internal::AllFinite(ydot, before.size())) {
-    if (checks_stages) KeepStage(t, ydot);
+    recent = {recent[1], recent[2], ydot};
+    if (keeps_slopes) KeepSlope(t, ydot);
     not_finite.clear();
     return 0;
   }
@@ -794,6 +867,46 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
   // A smaller step may help; the number of attempts is limited because the step size is not.
   failed = true;
   return first || ++refused > kMaxRefused ? -1 : 1;
+}
+
+/// Computes the Jacobian by differences with the increments of SUNDIALS. A jump of the derivatives within an
+/// increment would make the matrix so large that Newton's method accepts wrong states. Unless a column has no
+/// effect in the longest step, it is computed on both sides, and a difference that is much smaller counts.
+int SundialsIntegrator::Run::Jacobian(double t, double* y, const double* f, double* const* columns) {
+  constexpr double kEpsilon = std::numeric_limits<double>::epsilon(), kLeast = 1000;
+  const std::size_t n = tolerances.size();
+  const double step = std::abs(solver.current_step());
+  std::vector<double>&weights = jump_work[0], &other = jump_work[1];
+  ErrorWeights(y, weights.data());
+  const auto norm = [&](const double* from, const double* to) {
+    double sum = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double part = (to[i] - (from == nullptr ? 0 : from[i])) * weights[i];
+      sum += part * part;
+    }
+    return std::sqrt(sum / static_cast<double>(n));
+  };
+  const std::vector<double> kept = slope;
+  const double size = norm(nullptr, f), longest = std::min(LargestStep(t), end - t);
+  const double least = size == 0 ? 1 : kLeast * step * kEpsilon * static_cast<double>(n) * size;
+  for (std::size_t j = 0; j < n; ++j) {
+    const double state = y[j];
+    const double increment = std::max(std::sqrt(kEpsilon) * std::abs(state), least / weights[j]);
+    y[j] = state + increment;
+    int flag = Derivatives(t, y, columns[j]);
+    const bool depends = longest * norm(f, columns[j]) > increment * weights[j];
+    y[j] = state - increment;
+    if (flag == 0 && depends) flag = Derivatives(t, y, other.data());
+    y[j] = state;
+    if (flag != 0) return flag;
+    for (std::size_t i = 0; i < n; ++i) {
+      double change = columns[j][i] - f[i];
+      if (depends && std::abs(f[i] - other[i]) < 0.5 * std::abs(change)) change = f[i] - other[i];
+      columns[j][i] = change / increment;
+    }
+  }
+  slope = kept;
+  return 0;
 }
 
 /// The next step, or the next attempt at a step after an error of more than 1. ARKODE does not lengthen the
@@ -836,11 +949,11 @@ double SundialsIntegrator::Run::NextStep(double t, double h, double measured, in
   return remaining > Tiny(t) ? EvenStep(remaining, wanted) : wanted;
 }
 
-/// Keeps the size of an accepted step, negative after failed attempts, and the memory of the step-size
-/// control before it, to repeat the step.
+/// Keeps the size of an accepted step, and the memory of the step-size control before it, to repeat the step.
 void SundialsIntegrator::Run::KeepStepControl(double h) {
-  if (has_past()) return;
-  context.step_start_.size = failed ? -h : h;
+  if (!context.step_start_.valid || has_past()) return;
+  context.step_start_.size = h;
+  context.step_start_.failed = failed;
   context.step_start_.next_step = context.next_step_;
   context.step_start_.last_error = context.last_error_;
   KeepJump();
@@ -849,7 +962,8 @@ void SundialsIntegrator::Run::KeepStepControl(double h) {
 void SundialsIntegrator::Run::KeepJump() {
   context.step_start_.jump_from = jump.from;
   context.step_start_.jump_to = jump.to;
-  context.step_start_.jump_step = jump.known ? jump.step : after_retake ? -1 : 0;
+  context.step_start_.jump_step = jump.known ? jump.step : 0;
+  context.step_start_.after_retake = after_retake;
 }
 
 /// Handles a jump of the derivatives, in time or state, that is not declared. The error test alone would
@@ -998,7 +1112,8 @@ bool SundialsIntegrator::Run::FindJump(double t, const double* y, double from, d
   }
   jump.from = from;
   // The states may need longer than the time to move by their rounding.
-  jump.to = shows > 0 ? std::max(to, from + kCrosses / first) : to;
+  const double crosses = options.method == Method::kDirk ? kDirkCrosses : kCrosses;
+  jump.to = shows > 0 ? std::max(to, from + crosses / first) : to;
   return jump.known;
 }
 

@@ -47,15 +47,15 @@ struct SundialsSolver::Api {
   int (*set_max_steps)(void*, long);
   int (*set_max_error_failures)(void*, int);
   int (*reset)(void*, double, N_Vector);
-  int (*set_fixed_step)(void*, double);
-  int (*set_first_step)(void*, double);
-  int (*set_step_chooser)(void*, ARKAdaptFn, void*);
-  int (*set_fixed_step_bounds)(void*, double, double);
-  int (*set_safety_factor)(void*, double);
-  int (*set_error_bias)(void*, double);
-  int (*set_min_reduction)(void*, double);
-  int (*set_max_growth)(void*, double);
-  int (*set_max_first_growth)(void*, double);
+  int (*set_fixed_step)(void*, double) = nullptr;
+  int (*set_first_step)(void*, double) = nullptr;
+  int (*set_step_chooser)(void*, ARKAdaptFn, void*) = nullptr;
+  int (*set_fixed_step_bounds)(void*, double, double) = nullptr;
+  int (*set_safety_factor)(void*, double) = nullptr;
+  int (*set_error_bias)(void*, double) = nullptr;
+  int (*set_min_reduction)(void*, double) = nullptr;
+  int (*set_max_growth)(void*, double) = nullptr;
+  int (*set_max_first_growth)(void*, double) = nullptr;
 
   static const Api kErk, kArk, kCvode;
   static const Api& Of(Method method) {
@@ -63,90 +63,27 @@ struct SundialsSolver::Api {
   }
 };
 
+// The functions of the solver whose names begin with P.
+#define TENON_COMMON(P)                                                                                      \
+  .set_stop_time = P##SetStopTime, .get_errors = P##GetEstLocalErrors, .get_weights = P##GetErrWeights,      \
+  .get_time = P##GetCurrentTime, .get_current_step = P##GetCurrentStep, .get_last_step = P##GetLastStep,     \
+  .get_steps = P##GetNumSteps, .get_failed_steps = P##GetNumErrTestFails, .flag_name = P##GetReturnFlagName, \
+  .free = P##Free, .set_client = P##SetUserData, .set_tolerances = P##SVtolerances,                          \
+  .set_max_steps = P##SetMaxNumSteps, .set_max_error_failures = P##SetMaxErrTestFails
+#define TENON_RUNGE_KUTTA(P)                                                              \
+  .reset = P##Reset, .set_fixed_step = P##SetFixedStep, .set_first_step = P##SetInitStep, \
+  .set_step_chooser = P##SetAdaptivityFn, .set_fixed_step_bounds = P##SetFixedStepBounds, \
+  .set_safety_factor = P##SetSafetyFactor, .set_error_bias = P##SetErrorBias,             \
+  .set_min_reduction = P##SetMinReduction, .set_max_growth = P##SetMaxGrowth,             \
+  .set_max_first_growth = P##SetMaxFirstGrowth
 const SundialsSolver::Api SundialsSolver::Api::kErk{
-    .solver = "ERKStep",
-    .evolve = ERKStepEvolve,
-    .set_stop_time = ERKStepSetStopTime,
-    .get_errors = ERKStepGetEstLocalErrors,
-    .get_weights = ERKStepGetErrWeights,
-    .get_time = ERKStepGetCurrentTime,
-    .get_current_step = ERKStepGetCurrentStep,
-    .get_last_step = ERKStepGetLastStep,
-    .get_steps = ERKStepGetNumSteps,
-    .get_failed_steps = ERKStepGetNumErrTestFails,
-    .flag_name = ERKStepGetReturnFlagName,
-    .free = ERKStepFree,
-    .set_client = ERKStepSetUserData,
-    .set_tolerances = ERKStepSVtolerances,
-    .set_max_steps = ERKStepSetMaxNumSteps,
-    .set_max_error_failures = ERKStepSetMaxErrTestFails,
-    .reset = ERKStepReset,
-    .set_fixed_step = ERKStepSetFixedStep,
-    .set_first_step = ERKStepSetInitStep,
-    .set_step_chooser = ERKStepSetAdaptivityFn,
-    .set_fixed_step_bounds = ERKStepSetFixedStepBounds,
-    .set_safety_factor = ERKStepSetSafetyFactor,
-    .set_error_bias = ERKStepSetErrorBias,
-    .set_min_reduction = ERKStepSetMinReduction,
-    .set_max_growth = ERKStepSetMaxGrowth,
-    .set_max_first_growth = ERKStepSetMaxFirstGrowth,
-};
+    .solver = "ERKStep", .evolve = ERKStepEvolve, TENON_COMMON(ERKStep), TENON_RUNGE_KUTTA(ERKStep)};
 const SundialsSolver::Api SundialsSolver::Api::kArk{
-    .solver = "ARKStep",
-    .evolve = ARKStepEvolve,
-    .set_stop_time = ARKStepSetStopTime,
-    .get_errors = ARKStepGetEstLocalErrors,
-    .get_weights = ARKStepGetErrWeights,
-    .get_time = ARKStepGetCurrentTime,
-    .get_current_step = ARKStepGetCurrentStep,
-    .get_last_step = ARKStepGetLastStep,
-    .get_steps = ARKStepGetNumSteps,
-    .get_failed_steps = ARKStepGetNumErrTestFails,
-    .flag_name = ARKStepGetReturnFlagName,
-    .free = ARKStepFree,
-    .set_client = ARKStepSetUserData,
-    .set_tolerances = ARKStepSVtolerances,
-    .set_max_steps = ARKStepSetMaxNumSteps,
-    .set_max_error_failures = ARKStepSetMaxErrTestFails,
-    .reset = ARKStepReset,
-    .set_fixed_step = ARKStepSetFixedStep,
-    .set_first_step = ARKStepSetInitStep,
-    .set_step_chooser = ARKStepSetAdaptivityFn,
-    .set_fixed_step_bounds = ARKStepSetFixedStepBounds,
-    .set_safety_factor = ARKStepSetSafetyFactor,
-    .set_error_bias = ARKStepSetErrorBias,
-    .set_min_reduction = ARKStepSetMinReduction,
-    .set_max_growth = ARKStepSetMaxGrowth,
-    .set_max_first_growth = ARKStepSetMaxFirstGrowth,
-};
+    .solver = "ARKStep", .evolve = ARKStepEvolve, TENON_COMMON(ARKStep), TENON_RUNGE_KUTTA(ARKStep)};
 const SundialsSolver::Api SundialsSolver::Api::kCvode{
-    .solver = "CVode",
-    .evolve = CVode,
-    .set_stop_time = CVodeSetStopTime,
-    .get_errors = CVodeGetEstLocalErrors,
-    .get_weights = CVodeGetErrWeights,
-    .get_time = CVodeGetCurrentTime,
-    .get_current_step = CVodeGetCurrentStep,
-    .get_last_step = CVodeGetLastStep,
-    .get_steps = CVodeGetNumSteps,
-    .get_failed_steps = CVodeGetNumErrTestFails,
-    .flag_name = CVodeGetReturnFlagName,
-    .free = CVodeFree,
-    .set_client = CVodeSetUserData,
-    .set_tolerances = CVodeSVtolerances,
-    .set_max_steps = CVodeSetMaxNumSteps,
-    .set_max_error_failures = CVodeSetMaxErrTestFails,
-    .reset = CVodeReInit,
-    .set_fixed_step = nullptr,
-    .set_first_step = nullptr,
-    .set_step_chooser = nullptr,
-    .set_fixed_step_bounds = nullptr,
-    .set_safety_factor = nullptr,
-    .set_error_bias = nullptr,
-    .set_min_reduction = nullptr,
-    .set_max_growth = nullptr,
-    .set_max_first_growth = nullptr,
-};
+    .solver = "CVode", .evolve = CVode, TENON_COMMON(CVode), .reset = CVodeReInit};
+#undef TENON_COMMON
+#undef TENON_RUNGE_KUTTA
 
 namespace {
 
@@ -255,6 +192,10 @@ SundialsClient& Client(void* client) {
 }
 int Derivatives(double t, N_Vector y, N_Vector ydot, void* client) {
   return Client(client).Derivatives(t, NV_DATA_S(y), NV_DATA_S(ydot));
+}
+int Jacobian(double t, N_Vector y, N_Vector f, SUNMatrix jacobian, void* client, N_Vector, N_Vector,
+             N_Vector) {
+  return Client(client).Jacobian(t, NV_DATA_S(y), NV_DATA_S(f), SM_COLS_D(jacobian));
 }
 int ChooseStep(N_Vector, double t, double h, double, double, double error, double, double, int q, int p,
                double* next, void* client) {
@@ -385,6 +326,7 @@ void SundialsSolver::CreateRungeKutta(bool open, double time, SundialsClient& cl
     }
     CreateLinearSolver();
     Check(ARKStepSetLinearSolver(memory_, h.linear_solver, h.matrix), "SetLinearSolver");
+    Check(ARKStepSetJacFn(memory_, Jacobian), "SetJacFn");
     // Update the Newton matrix with the step size. The default accepts a single iteration with a matrix for a
     // step size that differs by 20 %, based on the convergence of earlier stages, and can err by a hundred
     // tolerances.
@@ -417,6 +359,7 @@ void SundialsSolver::CreateMultistep(double time) {
   Check(CVodeSetMaxOrd(memory_, options_.order), "SetMaxOrd");
   CreateLinearSolver();
   Check(CVodeSetLinearSolver(memory_, h.linear_solver, h.matrix), "SetLinearSolver");
+  Check(CVodeSetJacFn(memory_, Jacobian), "SetJacFn");
 }
 
 void SundialsSolver::CreateLinearSolver() {

@@ -20,6 +20,9 @@ class SundialsClient {
   /// Computes `ydot` = f(t, y). Returns 0; a positive number to request a smaller step, a negative one to
   /// fail.
   virtual int Derivatives(double t, const double* y, double* ydot) = 0;
+  /// Computes the columns of the Jacobian of f, whose value at (t, y) is `f`; changes `y` meanwhile. Returns
+  /// what Derivatives returns. Called by implicit and multistep methods.
+  virtual int Jacobian(double t, double* y, const double* f, double* const* columns) = 0;
   /// Returns the step to take at `t`, after a step of size `h` with an error of `error` tolerances; `order`
   /// is the order of the error estimate. Called by Runge-Kutta methods without a fixed step.
   virtual double ChooseStep(double t, double h, double error, int order) = 0;

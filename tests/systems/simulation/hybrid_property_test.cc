@@ -470,25 +470,26 @@ struct AlarmPart final : PartOf<AlarmParams, Alarm> {
   void Fire(Motion& m, int) const override { ++m.n; }
 };
 
-/// Errors that are made at the beginning and at each event: always in one direction or along the motion, so
-/// that they add up, or with random signs.
+/// Errors that are made at the beginning and at each event, and others at the beginning alone: always in one
+/// direction or along the motion, so that they add up, or with random signs.
 struct Errors {
-  Real x = 0, v = 0;
+  Real x = 0, v = 0, first_x = 0, first_v = 0;
   int pattern = 0;
   Random* random = nullptr;
   static constexpr int kPatterns = 10;
-  void Make(Motion& m, bool forwards, bool has_speed) const {
+  void Make(Motion& m, bool first, bool forwards, bool has_speed) const {
     const auto sign = [&]() -> Real {
       if (pattern > 3) return random->Sign();
       return (pattern % 2 == 0 ? 1 : -1) * (pattern >= 2 && !forwards ? -1 : 1);
     };
-    m.x += sign() * x;
-    if (has_speed && m.v != 0) m.v += sign() * v;
+    m.x += sign() * (x + (first ? first_x : 0));
+    if (has_speed && m.v != 0) m.v += sign() * (v + (first ? first_v : 0));
   }
 };
 
 struct Solution {
   Motion end;
+  int events = 0;
   Real max_x = 0, max_v = 0, max_dx = 0, max_dv = 0;
   /// The shortest interval between two events, over what the doubles of time and state resolve there.
   Real resolved = kInfinity;
@@ -502,7 +503,7 @@ Solution Solve(const Part& part, Real duration, Real latest, const Errors& error
   Motion m = part.Begin();
   constexpr int kMaxEvents = 1500;
   for (int i = 0;; ++i) {
-    if (errors.random != nullptr) errors.Make(m, part.Rates(m)[0] >= 0, part.has_speed);
+    if (errors.random != nullptr) errors.Make(m, i == 0, part.Rates(m)[0] >= 0, part.has_speed);
     const auto [dx, dv] = part.Rates(m);
     solution.max_x = std::max(solution.max_x, std::abs(m.x));
     solution.max_v = std::max(solution.max_v, std::abs(m.v));
@@ -519,6 +520,7 @@ Solution Solve(const Part& part, Real duration, Real latest, const Errors& error
     part.Flow(m, next.after);
     m.t += next.after;
     part.Fire(m, next.what);
+    ++solution.events;
     if (solution.accumulates == kInfinity) solution.accumulates = part.Accumulates(m);
     if (solution.accumulates <= duration && next.after < 1e-12L * solution.accumulates) break;
   }
@@ -597,9 +599,10 @@ struct System {
 };
 
 /// Permitted is an error of 20 tolerances, and the effect that errors of this size would have at the
-/// beginning and at each event. Rounding permits, again there and at the end, 40 units in the last place of
-/// the state, of the time (times the rate of the state) and of the scales. An explicit method solves a
-/// polynomial flow without an error besides rounding. The problem is beyond doubles if an interval between
+/// beginning and at each event. A multistep method restarts at order 1 at the events of every block, which
+/// permits two more tolerances for each. Rounding permits, again there and at the end, 40 units in the last
+/// place of the state, of the time (times the rate of the state) and of the scales. An explicit method solves
+/// a polynomial flow without an error besides rounding. The problem is beyond doubles if an interval between
 /// two events or a step is shorter than 1000 units in the last place of the time, or than the time in which
 /// the state changes by as much.
 void Expect(System* system, Random& random) {
@@ -608,6 +611,9 @@ void Expect(System* system, Random& random) {
   const Real latest = std::max(std::abs(system->start), std::abs(system->end));
   const bool implicit =
       options.method == Method::kDirk || options.method == Method::kBdf || options.method == Method::kAdams;
+  const bool multistep = options.method == Method::kBdf || options.method == Method::kAdams;
+  int restarts = 0;
+  for (const auto& part : system->parts) restarts += multistep ? Solve(*part, duration, latest).events : 0;
   system->expected.clear();
   system->beyond = options.max_step < 1e3L * kEpsilon * latest;
   system->decided = true;
@@ -626,7 +632,15 @@ void Expect(System* system, Random& random) {
     const Real v_rounding = rounding(exact.max_v, scale.speed(), exact.max_dv);
     const bool flow_is_exact = !implicit && part->polynomial && part->declared;
     Errors errors{x_rounding + (flow_is_exact ? 0 : x_tolerance),
-                  v_rounding + (flow_is_exact ? 0 : v_tolerance), 0, &random};
+                  v_rounding + (flow_is_exact ? 0 : v_tolerance),
+                  0,
+                  0,
+                  0,
+                  &random};
+    if (multistep) {
+      errors.first_x = x_tolerance / 10 * (restarts - exact.events);
+      errors.first_v = v_tolerance / 10 * (restarts - exact.events);
+    }
     Expected expected{.end = exact.end, .resolved = exact.resolved, .accumulates = exact.accumulates};
     std::vector<Solution> others;
     for (errors.pattern = 0; errors.pattern < Errors::kPatterns; ++errors.pattern) {
@@ -648,8 +662,10 @@ void Expect(System* system, Random& random) {
         const Motion &a = other.end, &b = exact.end;
         if (a.n != b.n || a.mode != b.mode || a.ticks != b.ticks) system->decided = false;
         if (other.accumulates <= duration * (1 + 1e-6L)) system->decided = false;
-        expected.x_error = std::max(expected.x_error, x_rounding + x_tolerance + std::abs(a.x - b.x));
-        expected.v_error = std::max(expected.v_error, v_rounding + v_tolerance + std::abs(a.v - b.v));
+        expected.x_error =
+            std::max(expected.x_error, x_rounding + x_tolerance + errors.first_x + std::abs(a.x - b.x));
+        expected.v_error =
+            std::max(expected.v_error, v_rounding + v_tolerance + errors.first_v + std::abs(a.v - b.v));
       }
     }
     system->expected.push_back(expected);
