@@ -90,10 +90,12 @@ class Reader {
         Fail("there is no link '{}', the trunk; correct its name under 'trunk_link'",
              Excerpt(reading_.trunk));
       for (; link != &file_.FloatingLink() && link->parent != nullptr; link = link->parent) {
-        if (link->parent_joint->turns() && !LockedAt(*link->parent_joint))
+        const UrdfJoint& joint = *link->parent_joint;
+        const std::optional<double> position = LockedAt(joint);
+        if (joint.turns() && !position)
           Fail("the link '{}' moves relative to the root; give a link of the trunk under 'trunk_link'",
                reading_.trunk);
-        T_RB = link->parent_joint->pose * T_RB;
+        T_RB = joint.pose * joint.Moved(position.value_or(0)) * T_RB;
       }
     }
     T_RB.rotate(RotationOf(reading_.forward, reading_.up));
@@ -103,28 +105,23 @@ class Reader {
   void CheckLocked() const {
     for (const auto& [name, angle] : reading_.locked) {
       const UrdfJoint* joint = file_.FindJoint(name);
-      if (joint != nullptr && joint->turns()) continue;
-      if (joint != nullptr && Drive(name) != nullptr)
+      const bool moves = Drive(name) != nullptr;
+      if (joint != nullptr && (joint->turns() || (joint->slides() && !moves))) continue;
+      if (joint != nullptr && moves)
         Fail("joint '{}' does not turn; take it out of 'actuated_joints', or make it revolute", name);
       std::vector<std::string> names;
       for (const auto& entry : file_.joints)
-        if (entry.second.turns()) names.push_back(entry.first);
+        if (entry.second.turns() || entry.second.slides()) names.push_back(entry.first);
       const std::string nearest = NearestName(name, names);
       Fail(
-          "there is no joint '{}' that turns{}; correct its name, under 'locked_joints' or 'actuated_joints' "
+          "there is no joint '{}' that moves{}; correct its name, under 'locked_joints' or 'actuated_joints' "
           "or in --lock",
           Excerpt(name), nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
     }
   }
 
-  /// Returns the angle of a joint that is locked itself or mimics a locked joint.
   std::optional<double> LockedAt(const UrdfJoint& joint) const {
-    const auto at = reading_.locked.find(joint.name);
-    if (at != reading_.locked.end()) return at->second;
-    if (!joint.mimic || joint.mimic->joint == joint.name) return {};
-    const auto leader = reading_.locked.find(joint.mimic->joint);
-    if (leader == reading_.locked.end()) return {};
-    return joint.mimic->multiplier * leader->second + joint.mimic->offset;
+    return internal::LockedAt(joint, reading_.locked);
   }
 
   /// Returns the drive of an actuated joint; null if it is none.
@@ -195,13 +192,15 @@ class Reader {
     for (const UrdfJoint* joint : link.joints) {
       Eigen::Isometry3d T_BJ = T_BL * joint->pose;
       int child = body;
-      if (const std::optional<double> angle = LockedAt(*joint)) {
-        T_BJ.rotate(Eigen::AngleAxisd(*angle, AxisOf(*joint)));
+      if (const std::optional<double> position = LockedAt(*joint)) {
+        AxisOf(*joint);  // refuses one of length 0
+        T_BJ = T_BJ * joint->Moved(*position);
         if (const AttachedBody* drive = Drive(joint->name)) child = NoteMoving(*joint, *drive, body, T_BJ);
       } else if (joint->turns()) {
         child = NoteJoint(*joint, T_BJ) + 1;
       } else if (joint->type != UrdfJoint::Type::kFixed) {
-        Fail("joint '{}' must be revolute or fixed; make it fixed", joint->name);
+        Fail("joint '{}' must be revolute or fixed; make it fixed, or list it under 'locked_joints'",
+             joint->name);
       }
       Add(file_.ChildOf(*joint), child, T_BJ);
     }

@@ -401,6 +401,26 @@ std::string ReadBytes(const std::filesystem::path& path, const UrdfFile& file) {
 
 }  // namespace
 
+double UrdfJoint::Neutral() const {
+  const bool has_range = type != Type::kContinuous && limits && limits->lower < limits->upper;
+  return has_range ? std::clamp(0.0, limits->lower, limits->upper) : 0;
+}
+
+Eigen::Isometry3d UrdfJoint::Moved(double position) const {
+  const Eigen::Vector3d direction = axis.normalized();
+  if (slides()) return Eigen::Isometry3d(Eigen::Translation3d(position * direction));
+  return Eigen::Isometry3d(Eigen::AngleAxisd(position, direction));
+}
+
+std::optional<double> LockedAt(const UrdfJoint& joint, const LockedJoints& locked) {
+  const auto at = locked.find(joint.name);
+  if (at != locked.end()) return at->second;
+  if (!joint.mimic || joint.mimic->joint == joint.name) return {};
+  const auto leader = locked.find(joint.mimic->joint);
+  if (leader == locked.end()) return {};
+  return joint.mimic->multiplier * leader->second + joint.mimic->offset;
+}
+
 const UrdfLink* UrdfFile::FindLink(std::string_view link) const {
   const auto at = links.find(link);
   return at == links.end() ? nullptr : &at->second;

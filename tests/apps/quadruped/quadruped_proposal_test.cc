@@ -42,10 +42,9 @@ class QuadrupedProposalTest : public ::testing::Test {
   QuadrupedProposalTest() { fs::create_directories(directory_); }
   ~QuadrupedProposalTest() override { fs::remove_all(directory_); }
 
-  QuadrupedProposal Propose(const std::string& urdf,
-                            const std::map<std::string, double, std::less<>>& locked = {}) {
+  QuadrupedProposal Propose(const std::string& urdf, const UrdfLegsOptions& options = {}) {
     std::ofstream(directory_ / "robot.urdf") << urdf;
-    return ProposeQuadruped(directory_ / "robot.urdf", locked);
+    return ProposeQuadruped(directory_ / "robot.urdf", options);
   }
   QuadrupedDescription Load(const QuadrupedProposal& proposal) {
     std::ofstream(directory_ / "robot.yaml") << proposal.yaml;
@@ -161,7 +160,7 @@ TEST_F(QuadrupedProposalTest, RefusesOtherRobots) {
       refused(Replaced(ReadUrdf("a1"), "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"0 0 1\"/>"), "'FL_hip_joint'"));
   EXPECT_TRUE(refused(Replaced(Replaced(ReadUrdf("a1"), "<origin xyz=\"0 0 -0.2\"/>", ""),
                                "xyz=\"0 0.0838 0\"", "xyz=\"0 0.0838 -0.1\""),
-                      "FL_hip_joint - FL_thigh_joint - FL_calf_joint (3)"));
+                      "FL_hip_joint - FL_thigh_joint - FL_calf_joint"));
   EXPECT_TRUE(
       refused("<robot name=\"x\" xmlns:xacro=\"http://x\"><xacro:leg name=\"a\"/></robot>", "xacro "));
 }
@@ -183,7 +182,7 @@ TEST_F(QuadrupedProposalTest, FindsTheAxesOfTheRobot) {
   ExpectLikeA1(Load(Propose(BelowRoot("type=\"floating\">"))));
   const QuadrupedProposal sideways =
       Propose(BelowRoot("type=\"fixed\"><origin rpy=\"0 0 1.5707963267948966\"/>"));
-  EXPECT_THAT(sideways.notes, Contains(HasSubstr("faces along the axis 'y' of 'outer'")));
+  EXPECT_THAT(sideways.notes, Contains(HasSubstr("robot faces is the axis 'y' of 'outer'")));
   ExpectLikeA1(Load(sideways));
   const QuadrupedProposal backward =
       Propose(BelowRoot("type=\"fixed\"><origin rpy=\"0 0 3.141592653589793\"/>"));
