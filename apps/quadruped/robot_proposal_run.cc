@@ -1,5 +1,6 @@
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/read_text.h>
+#include <tenon/apps/common/run_program.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/held_mass.h>
@@ -50,6 +51,24 @@ std::optional<internal::LinkAxis> AxisOf(const char* option, const std::string& 
   throw ParameterError(fmt::format("{} {}: write x, y, z, -x, -y or -z", option, text));
 }
 
+/// Expands a xacro file into a URDF in `out`, if xacro is installed. Returns the file itself otherwise, and
+/// if it is a URDF.
+fs::path Expanded(const fs::path& file, const fs::path& out) {
+  if (ReadText(file).find("<xacro:") == std::string::npos) return file;
+  const std::string name = file.stem().stem().string();
+  std::error_code error;
+  fs::path urdf = out / (name + ".urdf");
+  if (fs::equivalent(file, urdf, error)) urdf = out / (name + "_expanded.urdf");
+  fs::create_directories(out, error);
+  const std::optional<int> code = RunProgram({"xacro", file.string(), "-o", urdf.string()});
+  if (!code) return file;
+  if (*code != 0)
+    throw ParameterError(fmt::format(
+        "{}: xacro failed with exit code {}; correct the file as its messages say", file.string(), *code));
+  WriteFile(urdf, WithMeshesFound(ReadText(urdf), file));
+  return urdf;
+}
+
 /// Runs a shipped scenario with this robot, and writes its outputs to `out`.
 Summary Try(const char* scenario, const fs::path& yaml, double duration, const fs::path& out) {
   const YamlDocument document = LoadScenario(scenario, {"robot=" + yaml.string()}, "tenon-quadruped");
@@ -69,9 +88,11 @@ std::string Shown(const Summary& trial, const char* name) {
 }  // namespace
 
 int ProposeRobot(const RobotArguments& arguments) {
-  const fs::path urdf = arguments.urdf;
+  const fs::path given = arguments.urdf,
+                 out =
+                     arguments.out.empty() ? fs::path("out") / given.stem().stem() : fs::path(arguments.out),
+                 urdf = Expanded(given, out);
   const std::string name = urdf.stem().string();
-  const fs::path out = arguments.out.empty() ? fs::path("out") / name : fs::path(arguments.out);
   const UrdfLegsOptions options{.locked = LockedJoints(arguments.locks),
                                 .forward = AxisOf("--forward", arguments.forward),
                                 .up = AxisOf("--up", arguments.up)};

@@ -1,5 +1,6 @@
 #include <tenon/apps/quadruped/leg_names.h>
 #include <tenon/apps/quadruped/urdf_legs.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -120,7 +121,9 @@ class LegFinder {
   /// Whether three joints can be abduction, hip pitch and knee. The angles between their axes do not depend
   /// on the angles of the joints.
   bool IsLeg(const UrdfChain& chain) const {
-    return chain.size() == kJointsPerLeg && std::abs(AxisOf(*chain[0]).dot(AxisOf(*chain[1]))) < kAcross &&
+    return chain.size() == kJointsPerLeg &&
+           std::ranges::none_of(chain, [](auto* j) { return j->mimic.has_value(); }) &&
+           std::abs(AxisOf(*chain[0]).dot(AxisOf(*chain[1]))) < kAcross &&
            std::abs(AxisOf(*chain[1]).dot(AxisOf(*chain[2]))) > kAlong;
   }
   static UrdfChain LastOf(const UrdfChain& chain) {
@@ -167,28 +170,31 @@ class LegFinder {
 
   /// Throws ParameterError that says which kind of robot it is.
   [[noreturn]] void Refuse() const {
-    // The limbs: most chains of equal length that share no joint with others.
-    std::map<const UrdfJoint*, int> starts;
-    for (const UrdfChain& chain : chains_) ++starts[chain[0]];
-    std::map<std::size_t, std::vector<UrdfChain>> by_size;
+    // The limbs are the chains without the joints that they share, most of equal length.
+    std::map<const UrdfJoint*, int> uses;
     for (const UrdfChain& chain : chains_)
-      if (starts[chain[0]] == 1) by_size[chain.size()].push_back(chain);
-    if (by_size.empty())
-      Fail("no {} turns, but a quadruped has four legs of three joints", chains_.empty() ? "joint" : "leg");
-    const auto& [joints, limbs] =
-        *std::ranges::max_element(by_size, {}, [](const auto& each) { return each.second.size(); });
+      for (const UrdfJoint* joint : chain) ++uses[joint];
+    std::map<std::size_t, std::vector<UrdfChain>> by_size;
+    for (UrdfChain chain : chains_) {
+      std::erase_if(chain, [&](const UrdfJoint* joint) { return uses[joint] > 1; });
+      by_size[chain.size()].push_back(chain);
+    }
+    if (by_size.empty()) Fail("no joint turns, but a quadruped has four legs of three joints");
+    const auto& [joints, limbs] = *std::ranges::max_element(
+        by_size, {}, [](const auto& each) { return std::pair(each.second.size(), each.first); });
     constexpr std::array kWords{"no", "one", "two", "three", "four", "five", "six", "seven", "eight"};
     const auto word = [&](std::size_t n) { return n < kWords.size() ? kWords[n] : "many"; };
-    const std::string kind = fmt::format("the robot has {} leg{} of {} joint{} that turn{}, the first '{}'",
-                                         word(limbs.size()), limbs.size() == 1 ? "" : "s", word(joints),
-                                         joints == 1 ? "" : "s", joints == 1 ? "s" : "", NamesOf(limbs[0]));
+    const std::string kind =
+        fmt::format("the robot has {} leg{} of {} joint{}, the first '{}'", word(limbs.size()),
+                    limbs.size() == 1 ? "" : "s", word(joints), joints == 1 ? "" : "s", NamesOf(limbs[0]));
     if (limbs.size() != kNumLegs) {
       std::string others;
       for (const UrdfChain& chain : chains_) others += fmt::format("; {} ({})", NamesOf(chain), chain.size());
+      if (limbs.size() == chains_.size())
+        Fail("{}, but a quadruped has four legs of three joints; give another robot", kind);
       Fail(
-          "{}, but a quadruped has four legs of three joints: fix other joints by --lock JOINT=ANGLE, or "
-          "give "
-          "another robot. Chains{}",
+          "{}, but a quadruped has four legs of three joints; fix other joints by --lock JOINT=ANGLE. "
+          "Chains{}",
           kind, others);
     }
     const auto slides = [&](const auto& self, const UrdfLink& link) -> const UrdfJoint* {
@@ -205,7 +211,8 @@ class LegFinder {
           "give another robot",
           kind, knee->name);
     const std::string locks = LocksOf(limbs);
-    if (!locks.empty()) Fail("{}; if the others turn wheels or ankles, or can be fixed, add{}", kind, locks);
+    if (!locks.empty())
+      Fail("{}; if the other joints turn wheels or ankles, or can be fixed, add{}", kind, locks);
     const auto follower =
         std::ranges::find_if(limbs[0], [](const auto* joint) { return joint->mimic.has_value(); });
     const UrdfJoint &first = *limbs[0][0], &second = *limbs[0][std::min<std::size_t>(1, joints - 1)];
@@ -222,28 +229,29 @@ class LegFinder {
         first.name, a[0], a[1], a[2], base_.name, second.name, b[0], b[1], b[2]);
   }
 
-  /// The options that lock all joints of the legs except abduction, hip pitch and knee; empty if there are no
-  /// such joints.
+  /// The options that lock all joints of the legs except abduction, hip pitch and knee; empty if none makes a
+  /// quadruped of it.
   std::string LocksOf(const std::vector<UrdfChain>& legs) const {
     const std::size_t n = legs[0].size();
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = i + 1; j < n; ++j) {
-        for (std::size_t k = j + 1; k < n; ++k) {
-          const auto fits = [&](const UrdfChain& leg) {
-            const UrdfChain three{leg[i], leg[j], leg[k]};
-            return IsLeg(three) && std::abs(AxisOf(*leg[i]).dot(AxisOf(*legs[0][i]))) > kAlong &&
-                   std::ranges::none_of(three, [](const auto* joint) { return joint->mimic.has_value(); });
-          };
-          if (n == kJointsPerLeg || !std::ranges::all_of(legs, fits)) continue;
-          std::string options;
-          for (const UrdfChain& leg : legs)
-            for (std::size_t at = 0; at < n; ++at)
-              if (at != i && at != j && at != k)
-                options += fmt::format(" --lock {}={:.4g}", leg[at]->name, leg[at]->Neutral());
-          return options;
+    if (n <= kJointsPerLeg) return "";
+    std::vector<bool> locked(n, true);  // which joints of each leg, in all combinations
+    std::fill_n(locked.begin(), kJointsPerLeg, false);
+    do {
+      UrdfLegsOptions options = options_;
+      std::string text;
+      for (const UrdfChain& leg : legs) {
+        for (std::size_t i = 0; i < n; ++i) {
+          if (!locked[i]) continue;
+          options.locked[leg[i]->name] = leg[i]->Neutral();
+          text += fmt::format(" --lock {}={:.4g}", leg[i]->name, leg[i]->Neutral());
         }
       }
-    }
+      try {
+        LegFinder(file_, options).Find();
+        return text;
+      } catch (const ParameterError&) {  // another combination
+      }
+    } while (std::next_permutation(locked.begin(), locked.end()));
     return "";
   }
 
@@ -343,8 +351,10 @@ class LegFinder {
     const Eigen::Index a = (along + 1) % 3, b = (along + 2) % 3;
     if (spread[along] < kBehind * spread.maxCoeff())
       Fail(
-          "joint '{}' and the first joints of the other legs turn about '{}' of '{}', along which no hips are "
-          "behind each other, like those of a spider, but the first joint of a leg must be its abduction, about "
+          "joint '{}' and the first joints of the other legs turn about '{}' of '{}', along which no hips "
+          "are "
+          "behind each other, like those of a spider, but the first joint of a leg must be its abduction, "
+          "about "
           "the axis along which the robot faces; give another robot",
           legs[0][0]->name, EnumName(AxisAt(along, 1)), TrunkName());
     const Eigen::Index vertical = options_.up ? IndexOf(*options_.up) : is_up(a) > is_up(b) ? a : b;

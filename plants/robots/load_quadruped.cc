@@ -117,7 +117,7 @@ struct RobotFile {
             Required("feet", &RobotFile::feet),
             Required("foot_radius_m", &RobotFile::foot_radius)
                 .Above(0)
-                .AtMost(0.1)
+                .AtMost(0.5)
                 .Because("the radius of the sphere that touches the ground"),
             {"foot_centres_m", &RobotFile::foot_centres},
             {"joint_limits", &RobotFile::limits},
