@@ -1,14 +1,11 @@
 #include <tenon/apps/common/graph_file.h>
+#include <tenon/apps/common/run_program.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -16,25 +13,6 @@
 namespace tenon::apps {
 
 namespace fs = std::filesystem;
-
-namespace {
-
-/// Runs Graphviz's `dot` without a shell. Returns its exit code, or nothing if `dot` is not installed.
-std::optional<int> RunDot(const fs::path& text, const fs::path& svg) {
-  std::string arguments[] = {"dot", "-Tsvg", "-o", svg.string(), text.string()};
-  char* list[] = {arguments[0].data(), arguments[1].data(), arguments[2].data(),
-                  arguments[3].data(), arguments[4].data(), nullptr};
-  ::pid_t process = 0;
-  const int error = ::posix_spawnp(&process, "dot", nullptr, nullptr, list, environ);
-  if (error == ENOENT) return {};
-  if (error != 0) throw OutputError(fmt::format("cannot run Graphviz's `dot`: {}", std::strerror(error)));
-  int status = 0;
-  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
-}  // namespace
 
 void WriteGraph(const Diagram& diagram, const fs::path& file) {
   if (file.empty()) return;
@@ -53,7 +31,7 @@ void WriteGraph(const Diagram& diagram, const fs::path& file) {
   } catch (const OutputError& failure) {
     throw OutputError(fmt::format("--graph {}: {}", file.string(), failure.what()));
   }
-  const std::optional<int> code = RunDot(text, drawn);
+  const std::optional<int> code = RunProgram({"dot", "-Tsvg", "-o", drawn.string(), text.string()});
   std::error_code error, ignored;
   fs::remove(text, ignored);
   if (code == 0) fs::rename(drawn, svg, error);

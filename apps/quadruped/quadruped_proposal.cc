@@ -33,6 +33,8 @@ using std::numbers::pi;
 
 constexpr double kFarFoot = 0.4;  // minimum distance of a foot from the knee, relative to the thigh
 constexpr double kAlike = 0.05;   // difference of bending up to which the knee points backward [rad]
+constexpr double kBeside =
+    0.02;  // distance of the hip pitch from the abduction's axis that counts, over the leg
 constexpr double kMargin = 0.02;  // distance from the ends of a joint's range [rad]
 // Distances from hip to foot in the stance that are tried in turn, relative to the length of the leg.
 constexpr double kBending[] = {0.7, 0.65, 0.75, 0.6, 0.8, 0.55, 0.85, 0.5, 0.9};
@@ -54,20 +56,29 @@ struct Foot {
 
 class Proposal {
  public:
-  Proposal(const std::filesystem::path& path, const std::map<std::string, double, std::less<>>& locked,
-           std::optional<LinkAxis> forward, bool strict)
+  Proposal(const std::filesystem::path& path, const UrdfLegsOptions& options, bool strict)
       : path_(path),
         file_(internal::ReadUrdfFile(path)),
         strict_(strict),
-        found_(FindUrdfLegs(file_, {{locked.begin(), locked.end()}, forward})),
-        notes_(found_.notes) {}
-
-  QuadrupedProposal Make() {
+        found_(FindUrdfLegs(file_, options)),
+        notes_(found_.notes) {
     for (std::size_t i = 0; i < kNumLegs; ++i) feet_[i] = FindFoot(legs_[i]);
     Read();
     ReplacePlaceholders();
-    CheckAxes();
-    for (int leg = 0; leg < kNumLegs; ++leg) Bend(leg);
+    NoteTrunk();
+    while (stands_ < kNumLegs && Bend(stands_)) ++stands_;
+  }
+
+  bool stands() const { return stands_ == kNumLegs; }
+  LinkAxis up() const { return found_.up; }
+
+  QuadrupedProposal Make() {
+    if (!stands())
+      Fail(
+          "joint '{}': no angles of the leg's joints within their ranges bring the foot '{}' below the hip, "
+          "where '{}' of '{}' points up; correct the ranges, or set another axis by --up",
+          legs_[static_cast<std::size_t>(stands_)][1]->name, feet_[static_cast<std::size_t>(stands_)].link,
+          EnumName(found_.up), found_.trunk.empty() ? file_.FloatingLink().name : found_.trunk);
     Splay();
     return {Write(), notes_};
   }
@@ -84,6 +95,18 @@ class Proposal {
 
   const UrdfLink& LinkOf(const UrdfJoint& joint) const { return file_.ChildOf(joint); }
 
+  /// Whether a cylinder turns about its axis.
+  bool IsWheel(const UrdfLink& link, const UrdfShape& cylinder) const {
+    for (const UrdfLink* at = &link; at->parent_joint != nullptr; at = at->parent) {
+      const UrdfJoint& joint = *at->parent_joint;
+      if (!joint.turns()) continue;
+      const Vector3d axis = found_.poses.at(joint.child).linear() * joint.axis.normalized();
+      return found_.locked.contains(joint.name) &&
+             std::abs(axis.dot(found_.poses.at(link.name).linear() * cylinder.pose.linear().col(2))) > 0.99;
+    }
+    return false;
+  }
+
   /// Searches the collision shapes and frames of a link and of all links below it.
   void Search(const UrdfLink& link, const Vector3d& knee, Foot* sphere, Foot* frame) const {
     const Isometry3d& T_BL = found_.poses.at(link.name);
@@ -96,7 +119,9 @@ class Proposal {
     for (const UrdfShape& collision : link.collisions) {
       const Vector3d centre = collision.pose.translation();
       if (collision.kind == UrdfShape::Kind::kSphere) consider(sphere, centre, collision.radius);
-      if (collision.kind == UrdfShape::Kind::kCylinder && centre.isZero(1e-9)) round = collision.radius;
+      if (collision.kind != UrdfShape::Kind::kCylinder) continue;
+      if (centre.isZero(1e-9)) round = collision.radius;
+      if (IsWheel(link, collision)) consider(sphere, centre, collision.radius);
     }
     consider(frame, Vector3d::Zero(), round);
     for (const UrdfJoint* joint : link.joints) Search(LinkOf(*joint), knee, sphere, frame);
@@ -169,7 +194,7 @@ class Proposal {
     reading.trunk = found_.trunk;
     reading.forward = found_.forward;
     reading.up = found_.up;
-    reading.locked = {found_.locked.begin(), found_.locked.end()};
+    reading.locked = found_.locked;
     for (std::size_t i = 0; i < kNumLegs; ++i) {
       reading.feet[i] = feet_[i].link;
       reading.foot_centres[i] = feet_[i].centre;
@@ -219,19 +244,13 @@ class Proposal {
     }
   }
 
-  void CheckAxes() const {
-    for (int j = 0; j < kNumJoints; ++j) {
-      const int axis = j % kJointsPerLeg == 0 ? 0 : 1;
-      if (std::abs(robot_.joint(j).axis[axis]) > kAlong) continue;
-      const Vector3d& a = robot_.joint(j).axis;
-      Fail(
-          "joint '{}' turns about ({:.2g}, {:.2g}, {:.2g}) of the root link, but the joints of a leg must "
-          "turn "
-          "about x, y and y, where x points forward and z up; if the robot faces along another axis, give it "
-          "by "
-          "--forward",
-          robot_.joint(j).name, a[0], a[1], a[2]);
-    }
+  void NoteTrunk() {
+    double hips = 0;
+    for (const LegDescription& leg : robot_.legs) hips += leg.joints[0].p_PJ.z() / kNumLegs;
+    const double below = hips - robot_.trunk.com.z();
+    if (below > length_ / 2)
+      Note("the CoM of the trunk is {:.2g} m below the hips; check the <origin> of the inertias of its links",
+           below);
   }
 
   /// The angle plus a whole number of turns that lies within a joint's range.
@@ -242,15 +261,35 @@ class Proposal {
     return {};
   }
 
-  /// Finds joint angles with the foot below the hip: the leg's plane upright, and the knee bent.
-  void Bend(int leg) {
+  /// Finds joint angles with the foot below the hip: the leg's plane upright, and the knee bent. Returns
+  /// whether there are some.
+  bool Bend(int leg) {
+    const auto& joints = robot_.legs[static_cast<std::size_t>(leg)].joints;
+    const Vector3d &a0 = joints[0].axis, &a1 = joints[1].axis;
+    const bool left = leg == kFrontLeft || leg == kRearLeft;
+    // Two angles of the abduction bring the axis of the hip pitch across: that with the hip outside first.
+    const double level = -std::atan2(a1.z(), a1.y()) * (a0.x() > 0 ? 1 : -1);
+    std::vector<double> angles{level, level > 0 ? level - pi : level + pi};
+    const auto inwards = [&](double q0) {
+      const double y = (Eigen::AngleAxisd(q0, a0) * joints[1].p_PJ).y();
+      return std::abs(y) < kBeside * length_ ? 0 : (y > 0) == left ? -1 : 1;
+    };
+    std::ranges::sort(angles, {}, [&](double q0) { return std::pair(inwards(q0), std::abs(q0)); });
+    if (std::ranges::none_of(angles, [&](double q0) { return Inside(joints[0], q0).has_value(); }) &&
+        joints[0].lower + 2 * kMargin < joints[0].upper) {
+      std::ranges::sort(angles, {}, [](double q0) { return std::abs(q0); });
+      angles = {std::clamp(angles[0], joints[0].lower + kMargin, joints[0].upper - kMargin)};
+    }
+    return std::ranges::any_of(angles, [&](double q0) {
+      const std::optional<double> inside = Inside(joints[0], q0);
+      return BendAt(leg, inside.value_or(q0));
+    });
+  }
+
+  bool BendAt(int leg, double q0) {
     const auto& joints = robot_.legs[static_cast<std::size_t>(leg)].joints;
     const Vector3d &a0 = joints[0].axis, &a1 = joints[1].axis,
                    &foot = robot_.legs[static_cast<std::size_t>(leg)].foot_J;
-    const double side = a1.y() > 0 ? 1 : -1;
-    double q0 = -std::atan2(side * a1.z(), side * a1.y()) * (a0.x() > 0 ? 1 : -1);
-    if (joints[0].lower < joints[0].upper && !Inside(joints[0], q0))
-      q0 = std::clamp(q0, joints[0].lower + kMargin, joints[0].upper - kMargin);
     const Eigen::Matrix3d R0 = Eigen::AngleAxisd(q0, a0).toRotationMatrix();
     const Vector3d down = R0.transpose() * -Vector3d::UnitZ();
     const auto in_plane = [&](const Vector3d& p) -> Vector3d { return p - p.dot(a1) * a1; };
@@ -283,13 +322,9 @@ class Proposal {
         consider(low);
       }
       bending_[static_cast<std::size_t>(leg)] = part;
-      if (std::isfinite(least)) return;
+      if (std::isfinite(least)) return true;
     }
-    Fail(
-        "joint '{}': no angles of hip and knee within their ranges bring the foot '{}' below the hip; "
-        "correct "
-        "the ranges, or write the robot's YAML by hand",
-        joints[1].name, feet_[static_cast<std::size_t>(leg)].link);
+    return false;
   }
 
   /// Turns all legs of the stance outwards by the same angle, see kRoll.
@@ -462,7 +497,7 @@ class Proposal {
                   splay_));
     for (int leg = 0; leg < kNumLegs; ++leg) {
       const Vector3d q = robot_.stance.segment<3>(kJointsPerLeg * leg);
-      text += fmt::format("  {}: [{:.4g}, {:.4g}, {:.4g}]\n", kLegNames[static_cast<std::size_t>(leg)],
+      text += fmt::format("  {}: [{:.10g}, {:.10g}, {:.10g}]\n", kLegNames[static_cast<std::size_t>(leg)],
                           std::abs(q[0]) < 1e-9 ? 0.0 : q[0], q[1], q[2]);
     }
     if (!found_.locked.empty()) {
@@ -470,8 +505,9 @@ class Proposal {
           "\n# Joints outside the legs, and the angles at which they are fixed. Joints that move are under\n"
           "# actuated_joints instead, see docs/robots.md.\n"
           "locked_joints:\n";
-      for (const auto& [joint, angle] : found_.locked)
-        text += fmt::format("  - {{joint: {}, angle_rad: {:.6g}}}\n", internal::YamlScalar(joint), angle);
+      for (const auto& [joint, at] : found_.locked)
+        text += fmt::format("  - {{joint: {}, {}: {:.6g}}}\n", internal::YamlScalar(joint),
+                            file_.joints.at(joint).slides() ? "position_m" : "angle_rad", at);
     }
     text += WriteLimits();
     text += WriteDrive();
@@ -490,6 +526,7 @@ class Proposal {
   QuadrupedDescription robot_;
   std::array<bool, kNumLegs> backward_{};
   std::array<double, kNumLegs> bending_{};
+  int stands_ = 0;    ///< number of legs with a stance
   double splay_ = 0;  ///< turn of the legs outwards in the stance [rad]
   double length_ = 0, weight_ = 0;
   std::vector<std::string> notes_;
@@ -497,10 +534,15 @@ class Proposal {
 
 }  // namespace
 
-QuadrupedProposal ProposeQuadruped(const std::filesystem::path& urdf,
-                                   const std::map<std::string, double, std::less<>>& locked,
-                                   std::optional<LinkAxis> forward, bool strict) {
-  return Proposal(urdf, locked, forward, strict).Make();
+QuadrupedProposal ProposeQuadruped(const std::filesystem::path& urdf, const UrdfLegsOptions& options,
+                                   bool strict) {
+  Proposal proposal(urdf, options, strict);
+  if (proposal.stands() || options.up) return proposal.Make();
+  UrdfLegsOptions upside_down = options;
+  const int up = static_cast<int>(proposal.up());
+  upside_down.up = static_cast<LinkAxis>((up + 3) % 6);
+  Proposal other(urdf, upside_down, strict);
+  return (other.stands() ? other : proposal).Make();
 }
 
 }  // namespace tenon

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <tenon/plants/robots/internal/quadruped_urdf.h>
+#include <tenon/apps/quadruped/urdf_legs.h>
 
 #include <filesystem>
-#include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,19 +16,16 @@ struct QuadrupedProposal {
 
 /// Proposes the YAML file that a robot needs beside its URDF. Comments in the file explain each choice.
 ///
-/// Legs are the four chains of three revolute joints that reach down. The positions of the hips determine
-/// which legs are front, rear, left and right. All other joints are fixed at 0, or at their angle in `locked`
-/// [rad].
-///
-/// The robot faces along `forward`. By default it faces along the axis of its abduction joints, in the
-/// direction in which most names of the legs agree with their places.
+/// FindUrdfLegs finds the legs and the axes of the robot. All other joints are fixed at 0, or at their
+/// position in the options.
 ///
 /// A foot is the sphere among the collision shapes below the knee that is farthest from the knee. If there is
 /// no sphere, it is the farthest frame, or the end of the shank's meshes.
 ///
-/// In the nominal stance the feet are below the hips, at 0.7 of the leg's length. The knee bends in the
-/// direction that needs the smaller angle, and backward if both angles are equal. If a leg would touch the
-/// trunk that rolls by 0.5 rad over upright legs, all legs are turned outwards, by at most 0.2 rad.
+/// In the nominal stance the feet are below the hips, at 0.7 of the leg's length, within the ranges of the
+/// joints. The knee bends in the direction that is nearer to its angle of 0, and backward if both are alike.
+/// If no stance is found, the robot is tried upside down. If a leg would touch the trunk that rolls by 0.5
+/// rad over upright legs, all legs are turned outwards, by at most 0.2 rad.
 ///
 /// Torque and speed limits are those of the URDF. With the weight W and the leg's length l, torques above 5 W
 /// l and speeds below sqrt(g/l) are placeholders, which are replaced like missing limits. End stops have a
@@ -39,10 +34,9 @@ struct QuadrupedProposal {
 ///
 /// Impossible inertias are corrected, with a note, or refused if `strict`.
 ///
-/// Throws ParameterError with file, joints or links, and the remedy, if the URDF has no such legs, if their
-/// joints do not turn about x, y and y, or if there is no foot or no stance; and the errors of ReadUrdf.
-QuadrupedProposal ProposeQuadruped(const std::filesystem::path& urdf,
-                                   const std::map<std::string, double, std::less<>>& locked = {},
-                                   std::optional<internal::LinkAxis> forward = {}, bool strict = false);
+/// Throws ParameterError with file, joints or links, and the remedy, if the URDF has no such legs, or if
+/// there is no foot or no stance; and the errors of ReadUrdf.
+QuadrupedProposal ProposeQuadruped(const std::filesystem::path& urdf, const UrdfLegsOptions& options = {},
+                                   bool strict = false);
 
 }  // namespace tenon

@@ -1,5 +1,6 @@
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/read_text.h>
+#include <tenon/apps/common/run_program.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/held_mass.h>
@@ -19,7 +20,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <string>
 
 namespace tenon::apps {
@@ -30,24 +30,43 @@ namespace fs = std::filesystem;
 constexpr double kStand = 3;  // duration of the trial on the spot [s]
 constexpr double kTrot = 10;  // duration of the trial trot [s]
 
-std::map<std::string, double, std::less<>> LockedJoints(const std::vector<std::string>& locks) {
-  std::map<std::string, double, std::less<>> angles;
+internal::LockedJoints LockedJoints(const std::vector<std::string>& locks) {
+  internal::LockedJoints angles;
   for (const std::string& lock : locks) {
     const std::size_t equals = lock.find('=');
     const std::string text = equals == std::string::npos ? "" : lock.substr(equals + 1);
     const auto angle = internal::NumberIn<double>(internal::WithoutPlus(text));
     if (!angle || !std::isfinite(*angle))
-      throw ParameterError(fmt::format("--lock {}: write JOINT=ANGLE, the angle in rad", lock));
+      throw ParameterError(
+          fmt::format("--lock {}: write JOINT=ANGLE, the angle in rad, or in m if the joint slides", lock));
     angles[lock.substr(0, equals)] = *angle;
   }
   return angles;
 }
 
-std::optional<internal::LinkAxis> ForwardOf(const std::string& text) {
+std::optional<internal::LinkAxis> AxisOf(const char* option, const std::string& text) {
   if (text.empty()) return {};
   for (const auto& [axis, name] : EnumNames(internal::LinkAxis{}))
     if (text == name) return axis;
-  throw ParameterError(fmt::format("--forward {}: write x, y, z, -x, -y or -z", text));
+  throw ParameterError(fmt::format("{} {}: write x, y, z, -x, -y or -z", option, text));
+}
+
+/// Expands a xacro file into a URDF in `out`, if xacro is installed. Returns the file itself otherwise, and
+/// if it is a URDF.
+fs::path Expanded(const fs::path& file, const fs::path& out) {
+  if (ReadText(file).find("<xacro:") == std::string::npos) return file;
+  const std::string name = file.stem().stem().string();
+  std::error_code error;
+  fs::path urdf = out / (name + ".urdf");
+  if (fs::equivalent(file, urdf, error)) urdf = out / (name + "_expanded.urdf");
+  fs::create_directories(out, error);
+  const std::optional<int> code = RunProgram({"xacro", file.string(), "-o", urdf.string()});
+  if (!code) return file;
+  if (*code != 0)
+    throw ParameterError(fmt::format(
+        "{}: xacro failed with exit code {}; correct the file as its messages say", file.string(), *code));
+  WriteFile(urdf, WithMeshesFound(ReadText(urdf), file));
+  return urdf;
 }
 
 /// Runs a shipped scenario with this robot, and writes its outputs to `out`.
@@ -69,11 +88,19 @@ std::string Shown(const Summary& trial, const char* name) {
 }  // namespace
 
 int ProposeRobot(const RobotArguments& arguments) {
-  const fs::path urdf = arguments.urdf;
+  const fs::path given = arguments.urdf,
+                 out =
+                     arguments.out.empty() ? fs::path("out") / given.stem().stem() : fs::path(arguments.out),
+                 urdf = Expanded(given, out);
   const std::string name = urdf.stem().string();
-  const fs::path out = arguments.out.empty() ? fs::path("out") / name : fs::path(arguments.out);
-  const QuadrupedProposal proposal =
-      ProposeQuadruped(urdf, LockedJoints(arguments.locks), ForwardOf(arguments.forward), arguments.strict);
+  const UrdfLegsOptions options{.locked = LockedJoints(arguments.locks),
+                                .forward = AxisOf("--forward", arguments.forward),
+                                .up = AxisOf("--up", arguments.up)};
+  if (options.forward && options.up &&
+      internal::Along(*options.forward).dot(internal::Along(*options.up)) != 0)
+    throw ParameterError(fmt::format("--up {}: the axis must be at right angles to --forward {}",
+                                     arguments.up, arguments.forward));
+  const QuadrupedProposal proposal = ProposeQuadruped(urdf, options, arguments.strict);
 
   const OutputLock lock(out);
   std::error_code error;

@@ -11,6 +11,7 @@ struct RobotArguments {
   std::string out;                 ///< output directory; empty: out/NAME
   std::vector<std::string> locks;  ///< fixed joints as JOINT=ANGLE [rad]
   std::string forward;             ///< axis along which the robot faces: x, y, z, -x, -y or -z; empty: found
+  std::string up;                  ///< axis that points up, likewise
   bool strict = false;             ///< refuse impossible inertias instead of correcting them
 };
 

@@ -12,11 +12,12 @@ int main(int argc, char** argv) {
            {.required = true});
   line.Add("--out", &arguments.out,
            "directory for NAME.yaml, the URDF, NAME.svg and the trial runs (default: out/NAME)");
-  line.Add("--lock", &arguments.locks, "a joint to fix, and its angle [rad]: --lock arm_1=0.5",
+  line.Add("--lock", &arguments.locks, "a joint to fix, and its angle [rad or m]: --lock arm_1=0.5",
            {.type = "JOINT=ANGLE", .one_value_each = true});
   line.Add("--forward", &arguments.forward,
            "axis of the trunk's link along which the robot faces: x, y, z, -x, -y or -z (default: found from "
            "joints and names)");
+  line.Add("--up", &arguments.up, "axis of the trunk's link that points up, likewise");
   line.Add("--strict", &arguments.strict,
            "refuse inertias that no body can have, instead of correcting them");
   line.SetFooter(

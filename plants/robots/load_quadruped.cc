@@ -27,12 +27,20 @@ struct PerLeg {
   }
 };
 
-/// A movable joint that does not belong to a leg, or an additional joint in a leg, with its fixed angle.
+/// A movable joint that does not belong to a leg, or an additional joint in a leg, with its fixed position.
 struct LockedJoint {
   std::string joint;
-  double angle = 0;  ///< [rad]
+  std::optional<double> angle;     ///< of a joint that turns [rad]
+  std::optional<double> position;  ///< of a joint that slides [m]
   static FieldList Fields() {
-    return {Required("joint", &LockedJoint::joint), Required("angle_rad", &LockedJoint::angle)};
+    return {Required("joint", &LockedJoint::joint),
+            {"angle_rad", &LockedJoint::angle},
+            {"position_m", &LockedJoint::position}};
+  }
+  void Validate() const {
+    if (angle.has_value() == position.has_value())
+      throw ParameterError(
+          fmt::format("give angle_rad of '{}' if it turns, or position_m if it slides", joint));
   }
 };
 
@@ -109,7 +117,7 @@ struct RobotFile {
             Required("feet", &RobotFile::feet),
             Required("foot_radius_m", &RobotFile::foot_radius)
                 .Above(0)
-                .AtMost(0.1)
+                .AtMost(0.5)
                 .Because("the radius of the sphere that touches the ground"),
             {"foot_centres_m", &RobotFile::foot_centres},
             {"joint_limits", &RobotFile::limits},
@@ -176,7 +184,8 @@ QuadrupedDescription ReadRobot(const YamlDocument& document, std::vector<std::st
   reading.up = file.up;
   reading.feet = file.feet.InOrder();
   if (file.foot_centres) reading.foot_centres = file.foot_centres->InOrder();
-  for (const auto& [joint, angle] : file.locked) reading.locked[joint] = angle;
+  for (const LockedJoint& each : file.locked)
+    reading.locked[each.joint] = each.angle ? *each.angle : *each.position;
   for (std::size_t i = 0; i < file.actuated.size(); ++i) {
     reading.actuated.push_back(file.actuated[i].Drive());
     if (!reading.locked.emplace(file.actuated[i].joint, file.actuated[i].angle).second)

@@ -65,8 +65,8 @@ std::optional<fs::path> FindMesh(const std::string& name, const fs::path& urdf) 
     if (fs::is_regular_file(file, error)) return file;
     return {};
   }
-  const fs::path inside = name.substr(kPackage.size());
-  if (inside.empty() || inside.is_absolute()) return {};
+  const fs::path inside = fs::path(name.substr(kPackage.size())).relative_path();  // also of package:///PATH
+  if (inside.empty()) return {};
   for (const fs::path& folder : PackageFolders(urdf)) {
     if (const fs::path file = folder / inside; fs::is_regular_file(file, error)) return file;
     if (const fs::path file = folder / WithoutFirst(inside);

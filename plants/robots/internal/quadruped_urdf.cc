@@ -16,7 +16,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <set>
 #include <utility>
 
 namespace tenon::internal {
@@ -49,7 +48,9 @@ class Reader {
     for (int leg = 0; leg < kNumLegs; ++leg) FindLeg(leg, reading_.feet[static_cast<std::size_t>(leg)]);
     Add(file_.FloatingLink(), 0, PoseOfRoot());
     MeasureExtents();
-    for (const std::size_t body : incomplete_) looks_[body] = {};
+    CheckMasses();
+    for (const auto& [body, link] : missing_at_)
+      if (IsMain(link, parts_[body])) looks_[body] = {};
     for (int leg = 0; leg < kNumLegs; ++leg) FinishLeg(leg);
     robot_.trunk = SumOf(0);
     for (std::size_t i = 0; i < moving_.bodies.size(); ++i) FinishMoving(i);
@@ -90,10 +91,12 @@ class Reader {
         Fail("there is no link '{}', the trunk; correct its name under 'trunk_link'",
              Excerpt(reading_.trunk));
       for (; link != &file_.FloatingLink() && link->parent != nullptr; link = link->parent) {
-        if (link->parent_joint->turns() && !LockedAt(*link->parent_joint))
+        const UrdfJoint& joint = *link->parent_joint;
+        const std::optional<double> position = LockedAt(joint);
+        if (joint.turns() && !position)
           Fail("the link '{}' moves relative to the root; give a link of the trunk under 'trunk_link'",
                reading_.trunk);
-        T_RB = link->parent_joint->pose * T_RB;
+        T_RB = joint.pose * joint.Moved(position.value_or(0)) * T_RB;
       }
     }
     T_RB.rotate(RotationOf(reading_.forward, reading_.up));
@@ -103,28 +106,23 @@ class Reader {
   void CheckLocked() const {
     for (const auto& [name, angle] : reading_.locked) {
       const UrdfJoint* joint = file_.FindJoint(name);
-      if (joint != nullptr && joint->turns()) continue;
-      if (joint != nullptr && Drive(name) != nullptr)
+      const bool moves = Drive(name) != nullptr;
+      if (joint != nullptr && (joint->turns() || (joint->slides() && !moves))) continue;
+      if (joint != nullptr && moves)
         Fail("joint '{}' does not turn; take it out of 'actuated_joints', or make it revolute", name);
       std::vector<std::string> names;
       for (const auto& entry : file_.joints)
-        if (entry.second.turns()) names.push_back(entry.first);
+        if (entry.second.turns() || entry.second.slides()) names.push_back(entry.first);
       const std::string nearest = NearestName(name, names);
       Fail(
-          "there is no joint '{}' that turns{}; correct its name, under 'locked_joints' or 'actuated_joints' "
+          "there is no joint '{}' that moves{}; correct its name, under 'locked_joints' or 'actuated_joints' "
           "or in --lock",
           Excerpt(name), nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
     }
   }
 
-  /// Returns the angle of a joint that is locked itself or mimics a locked joint.
   std::optional<double> LockedAt(const UrdfJoint& joint) const {
-    const auto at = reading_.locked.find(joint.name);
-    if (at != reading_.locked.end()) return at->second;
-    if (!joint.mimic || joint.mimic->joint == joint.name) return {};
-    const auto leader = reading_.locked.find(joint.mimic->joint);
-    if (leader == reading_.locked.end()) return {};
-    return joint.mimic->multiplier * leader->second + joint.mimic->offset;
+    return internal::LockedAt(joint, reading_.locked);
   }
 
   /// Returns the drive of an actuated joint; null if it is none.
@@ -195,13 +193,15 @@ class Reader {
     for (const UrdfJoint* joint : link.joints) {
       Eigen::Isometry3d T_BJ = T_BL * joint->pose;
       int child = body;
-      if (const std::optional<double> angle = LockedAt(*joint)) {
-        T_BJ.rotate(Eigen::AngleAxisd(*angle, AxisOf(*joint)));
+      if (const std::optional<double> position = LockedAt(*joint)) {
+        AxisOf(*joint);  // refuses one of length 0
+        T_BJ = T_BJ * joint->Moved(*position);
         if (const AttachedBody* drive = Drive(joint->name)) child = NoteMoving(*joint, *drive, body, T_BJ);
       } else if (joint->turns()) {
         child = NoteJoint(*joint, T_BJ) + 1;
       } else if (joint->type != UrdfJoint::Type::kFixed) {
-        Fail("joint '{}' must be revolute or fixed; make it fixed", joint->name);
+        Fail("joint '{}' must be revolute or fixed; make it fixed, or list it under 'locked_joints'",
+             joint->name);
       }
       Add(file_.ChildOf(*joint), child, T_BJ);
     }
@@ -220,12 +220,12 @@ class Reader {
     const MeshColour colour = visual.colour
                                   ? ColourFrom((*visual.colour)[0], (*visual.colour)[1], (*visual.colour)[2])
                                   : MeshColour{};
-    const auto miss = [&](const std::string& why) {
-      incomplete_.insert(static_cast<std::size_t>(body));
-      if (num_missing_++ == 0) missing_ = fmt::format("link '{}': {}", link, why);
+    const auto miss = [&](std::vector<std::string>& list, const std::string& why) {
+      missing_at_.emplace_back(static_cast<std::size_t>(body), link);
+      list.push_back(fmt::format("link '{}': {}", link, why));
     };
     const std::optional<std::filesystem::path> file = FindMesh(visual.mesh, file_.name);
-    if (!file) return miss(fmt::format("the mesh '{}' is not found", visual.mesh));
+    if (!file) return miss(not_found_, fmt::format("the mesh '{}' is not found", visual.mesh));
     try {
       const std::shared_ptr<const TriangleMesh> mesh = ReadMesh(*file);
       TriangleMesh& out = looks_[static_cast<std::size_t>(body)];
@@ -243,20 +243,29 @@ class Reader {
       for (const auto& [a, b, c] : mesh->triangles)
         out.triangles.push_back({first + a, first + b, first + c});
     } catch (const ParameterError& error) {
-      miss(error.what());
+      miss(unreadable_, error.what());
     }
   }
 
+  /// Whether a link is the heaviest of a body, so that the body's other meshes cannot stand for it.
+  static bool IsMain(const std::string& link, const std::vector<Part>& parts) {
+    const auto heaviest =
+        std::ranges::max_element(parts, {}, [](const Part& part) { return part.inertia.mass; });
+    return heaviest == parts.end() || heaviest->link == link;
+  }
+
   void WarnOfMeshes() {
-    if (num_missing_ == 0) return;
-    const int others = num_missing_ - 1;
-    const std::string more = others == 0   ? ""
-                             : others == 1 ? ", nor is 1 other"
-                                           : fmt::format(", nor are {} others", others);
-    Warn(
-        "{}{}; their bodies are drawn as plain shapes (packages are looked for around the URDF and in "
-        "ROS_PACKAGE_PATH)",
-        missing_, more);
+    const auto warn = [&](const std::vector<std::string>& list, const char* remedy) {
+      if (list.empty()) return;
+      const std::size_t others = list.size() - 1;
+      const std::string more = others == 0 ? ""
+                                           : fmt::format(", nor {} {} other{}", others == 1 ? "is" : "are",
+                                                         others, others == 1 ? "" : "s");
+      Warn("{}{}; without the mesh of its main link, a body is drawn as a plain shape ({})", list[0], more,
+           remedy);
+    };
+    warn(not_found_, "packages are looked for around the URDF and in ROS_PACKAGE_PATH");
+    warn(unreadable_, "the file exists, but is no mesh that can be read");
   }
 
   Eigen::Vector3d AxisOf(const UrdfJoint& joint) const {
@@ -433,6 +442,19 @@ class Reader {
     }
   }
 
+  /// Refuses bodies without mass, all in one message.
+  void CheckMasses() const {
+    std::string without;
+    for (std::size_t body = 0; body < parts_.size(); ++body)
+      if (std::ranges::none_of(parts_[body], [](const Part& part) { return part.inertia.mass != 0; }))
+        without += fmt::format("{}{}", without.empty() ? "" : "; ", names_[body]);
+    if (!without.empty())
+      Fail(
+          "no mass is given for the bodies of link {}; give a link of each one an <inertial> with a positive "
+          "mass",
+          without);
+  }
+
   /// Returns the inertia of a body in B.
   RigidInertia SumOf(int body) {
     const std::vector<Part>& parts = parts_[static_cast<std::size_t>(body)];
@@ -440,8 +462,6 @@ class Reader {
     RigidInertia sum;
     const double extent = body > 0 && body <= kNumJoints ? leg_extent_ : 2 * trunk_extent_;
     for (const Part& part : parts) sum = sum + Believed(part, extent);
-    if (!(sum.mass > 0))
-      Fail("the body of link {} has no mass; give one of them an <inertial> with a positive mass", names);
     try {
       CheckInertia(sum.inertia);
     } catch (const ParameterError& error) {
@@ -464,11 +484,11 @@ class Reader {
   std::vector<std::string> names_{1 + kNumJoints};        // names of the links of each body
   std::vector<TriangleMesh> looks_{1 + kNumJoints};       // appearance of the bodies that have meshes
   MovingParts moving_;
-  std::vector<Eigen::Isometry3d> moving_poses_;  // poses of the moving bodies at rest in B
-  double leg_extent_ = 0, trunk_extent_ = 0;     // length of a leg, distance of the hips [m]
-  std::set<std::size_t> incomplete_;             // bodies that lack meshes, which plain shapes replace
-  int num_missing_ = 0;                          // number of unreadable meshes
-  std::string missing_;                          // reason for the first unreadable mesh
+  std::vector<Eigen::Isometry3d> moving_poses_;                  // poses of the moving bodies at rest in B
+  double leg_extent_ = 0, trunk_extent_ = 0;                     // length of a leg, distance of the hips [m]
+  std::vector<std::pair<std::size_t, std::string>> missing_at_;  // bodies and links that lack meshes
+  std::vector<std::string> not_found_,
+      unreadable_;  // reasons for meshes that are not found or cannot be read
   std::vector<std::string> warnings_;
 };
 

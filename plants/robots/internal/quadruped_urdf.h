@@ -2,12 +2,12 @@
 
 #include <tenon/plants/model/attached_body.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/robots/internal/urdf_file.h>
 
 #include <Eigen/Core>
 
 #include <array>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,8 +50,8 @@ struct UrdfReading {
   std::array<std::string, kNumLegs> feet;  ///< names of the feet's links
   std::array<Eigen::Vector3d, kNumLegs> foot_centres{
       Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
-      Eigen::Vector3d::Zero()};  ///< centres of the foot spheres in the links' frames [m]
-  std::map<std::string, double, std::less<>> locked;  ///< angles of locked joints by name [rad]
+      Eigen::Vector3d::Zero()};        ///< centres of the foot spheres in the links' frames [m]
+  LockedJoints locked;                 ///< joints that do not move
   std::vector<AttachedBody> actuated;  ///< names and drives of those among them that move outside the legs
   std::array<JointLimits, kJointsPerLeg> limits;  ///< replace the URDF's limits
 };

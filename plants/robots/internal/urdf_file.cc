@@ -95,12 +95,15 @@ class UrdfReader {
       Fail(at, "there are two of {}; give each one a unique name", owner_);
   }
 
-  /// Notes the elements that are not read, unless their parent is not read either.
+  /// Notes the elements that are not read, unless their parent is not read either, and those after the first
+  /// where one is read.
   void NoteUnread(const Element& parent) {
     for (const Element& child : parent.children) {
       const std::string path = parent.name + "/" + child.name;
       const auto in_parent = [&](std::string_view each) { return each.starts_with(parent.name + "/"); };
-      if (std::ranges::any_of(kRead, in_parent) && std::ranges::find(kRead, path) == std::end(kRead))
+      const bool is_one = parent.name != "robot" && child.name != "visual" && child.name != "collision";
+      if (std::ranges::any_of(kRead, in_parent) && (std::ranges::find(kRead, path) == std::end(kRead) ||
+                                                    (is_one && parent.Child(child.name) != &child)))
         unread_[path].push_back(child.line);
     }
   }
@@ -329,7 +332,9 @@ class UrdfReader {
       UrdfLink &parent = find(joint.parent), &child = find(joint.child);
       if (child.parent_joint != nullptr)
         Fail(joint,
-             "the link '{}' has two parent joints, '{}' and '{}'; the links must form a tree, remove one",
+             "the link '{}' has two parent joints, '{}' and '{}', which close a loop; the links must form a "
+             "tree: "
+             "remove one of the joints",
              joint.child, child.parent_joint->name, name);
       child.parent_joint = &joint;
       child.parent = &parent;
@@ -372,7 +377,7 @@ class UrdfReader {
     std::string names;
     for (const UrdfJoint* joint : ring)
       names += fmt::format("{}'{}'", names.empty() ? "" : ", ", joint->name);
-    Fail(*ring[0], "the joints {} form a loop; the links must form a tree, remove one", names);
+    Fail(*ring[0], "the joints {} form a closed loop; the links must form a tree, remove one", names);
   }
 
   UrdfFile& file_;
@@ -401,6 +406,26 @@ std::string ReadBytes(const std::filesystem::path& path, const UrdfFile& file) {
 
 }  // namespace
 
+double UrdfJoint::Neutral() const {
+  const bool has_range = type != Type::kContinuous && limits && limits->lower < limits->upper;
+  return has_range ? std::clamp(0.0, limits->lower, limits->upper) : 0;
+}
+
+Eigen::Isometry3d UrdfJoint::Moved(double position) const {
+  const Eigen::Vector3d direction = axis.normalized();
+  if (slides()) return Eigen::Isometry3d(Eigen::Translation3d(position * direction));
+  return Eigen::Isometry3d(Eigen::AngleAxisd(position, direction));
+}
+
+std::optional<double> LockedAt(const UrdfJoint& joint, const LockedJoints& locked) {
+  const auto at = locked.find(joint.name);
+  if (at != locked.end()) return at->second;
+  if (!joint.mimic || joint.mimic->joint == joint.name) return {};
+  const auto leader = locked.find(joint.mimic->joint);
+  if (leader == locked.end()) return {};
+  return joint.mimic->multiplier * leader->second + joint.mimic->offset;
+}
+
 const UrdfLink* UrdfFile::FindLink(std::string_view link) const {
   const auto at = links.find(link);
   return at == links.end() ? nullptr : &at->second;
@@ -419,7 +444,7 @@ const UrdfLink& UrdfFile::FloatingLink() const {
 }
 
 std::string UrdfFile::PlaceOf(const std::string& what) const {
-  static const std::regex kName(R"((link|joint) '([^']{1,80})')", std::regex::icase);
+  static const std::regex kName(R"((link|joint) '([^']{1,200})')", std::regex::icase);
   for (auto at = std::sregex_iterator(what.begin(), what.end(), kName); at != std::sregex_iterator(); ++at) {
     const bool is_link = std::tolower(at->str(1).front()) == 'l';
     if (const UrdfLink* link = is_link ? FindLink(at->str(2)) : nullptr)

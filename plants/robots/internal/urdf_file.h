@@ -51,7 +51,17 @@ struct UrdfJoint {
 
   /// Whether it is revolute or continuous.
   bool turns() const { return type == Type::kRevolute || type == Type::kContinuous; }
+  bool slides() const { return type == Type::kPrismatic; }
+  /// The position within its range that is nearest to 0 [rad or m].
+  double Neutral() const;
+  /// The motion of its child from position 0 to another one [rad or m].
+  Eigen::Isometry3d Moved(double position) const;
 };
+
+/// Positions of joints that are fixed, by name [rad or m].
+using LockedJoints = std::map<std::string, double, std::less<>>;
+/// Returns the position of a joint that is locked itself or mimics a locked joint.
+std::optional<double> LockedAt(const UrdfJoint& joint, const LockedJoints& locked);
 
 struct UrdfLink {
   std::string name;

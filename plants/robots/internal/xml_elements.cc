@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kMaxDepth = 32;          // nesting of elements; a URDF needs five or six
 constexpr std::size_t kMaxElements = 200'000;  // of links, joints and materials
 constexpr std::size_t kMaxAttributes = 32;     // of an element; a URDF needs four or five
-constexpr std::size_t kMaxName = 80;           // [bytes]
+constexpr std::size_t kMaxName = 200;          // [bytes]
 
 /// Parses a file of XML into its elements, without those that extend a URDF, such as <gazebo>.
 class Parser {
@@ -79,8 +79,11 @@ class Parser {
     if (depth == 0) CheckRoot(name);
     if (open_.size() < depth) return;  // within an element of another program
     if (name.starts_with("xacro:"))
-      Fail("this is a xacro file; expand its macros first: xacro {} > {}.urdf", file_,
-           std::filesystem::path(file_).stem().stem().string());
+      Fail(
+          "this is a xacro file; expand its macros first: xacro {} -o {} (xacro is part of ROS; without ROS: "
+          "pipx "
+          "install xacro)",
+          file_, FreeName());
     if (++count_ > kMaxElements) Fail("there are more than {} elements; check the file", kMaxElements);
     Element element{std::string(name), LineOf(parser_.get())};
     Element& added =
@@ -94,6 +97,17 @@ class Parser {
       if (const std::size_t bytes = added[text].size(); bytes > kMaxName)
         Fail("the {} of an element has {} bytes, but at most {} are allowed", text, bytes, kMaxName);
     open_.push_back(&added);
+  }
+
+  /// The name of a URDF beside the file that does not exist.
+  std::string FreeName() const {
+    const std::filesystem::path path = file_;
+    const std::string stem = path.stem().stem().string();
+    std::filesystem::path free = path;
+    std::error_code error;
+    for (int i = 1; i == 1 || std::filesystem::exists(free, error); ++i)
+      free.replace_filename(i == 1 ? stem + ".urdf" : fmt::format("{}_{}.urdf", stem, i));
+    return free.string();
   }
 
   /// Refuses files of other formats by their first element.

@@ -2,11 +2,13 @@
 #include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/temporary_path.h>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,6 +20,7 @@
 namespace tenon::quadruped_proposal_test {
 namespace {
 
+using internal::LinkAxis;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -42,10 +45,9 @@ class QuadrupedProposalTest : public ::testing::Test {
   QuadrupedProposalTest() { fs::create_directories(directory_); }
   ~QuadrupedProposalTest() override { fs::remove_all(directory_); }
 
-  QuadrupedProposal Propose(const std::string& urdf,
-                            const std::map<std::string, double, std::less<>>& locked = {}) {
+  QuadrupedProposal Propose(const std::string& urdf, const UrdfLegsOptions& options = {}) {
     std::ofstream(directory_ / "robot.urdf") << urdf;
-    return ProposeQuadruped(directory_ / "robot.urdf", locked);
+    return ProposeQuadruped(directory_ / "robot.urdf", options);
   }
   QuadrupedDescription Load(const QuadrupedProposal& proposal) {
     std::ofstream(directory_ / "robot.yaml") << proposal.yaml;
@@ -161,9 +163,9 @@ TEST_F(QuadrupedProposalTest, RefusesOtherRobots) {
       refused(Replaced(ReadUrdf("a1"), "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"0 0 1\"/>"), "'FL_hip_joint'"));
   EXPECT_TRUE(refused(Replaced(Replaced(ReadUrdf("a1"), "<origin xyz=\"0 0 -0.2\"/>", ""),
                                "xyz=\"0 0.0838 0\"", "xyz=\"0 0.0838 -0.1\""),
-                      "FL_hip_joint - FL_thigh_joint - FL_calf_joint (3)"));
+                      "FL_hip_joint - FL_thigh_joint - FL_calf_joint"));
   EXPECT_TRUE(
-      refused("<robot name=\"x\" xmlns:xacro=\"http://x\"><xacro:leg name=\"a\"/></robot>", "xacro "));
+      refused("<robot name=\"x\" xmlns:xacro=\"http://x\"><xacro:leg name=\"a\"/></robot>", "xacro ", "robot_2.urdf"));
 }
 
 /// A1 with another root link, to which its trunk is fixed by `joint`.
@@ -183,7 +185,7 @@ TEST_F(QuadrupedProposalTest, FindsTheAxesOfTheRobot) {
   ExpectLikeA1(Load(Propose(BelowRoot("type=\"floating\">"))));
   const QuadrupedProposal sideways =
       Propose(BelowRoot("type=\"fixed\"><origin rpy=\"0 0 1.5707963267948966\"/>"));
-  EXPECT_THAT(sideways.notes, Contains(HasSubstr("faces along the axis 'y' of 'outer'")));
+  EXPECT_THAT(sideways.notes, Contains(HasSubstr("robot faces is the axis 'y' of 'outer'")));
   ExpectLikeA1(Load(sideways));
   const QuadrupedProposal backward =
       Propose(BelowRoot("type=\"fixed\"><origin rpy=\"0 0 3.141592653589793\"/>"));
@@ -196,6 +198,79 @@ TEST_F(QuadrupedProposalTest, FindsTheAxesOfTheRobot) {
   const QuadrupedProposal raised = Propose(BelowRoot("type=\"fixed\"><origin xyz=\"0 0 0.5\"/>"));
   EXPECT_THAT(raised.yaml, HasSubstr("trunk_link: trunk"));
   ExpectLikeA1(Load(raised));
+}
+
+/// The same robot as in a URDF of ours, with random zero angles of the legs' joints, below a root link in
+/// whose frame it faces along `forward`.
+std::string Turned(std::string urdf, RandomStream& random, LinkAxis forward, LinkAxis up) {
+  const std::regex joint(
+      R"re((type="(?:revolute|continuous)">\s*<parent[^>]*>\s*<child[^>]*>\s*<origin xyz="[^"]*")(/>\s*<axis xyz="([^"]*)"/>\s*<limit )(?:lower="([^"]*)" upper="([^"]*)")?)re");
+  std::string turned;
+  std::smatch found;
+  for (; std::regex_search(urdf, found, joint); urdf = found.suffix()) {
+    std::stringstream words(found[3]);
+    Eigen::Vector3d axis;
+    words >> axis[0] >> axis[1] >> axis[2];
+    const double zero = random.Uniform(-3, 3);
+    turned += fmt::format("{}{} rpy=\"{} {} {}\"{}", found.prefix().str(), found[1].str(), zero * axis[0],
+                          zero * axis[1], zero * axis[2], found[2].str());
+    if (found[4].matched)
+      turned +=
+          fmt::format("lower=\"{}\" upper=\"{}\"", std::stod(found[4]) - zero, std::stod(found[5]) - zero);
+  }
+  turned += urdf;
+  EXPECT_TRUE(std::regex_search(turned, found, std::regex("<link name=\"([^\"]*)\"")));
+  const Eigen::Vector3d ypr = internal::RotationOf(forward, up).eulerAngles(2, 1, 0);
+  return Replaced(
+      turned, "</robot>",
+      fmt::format("<link name=\"root\"/><joint name=\"root\" type=\"fixed\"><parent link=\"root\"/>"
+                  "<child link=\"{}\"/><origin rpy=\"{} {} {}\"/></joint></robot>",
+                  found[1].str(), ypr[2], ypr[1], ypr[0]));
+}
+
+/// The CoM of a robot in its frame.
+Eigen::Vector3d CenterOfMass(const QuadrupedDescription& robot, const Vec<kNumJoints>& q) {
+  Eigen::Vector3d moment = robot.trunk.mass * robot.trunk.com;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const LegPose pose = robot.PoseOfLeg(leg, q);
+    for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
+      const RigidInertia& body = robot.legs[static_cast<std::size_t>(leg)].bodies[i];
+      moment += body.mass * (pose.p_BJ[i] + pose.R_BJ[i] * body.com);
+    }
+  }
+  return moment / robot.mass();
+}
+
+// A zero pose is a convention of the file: it changes neither the axes, nor the legs, nor the stance.
+TEST_F(QuadrupedProposalTest, IsTheSameRobotForAnyZeroPose) {
+  RandomStream random(71);
+  int seen = 0;
+  for (const char* name : {"a1", "go2", "aliengo", "b2"}) {
+    const QuadrupedDescription plain = Load(Propose(ReadUrdf(name)));
+    for (int trial = seen++; trial < 24; trial += 4) {
+      const auto forward = static_cast<LinkAxis>(trial % 6);
+      auto up = LinkAxis::kZ;
+      UrdfLegsOptions options;
+      if (trial >= 12 || trial % 3 == 2) {  // nothing but an option says where up is
+        up = static_cast<LinkAxis>((trial + 1 + trial / 6 % 2) % 6);
+        options.up = up;
+      }
+      const QuadrupedDescription robot = Load(Propose(Turned(ReadUrdf(name), random, forward, up), options));
+      EXPECT_NEAR(robot.mass(), plain.mass(), 1e-9);
+      Vec<kNumJoints> moved = Vec<kNumJoints>::Zero();
+      for (int pose = 0; pose < 2; ++pose) {  // in the stance, and beside it
+        const Vec<kNumJoints> q = robot.stance + moved, q_plain = plain.stance + moved;
+        EXPECT_THAT(CenterOfMass(robot, q), IsNear(CenterOfMass(plain, q_plain), 1e-9)) << name << trial;
+        for (int leg = 0; leg < kNumLegs; ++leg)
+          EXPECT_THAT(robot.FootPosition(leg, q), IsNear(plain.FootPosition(leg, q_plain), 1e-9))
+              << name << trial;
+        for (double& angle : moved) angle = random.Uniform(-1, 1);
+      }
+      for (int j = 0; j < kNumJoints; ++j)
+        if (std::isfinite(plain.joint(j).upper))
+          EXPECT_NEAR(robot.joint(j).upper - robot.stance[j], plain.joint(j).upper - plain.stance[j], 1e-9);
+    }
+  }
 }
 
 TEST_F(QuadrupedProposalTest, NotesNamesThatContradictTheirPlaces) {
@@ -241,9 +316,77 @@ TEST_F(QuadrupedProposalTest, SaysWhatIsNoQuadruped) {
   EXPECT_TRUE(refused(std::string("\xff\xfe<\0r\0", 6), "UTF-16"));
   const std::string two = Replaced(ReadUrdf("a1"), "(.._calf_joint\" type=)\"revolute\"", "$1\"fixed\"");
   EXPECT_TRUE(refused(two, "four legs of two joints"));
-  const std::string wheels =
-      Replaced(ReadUrdf("a1"), "(type=)\"fixed\"(>\\s*<parent link=\".._calf\"/>)", "$1\"continuous\"$2");
-  EXPECT_TRUE(refused(wheels, "four joints", "--lock"));
+  EXPECT_TRUE(refused(Replaced(two, "(<joint name=\".._calf_joint\" type=)\"fixed\"", "$1\"prismatic\""),
+                      "prismatic knee"));
+  EXPECT_TRUE(refused(Replaced(ReadUrdf("a1"), "(\"FL_.*_joint\" type=)\"revolute\"", "$1\"fixed\""),
+                      "three legs of three joints"));
+  EXPECT_TRUE(refused(
+      Replaced(ReadUrdf("a1"), "(<parent link=\".._thigh\"/>)", "<mimic joint=\"FL_thigh_joint\"/>$1"),
+      "<mimic>"));
+  EXPECT_TRUE(refused(Replaced(ReadUrdf("a1"), "</robot>",
+                               "<joint name=\"rod\" type=\"fixed\"><parent link=\"FL_hip\"/><child "
+                               "link=\"FL_calf\"/></joint></robot>"),
+                      "loop", "'rod'"));
+  EXPECT_TRUE(refused(Replaced(ReadUrdf("a1"), "<mass value=\"0\\.(595|888)\"/>", "<mass value=\"0\"/>"),
+                      "'FL_hip'; 'FL_thigh'; 'FR_hip'"));
+}
+
+/// A1 with a wheel of 0.1 m beside each foot.
+std::string WithWheels() {
+  return Replaced(
+      Replaced(ReadUrdf("a1"), "(type=)\"fixed\"(>\\s*<parent link=\".._calf\"/>)",
+               "$1\"continuous\"$2<axis xyz=\"0 1 0\"/>"),
+      "(<link name=\".._foot\">)",
+      "$1<collision><origin xyz=\"0 0.045 0\" rpy=\"1.5707963267948966 0 0\"/><geometry><cylinder "
+      "radius=\"0.1\" length=\"0.05\"/></geometry></collision>");
+}
+
+// The remedy of a message works.
+TEST_F(QuadrupedProposalTest, LocksWheelsAsItsMessageSays) {
+  std::string message;
+  try {
+    Propose(WithWheels());
+  } catch (const ParameterError& error) {
+    message = error.what();
+  }
+  EXPECT_THAT(message, HasSubstr("four legs of four joints"));
+  UrdfLegsOptions options;
+  std::smatch found;
+  for (; std::regex_search(message, found, std::regex("--lock ([^=]*)=([^ ]*)")); message = found.suffix())
+    options.locked[found[1]] = std::stod(found[2]);
+  const QuadrupedDescription robot = Load(Propose(WithWheels(), options));
+  EXPECT_EQ(robot.foot_radius, 0.1);
+  EXPECT_THAT(robot.legs[0].foot_J, IsNear(Eigen::Vector3d(0, 0.045, -0.2), 1e-9));
+}
+
+// A spine between front and rear legs, and a gripper that slides, are locked within their ranges.
+TEST_F(QuadrupedProposalTest, LocksSpinesAndGrippers) {
+  const std::string urdf = Replaced(
+      Replaced(ReadUrdf("a1"), "<parent link=\"trunk\"/>(\\s*<child link=\"R)", "<parent link=\"rear\"/>$1"),
+      "</robot>",
+      "<link name=\"rear\"/><joint name=\"spine\" type=\"continuous\"><parent link=\"trunk\"/><child "
+      "link=\"rear\"/><axis xyz=\"0 0 1\"/></joint>"
+      "<link name=\"finger\"><inertial><mass value=\"1\"/><inertia ixx=\"1e-3\" ixy=\"0\" ixz=\"0\" "
+      "iyy=\"1e-3\" "
+      "iyz=\"0\" izz=\"1e-3\"/></inertial></link><joint name=\"gripper\" type=\"prismatic\"><parent "
+      "link=\"trunk\"/>"
+      "<child link=\"finger\"/><axis xyz=\"0 1 0\"/><limit lower=\"0.1\" upper=\"0.2\"/></joint></robot>");
+  const QuadrupedProposal proposal = Propose(urdf);
+  EXPECT_THAT(proposal.notes, Contains(HasSubstr("--lock spine=")));
+  EXPECT_THAT(proposal.yaml, HasSubstr("{joint: gripper, position_m: 0.1}"));
+  const QuadrupedDescription robot = Load(proposal), a1 = Load(Propose(ReadUrdf("a1")));
+  EXPECT_NEAR(robot.mass(), a1.mass() + 1, 1e-12);
+  EXPECT_THAT(robot.trunk.mass * robot.trunk.com - a1.trunk.mass * a1.trunk.com,
+              IsNear(Eigen::Vector3d(0, 0.1, 0), 1e-12));
+  EXPECT_EQ(robot.stance, a1.stance);
+}
+
+TEST_F(QuadrupedProposalTest, ChecksTheAxesThatAreGiven) {
+  const auto refused = [&](const UrdfLegsOptions& options, auto... parts) {
+    return Throws<ParameterError>([&] { Propose(ReadUrdf("a1"), options); }, "robot.urdf", parts...);
+  };
+  EXPECT_TRUE(refused({.forward = LinkAxis::kY}, "--forward y", "x or -x"));
+  EXPECT_TRUE(refused({.up = LinkAxis::kX}, "--up x", "another axis"));
 }
 
 // Elements of simulators are not part of the robot.

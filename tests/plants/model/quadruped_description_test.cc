@@ -217,7 +217,8 @@ TEST(QuadrupedDescriptionTest, RefusesBadBodiesAndJoints) {
        {"a1", "lower=\"-0.8029\"", "lower=\"0.9\"", "a1.urdf", "'FL_hip_joint'"},
        {"a1", "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"0 0 0\"/>", "a1.urdf", "'FL_hip_joint'"},
        {"a1", "<origin xyz=\"0.1805 0.047 0\"/>", "<origin xyz=\"0.1805 101 0\"/>", "a1.urdf:", "100"},
-       {"dogbot", "<mass value=\"0.836\"/>", "<mass value=\"0\"/>", "dogbot.urdf", "'front_left_hip'"},
+       {"dogbot", "<mass value=\"0.836\"/>", "<mass value=\"0\"/>",
+        "dogbot.urdf:", "bodies of link 'front_left_hip'"},
        {"dogbot", "<mass value=\"9.3\"/>", "<mass value=\"9.3e9\"/>", "dogbot.urdf", "link 'body'"},
        // A foot above its knee cannot stand.
        {"dogbot", "<origin xyz=\"0.035 0 -0.3\"/>", "<origin xyz=\"0.035 0 0.1\"/>",
@@ -248,7 +249,7 @@ TEST(QuadrupedDescriptionTest, RefusesUrdfThatCannotBeRead) {
        "a1.urdf:", "link 'FL_calf'"},
       {"a1", " iyz=", " iyx=", "a1.urdf:", "iyz"},
       {"a1", "</robot>", "\n<link/></robot>", "a1.urdf:", "name"},
-      {"a1", "</robot>", "<link name=\"" + std::string(81, 'x') + "\"/></robot>", "a1.urdf:", "81 bytes"},
+      {"a1", "</robot>", "<link name=\"" + std::string(201, 'x') + "\"/></robot>", "a1.urdf:", "201 bytes"},
       {"a1", "</robot>", in_a_shape("<sphere radius=\"2cm\"/>"), "a1.urdf:", "link 'q'"},
       {"a1", "</robot>", in_a_shape("<cylinder radius=\"0,02\" length=\"1\"/>"), "a1.urdf:", "link 'q'"},
       {"a1", "</robot>", in_a_shape("<box size=\"1 2\"/>"), "a1.urdf:", "link 'q'"},
@@ -282,8 +283,12 @@ TEST(QuadrupedDescriptionTest, ListsElementsThatAreNotRead) {
   files.Change(&RobotFiles::urdf, "</robot>", "<gazebo><any/></gazebo><transmission/>\n<frame/></robot>");
   const auto line = std::count(files.urdf.begin(), files.urdf.end(), '\n');
   files.Change(&RobotFiles::urdf, "<mass value=\"0.151\"/>", "<mass value=\"0.151\"/><density/>");
+  files.Change(&RobotFiles::urdf, "</inertial>", "</inertial><inertial><mass value=\"9\"/></inertial>");
+  files.Change(&RobotFiles::urdf, "<axis xyz=\"1 0 0\"/>",
+               "<axis xyz=\"1 0 0\"/><dynamics rotor_inertia=\"1\"/>");
   EXPECT_THAT(files.Warnings(),
               ElementsAre(AllOf(HasSubstr("a1.urdf:"), HasSubstr("inertial/density")),
+                          AllOf(HasSubstr("a1.urdf:"), HasSubstr("link/inertial")),
                           AllOf(HasSubstr("a1.urdf:" + std::to_string(line)), HasSubstr("robot/frame"))));
 }
 
@@ -349,23 +354,30 @@ TEST(QuadrupedDescriptionTest, WarnsOnceAboutMissingMeshes) {
   EXPECT_EQ(files.Load().meshes[0], nullptr);
 }
 
-// The mesh of a camera alone would hide the trunk.
-TEST(QuadrupedDescriptionTest, DrawsABodyByItsShapeIfOneOfItsMeshesIsMissing) {
+// The mesh of a camera alone would hide the trunk, but a trunk without its camera is still one.
+TEST(QuadrupedDescriptionTest, DrawsABodyByItsShapeIfTheMeshOfItsMainLinkIsMissing) {
   const Directory directory;
   const std::string mesh = directory.path / "my mesh \u00e4.stl";
   test::WriteTetrahedron(mesh);
-  RobotFiles files("a1");
-  const auto draw = [&](const std::string& link, const std::string& name) {
-    const std::string start = "<link name=\"" + link + "\">";
-    files.Change(&RobotFiles::urdf, start,
-                 start + "<visual><geometry><mesh filename=\"" + name + "\"/></geometry></visual>");
+  std::ofstream(directory.path / "text.stl") << "text";
+  const auto with = [&](std::initializer_list<std::pair<std::string, std::string>> meshes) {
+    RobotFiles files("a1");
+    for (const auto& [link, name] : meshes) {
+      const std::string start = "<link name=\"" + link + "\"" + (link == "base" ? "" : ">");
+      files.Change(&RobotFiles::urdf, start + (link == "base" ? "/>" : ""),
+                   "<link name=\"" + link + "\"><visual><geometry><mesh filename=\"" + name +
+                       "\"/></geometry></visual>" + (link == "base" ? "</link>" : ""));
+    }
+    return files;
   };
-  draw("trunk", "file://" + mesh);
-  draw("FL_calf", "file://" + mesh);
-  EXPECT_NE(files.Load().meshes[0], nullptr);
-  draw("trunk", "no.stl");
-  EXPECT_EQ(files.Load().meshes[0], nullptr);
-  EXPECT_NE(files.Load().meshes[1 + kJointsPerLeg * kFrontLeft + 2], nullptr);
+  const std::string found = "file://" + mesh, unreadable = "file://" + (directory.path / "text.stl").string();
+  const auto trunk = [](const RobotFiles& files) { return files.Load().meshes[0]; };
+  EXPECT_NE(trunk(with({{"trunk", found}})), nullptr);
+  EXPECT_NE(trunk(with({{"trunk", found}, {"base", "no.stl"}})), nullptr);
+  EXPECT_EQ(trunk(with({{"base", found}, {"trunk", "no.stl"}})), nullptr);
+  EXPECT_NE(with({{"FL_calf", found}}).Load().meshes[1 + kJointsPerLeg * kFrontLeft + 2], nullptr);
+  EXPECT_THAT(with({{"base", unreadable}, {"trunk", "no.stl"}}).Warnings(),
+              ElementsAre(HasSubstr("'no.stl' is not found"), HasSubstr("can be read")));
 }
 
 // Links that only mark a frame: impossible inertias are corrected, inertias without mass ignored, each with a
