@@ -6,6 +6,7 @@
 #include <tenon/apps/campaign/campaign_results.h>
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
+#include <tenon/apps/campaign/campaign_search.h>
 #include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/apps/campaign/program_app.h>
 #include <tenon/apps/cdpr/cdpr_app.h>
@@ -137,6 +138,8 @@ int DryRun(const CampaignPlan& plan, const CampaignSchedule& schedule, const Cam
   const auto total = schedule.total();
   fmt::print("{} points, {} seeds each, {} runs{}\n", plan.num_points(), plan.num_seeds(),
              total ? *total : plan.size(), total ? "" : " at most");
+  if (plan.file().optimise)
+    fmt::print("in each of at most {} evaluations\n", plan.file().optimise->evaluations);
   constexpr std::size_t kShown = 20;
   CampaignSchedule copy = schedule;
   for (std::size_t i = 0;; ++i) {
@@ -282,7 +285,7 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
                 const CampaignRunner& runner, const Shard& shard, const fs::path& directory,
                 MpiSession* mpi) {
   const std::string inputs = Inputs(file, runner);
-  const fs::path table_file = directory / "runs.csv";
+  const fs::path table_file = directory / (plan.file().optimise ? "search.csv" : "runs.csv");
   const bool resumes = arguments.resume && fs::exists(table_file);
   if (const std::size_t done = resumes ? 0 : RunsIn(table_file); done > 0)
     throw ParameterError(
@@ -308,6 +311,12 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
   const int jobs = arguments.jobs > 0 ? arguments.jobs
                    : mpi != nullptr   ? 1
                                       : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  if (plan.file().optimise) {
+    const int code = SearchCampaign(file, runner.app(), directory, jobs, resumes);
+    if (code > 128)
+      Say(fmt::format("interrupted: continue with {} --resume\n", CommandOf(arguments.campaign, directory)));
+    return code;
+  }
   const std::size_t workers = static_cast<std::size_t>(jobs + (mpi != nullptr ? 2 * (mpi->size() - 1) : 0));
   CampaignSchedule schedule(plan, shard, 2 * workers);
   std::size_t before = 0;
@@ -374,6 +383,10 @@ int Run(const CampaignArguments& arguments) {
         "--shard: a campaign with `estimate` or `limit` selects runs by earlier results and cannot be "
         "divided; "
         "use mpirun");
+  if (plan.file().optimise && (shard.count > 1 || StartedByMpi() || arguments.replay))
+    throw ParameterError(fmt::format(
+        "{}: a search chooses values by earlier results: run it without --shard, mpirun and --replay",
+        file.PlaceOf("optimise")));
   const CampaignRunner runner(plan, file, FindApp(file, plan.file().app));
   if (arguments.dry_run) return DryRun(plan, first, runner);
   const fs::path directory =
