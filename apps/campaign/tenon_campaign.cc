@@ -15,6 +15,7 @@
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/read_text.h>
 #include <tenon/apps/common/run_scenario.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/guide_dog/guide_dog_app.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
@@ -50,6 +51,7 @@ struct CampaignArguments {
   std::string shard;
   std::optional<std::uint64_t> replay;
   std::vector<std::string> merge;
+  std::vector<std::string> settings;
 };
 
 Shard ParseShard(const std::string& text) {
@@ -170,6 +172,12 @@ std::string CommandOf(const std::string& campaign, const fs::path& directory) {
   return fmt::format("tenon-campaign {} --out {}", ShellQuoted(campaign), ShellQuoted(directory.string()));
 }
 
+std::string CommandOf(const CampaignArguments& arguments, const fs::path& directory) {
+  std::string command = CommandOf(arguments.campaign, directory);
+  for (const std::string& setting : arguments.settings) command += " --set " + ShellQuoted(setting);
+  return command;
+}
+
 constexpr const char* kBeginAnew = "choose another --out";
 
 int Replay(const CampaignArguments& arguments, const YamlDocument& file, const CampaignPlan& plan,
@@ -199,7 +207,7 @@ int Replay(const CampaignArguments& arguments, const YamlDocument& file, const C
   });
   // The report links to the repeated run. An unfinished campaign has no report yet.
   if (fs::exists(directory / "report.html"))
-    WriteResults(plan, schedule, CommandOf(arguments.campaign, directory), directory);
+    WriteResults(plan, schedule, CommandOf(arguments, directory), directory);
   return again.exit_code;
 }
 
@@ -314,7 +322,7 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
   if (plan.file().optimise) {
     const int code = SearchCampaign(file, runner.app(), directory, jobs, resumes);
     if (code > 128)
-      Say(fmt::format("interrupted: continue with {} --resume\n", CommandOf(arguments.campaign, directory)));
+      Say(fmt::format("interrupted: continue with {} --resume\n", CommandOf(arguments, directory)));
     return code;
   }
   const std::size_t workers = static_cast<std::size_t>(jobs + (mpi != nullptr ? 2 * (mpi->size() - 1) : 0));
@@ -341,12 +349,12 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
   }
   desk.Close();
   if (const int caught = SignalGuard::caught(); caught != 0 || !schedule.finished()) {
-    Say(fmt::format("interrupted: continue with {}{} --resume\n", CommandOf(arguments.campaign, directory),
+    Say(fmt::format("interrupted: continue with {}{} --resume\n", CommandOf(arguments, directory),
                     arguments.shard.empty() ? "" : " --shard " + arguments.shard));
     return 128 + (caught != 0 ? caught : 15);
   }
   table.Finish([&](std::size_t run) { return schedule.Counts(run); });
-  const std::string command = CommandOf(arguments.campaign, directory);
+  const std::string command = CommandOf(arguments, directory);
   WriteResults(plan, schedule, command, out.path());
   fmt::print("{}\n", (out.path() / "report.html").string());
   if (desk.lost() == 0) return kRan;
@@ -374,7 +382,8 @@ int Run(const CampaignArguments& arguments) {
   if (!arguments.merge.empty()) return Merge(arguments);
   if (arguments.campaign.empty())
     throw ParameterError("no campaign given: name one (see --list), or give a YAML file");
-  const YamlDocument file = LoadCampaign(FindResource("campaigns", arguments.campaign));
+  YamlDocument file = LoadCampaign(FindResource("campaigns", arguments.campaign));
+  ApplySettings(arguments.settings, &file);
   const CampaignPlan plan(file);
   const Shard shard = ParseShard(arguments.shard);
   CampaignSchedule first(plan, shard, 1);
@@ -421,6 +430,8 @@ int main(int argc, char** argv) {
   tenon::apps::CampaignArguments arguments;
   line.Add("CAMPAIGN", &arguments.campaign, "name of a shipped campaign (see --list), or a YAML file");
   line.Add("--out", &arguments.out, "directory for all output (default: out/CAMPAIGN)");
+  line.Add("--set", &arguments.settings, "override a value of the campaign: --set seeds.count=5",
+           {.type = "KEY=VALUE", .one_value_each = true});
   line.Add("--jobs", &arguments.jobs,
            "number of parallel runs (default: one for each core; with mpirun one for each rank)",
            {.range = tenon::apps::OptionRange::kPositiveInteger});
