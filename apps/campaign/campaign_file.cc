@@ -71,6 +71,20 @@ void LimitSearch::Validate() const {
   if (!(from < to)) throw ParameterError(fmt::format("from = {} must be below to = {}", from, to));
 }
 
+void SearchedKey::Validate() const {
+  DemandFactors(sets);
+  if (!(from < to)) throw ParameterError(fmt::format("from = {} must be below to = {}", from, to));
+  if (logarithmic && from <= 0)
+    throw ParameterError(fmt::format("from = {} must be positive with logarithmic: true", from));
+  if (start && (*start < from || *start > to))
+    throw ParameterError(fmt::format("start = {} must be between {} and {}", *start, from, to));
+}
+
+void Optimisation::Validate() const {
+  if (vary.empty()) throw ParameterError("vary names no key: give at least one with from and to");
+  if (minimise.empty()) throw ParameterError("minimise names no figure: give at least one with its weight");
+}
+
 FieldList CampaignFile::Fields() {
   return {Required("app", &CampaignFile::app),
           Required("scenario", &CampaignFile::scenario),
@@ -84,12 +98,15 @@ FieldList CampaignFile::Fields() {
           Field("interval_width", &CampaignFile::interval_width).Between(1e-4, 1),
           Field("confidence", &CampaignFile::confidence).Above(0).Below(1),
           {"limit", &CampaignFile::limit},
+          {"optimise", &CampaignFile::optimise},
           {"worst_by", &CampaignFile::worst_by}};
 }
 
 void CampaignFile::Validate() const {
   if (limit && estimate != Estimate::kAll)
     throw ParameterError("estimate and limit exclude each other; remove estimate");
+  if (optimise && (limit || estimate != Estimate::kAll))
+    throw ParameterError("optimise counts all seeds of a campaign; remove limit and estimate");
 }
 
 }  // namespace tenon::apps

@@ -74,6 +74,46 @@ struct LimitSearch {
   void Validate() const;  ///< throws ParameterError
 };
 
+/// A key that a search varies between two bounds.
+struct SearchedKey {
+  double from = 0, to = 0;      ///< bounds
+  std::optional<double> start;  ///< first value; empty: the middle of the bounds
+  bool logarithmic = false;     ///< the search divides the range by ratios instead of differences
+  std::map<std::string, double>
+      sets;  ///< keys that are set to the value times a factor; empty: the key itself
+
+  static FieldList Fields() {
+    return {Required("from", &SearchedKey::from),
+            Required("to", &SearchedKey::to),
+            {"start", &SearchedKey::start},
+            {"logarithmic", &SearchedKey::logarithmic},
+            {"sets", &SearchedKey::sets}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// Search for the values of keys at which a campaign costs least. The cost of values is the mean over all
+/// runs of the campaign, of its points and seeds, of the weighted sum of `minimise`.
+struct Optimisation {
+  std::map<std::string, SearchedKey> vary;   ///< keys of the search, or any names with `sets`
+  std::map<std::string, double> minimise;    ///< weights of figures
+  std::map<std::string, double> subject_to;  ///< upper bounds of the means of figures over finished runs
+  double failed_run_cost = 0;  ///< cost of a run that does not finish or lacks a figure of `minimise`
+  int evaluations = 60;        ///< number of values that are tried
+  std::optional<SeedRange>
+      held_back;  ///< seeds on which the best and the first values are compared at the end
+
+  static FieldList Fields() {
+    return {Required("vary", &Optimisation::vary),
+            Required("minimise", &Optimisation::minimise),
+            {"subject_to", &Optimisation::subject_to},
+            Required("failed_run_cost", &Optimisation::failed_run_cost),
+            Field("evaluations", &Optimisation::evaluations).Between(1, 100'000),
+            {"held_back", &Optimisation::held_back}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
 /// Termination of a campaign: after all runs, or when the probability of survival is known.
 enum class Estimate { kAll, kSurvival };
 constexpr auto EnumNames(Estimate) {
@@ -97,6 +137,8 @@ struct CampaignFile {
   double interval_width = 0.1;  ///< width of Wilson's interval below which a point needs no more runs
   double confidence = 0.95;     ///< confidence of all intervals
   std::optional<LimitSearch> limit;
+  std::optional<Optimisation>
+      optimise;          ///< instead of one campaign, a search with one for each trial of values
   std::string worst_by;  ///< figure whose largest values are listed; default: the first error
 
   static FieldList Fields();

@@ -120,8 +120,9 @@ void CampaignPlan::AddDrawn(const std::string& name, const Variation& how) {
   drawn_.push_back(std::move(drawn));
 }
 
-CampaignPlan::CampaignPlan(const YamlDocument& document)
-    : file_(document.Read<CampaignFile>()), order_(document.Keys("vary")) {
+CampaignPlan::CampaignPlan(const YamlDocument& document, Chosen chosen, std::optional<SeedRange> seeds)
+    : file_(document.Read<CampaignFile>()), chosen_(std::move(chosen)), order_(document.Keys("vary")) {
+  if (seeds) file_.seeds = *seeds;
   std::map<std::string, std::string> by_key;
   for (const std::string& name : order_) {
     const Variation& how = file_.vary.at(name);
@@ -146,16 +147,20 @@ CampaignPlan::CampaignPlan(const YamlDocument& document)
           fmt::format("{}: the product of all grids has more than 10 million points; draw some of the keys",
                       document.PlaceOf("vary." + name)));
   }
-  if (file_.limit) {
-    DemandNoColumn(file_.limit->key);
-    auto keys = Targets(file_.limit->key, file_.limit->sets);
-    keys.emplace_back(file_.limit->key, 1);  // also a column of the table
+  const auto demand_free = [&](const std::string& place, const std::string& name,
+                               const std::map<std::string, double>& sets) {
+    DemandNoColumn(name);
+    auto keys = Targets(name, sets);
+    keys.emplace_back(name, 1);  // also a column of the table
     for (const auto& [key, factor] : keys) {
       if (by_key.contains(key) || file_.vary.contains(key) || file_.set.contains(key))
         throw ParameterError(
-            fmt::format("{}: {} is also set or varied; remove it there", document.PlaceOf("limit"), key));
+            fmt::format("{}: {} is also set or varied; remove it there", document.PlaceOf(place), key));
     }
-  }
+  };
+  if (file_.limit) demand_free("limit", file_.limit->key, file_.limit->sets);
+  if (file_.optimise)
+    for (const auto& [name, key] : file_.optimise->vary) demand_free("optimise.vary", name, key.sets);
   sobol_points_ = Sobol(num_seeds(), sobol_.size());
   if (file_.limit) levels_ = (std::size_t{1} << file_.limit->steps) - 1;
   if (static_cast<double>(points_) * static_cast<double>(levels_) * static_cast<double>(num_seeds()) >
@@ -229,12 +234,13 @@ RunSetup CampaignPlan::Setup(std::size_t run) const {
       for (const auto& [key, factor] : by.sets) setup.settings.emplace_back(key, Text(factor * value));
     }
   }
-  if (file_.limit) {
-    const double value = LevelValue(LevelOf(run));
-    setup.varied.emplace_back(file_.limit->key, Text(value));
-    for (const auto& [key, factor] : Targets(file_.limit->key, file_.limit->sets))
+  const auto set = [&](const std::string& name, const std::map<std::string, double>& sets, double value) {
+    setup.varied.emplace_back(name, Text(value));
+    for (const auto& [key, factor] : Targets(name, sets))
       setup.settings.emplace_back(key, Text(factor * value));
-  }
+  };
+  if (file_.limit) set(file_.limit->key, file_.limit->sets, LevelValue(LevelOf(run)));
+  for (const auto& [name, value] : chosen_) set(name, file_.optimise->vary.at(name).sets, value);
   return setup;
 }
 

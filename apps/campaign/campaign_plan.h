@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -29,8 +30,11 @@ struct RunSetup {
 /// is 0 without bisection.
 class CampaignPlan {
  public:
-  /// Reads `file`. Throws ParameterError with file, line and key.
-  explicit CampaignPlan(const YamlDocument& file);
+  /// Values of the keys of a search, by their names in the file.
+  using Chosen = std::map<std::string, double>;
+
+  /// Reads `file`. All runs have the values `chosen`. Throws ParameterError with file, line and key.
+  explicit CampaignPlan(const YamlDocument& file, Chosen chosen = {}, std::optional<SeedRange> seeds = {});
   CampaignPlan(const CampaignPlan&) = delete;
   CampaignPlan& operator=(const CampaignPlan&) = delete;
 
@@ -76,6 +80,7 @@ class CampaignPlan {
   void AddDrawn(const std::string& name, const Variation& how);
 
   CampaignFile file_;
+  Chosen chosen_;
   std::vector<std::string> order_;  ///< keys of `vary` in the order of the file
   std::vector<Axis> axes_;
   std::vector<Drawn> drawn_;

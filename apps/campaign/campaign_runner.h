@@ -37,6 +37,7 @@ class CampaignRunner {
   CampaignResult Replay(std::size_t run, const std::filesystem::path& out) const;
   /// Returns the columns that are known before the run.
   CampaignRow Begin(std::size_t run) const;
+  const ScenarioApp& app() const { return app_; }
   /// Numbers of checked and of refused points, and the reason of the first refusal.
   std::size_t num_checked() const { return num_checked_; }
   std::size_t num_refused() const { return num_refused_; }

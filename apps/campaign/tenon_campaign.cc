@@ -6,6 +6,7 @@
 #include <tenon/apps/campaign/campaign_results.h>
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
+#include <tenon/apps/campaign/campaign_search.h>
 #include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/apps/campaign/program_app.h>
 #include <tenon/apps/cdpr/cdpr_app.h>
@@ -14,6 +15,7 @@
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/read_text.h>
 #include <tenon/apps/common/run_scenario.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/guide_dog/guide_dog_app.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
@@ -49,6 +51,7 @@ struct CampaignArguments {
   std::string shard;
   std::optional<std::uint64_t> replay;
   std::vector<std::string> merge;
+  std::vector<std::string> settings;
 };
 
 Shard ParseShard(const std::string& text) {
@@ -137,6 +140,8 @@ int DryRun(const CampaignPlan& plan, const CampaignSchedule& schedule, const Cam
   const auto total = schedule.total();
   fmt::print("{} points, {} seeds each, {} runs{}\n", plan.num_points(), plan.num_seeds(),
              total ? *total : plan.size(), total ? "" : " at most");
+  if (plan.file().optimise)
+    fmt::print("in each of at most {} evaluations\n", plan.file().optimise->evaluations);
   constexpr std::size_t kShown = 20;
   CampaignSchedule copy = schedule;
   for (std::size_t i = 0;; ++i) {
@@ -165,6 +170,12 @@ std::string ShellQuoted(const std::string& text) {
 /// Returns the command line that runs the campaign again.
 std::string CommandOf(const std::string& campaign, const fs::path& directory) {
   return fmt::format("tenon-campaign {} --out {}", ShellQuoted(campaign), ShellQuoted(directory.string()));
+}
+
+std::string CommandOf(const CampaignArguments& arguments, const fs::path& directory) {
+  std::string command = CommandOf(arguments.campaign, directory);
+  for (const std::string& setting : arguments.settings) command += " --set " + ShellQuoted(setting);
+  return command;
 }
 
 constexpr const char* kBeginAnew = "choose another --out";
@@ -196,7 +207,7 @@ int Replay(const CampaignArguments& arguments, const YamlDocument& file, const C
   });
   // The report links to the repeated run. An unfinished campaign has no report yet.
   if (fs::exists(directory / "report.html"))
-    WriteResults(plan, schedule, CommandOf(arguments.campaign, directory), directory);
+    WriteResults(plan, schedule, CommandOf(arguments, directory), directory);
   return again.exit_code;
 }
 
@@ -282,7 +293,7 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
                 const CampaignRunner& runner, const Shard& shard, const fs::path& directory,
                 MpiSession* mpi) {
   const std::string inputs = Inputs(file, runner);
-  const fs::path table_file = directory / "runs.csv";
+  const fs::path table_file = directory / (plan.file().optimise ? "search.csv" : "runs.csv");
   const bool resumes = arguments.resume && fs::exists(table_file);
   if (const std::size_t done = resumes ? 0 : RunsIn(table_file); done > 0)
     throw ParameterError(
@@ -308,6 +319,12 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
   const int jobs = arguments.jobs > 0 ? arguments.jobs
                    : mpi != nullptr   ? 1
                                       : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  if (plan.file().optimise) {
+    const int code = SearchCampaign(file, runner.app(), directory, jobs, resumes);
+    if (code > 128)
+      Say(fmt::format("interrupted: continue with {} --resume\n", CommandOf(arguments, directory)));
+    return code;
+  }
   const std::size_t workers = static_cast<std::size_t>(jobs + (mpi != nullptr ? 2 * (mpi->size() - 1) : 0));
   CampaignSchedule schedule(plan, shard, 2 * workers);
   std::size_t before = 0;
@@ -332,12 +349,12 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
   }
   desk.Close();
   if (const int caught = SignalGuard::caught(); caught != 0 || !schedule.finished()) {
-    Say(fmt::format("interrupted: continue with {}{} --resume\n", CommandOf(arguments.campaign, directory),
+    Say(fmt::format("interrupted: continue with {}{} --resume\n", CommandOf(arguments, directory),
                     arguments.shard.empty() ? "" : " --shard " + arguments.shard));
     return 128 + (caught != 0 ? caught : 15);
   }
   table.Finish([&](std::size_t run) { return schedule.Counts(run); });
-  const std::string command = CommandOf(arguments.campaign, directory);
+  const std::string command = CommandOf(arguments, directory);
   WriteResults(plan, schedule, command, out.path());
   fmt::print("{}\n", (out.path() / "report.html").string());
   if (desk.lost() == 0) return kRan;
@@ -365,7 +382,8 @@ int Run(const CampaignArguments& arguments) {
   if (!arguments.merge.empty()) return Merge(arguments);
   if (arguments.campaign.empty())
     throw ParameterError("no campaign given: name one (see --list), or give a YAML file");
-  const YamlDocument file = LoadCampaign(FindResource("campaigns", arguments.campaign));
+  YamlDocument file = LoadCampaign(FindResource("campaigns", arguments.campaign));
+  ApplySettings(arguments.settings, &file);
   const CampaignPlan plan(file);
   const Shard shard = ParseShard(arguments.shard);
   CampaignSchedule first(plan, shard, 1);
@@ -374,6 +392,10 @@ int Run(const CampaignArguments& arguments) {
         "--shard: a campaign with `estimate` or `limit` selects runs by earlier results and cannot be "
         "divided; "
         "use mpirun");
+  if (plan.file().optimise && (shard.count > 1 || StartedByMpi() || arguments.replay))
+    throw ParameterError(fmt::format(
+        "{}: a search chooses values by earlier results: run it without --shard, mpirun and --replay",
+        file.PlaceOf("optimise")));
   const CampaignRunner runner(plan, file, FindApp(file, plan.file().app));
   if (arguments.dry_run) return DryRun(plan, first, runner);
   const fs::path directory =
@@ -408,6 +430,8 @@ int main(int argc, char** argv) {
   tenon::apps::CampaignArguments arguments;
   line.Add("CAMPAIGN", &arguments.campaign, "name of a shipped campaign (see --list), or a YAML file");
   line.Add("--out", &arguments.out, "directory for all output (default: out/CAMPAIGN)");
+  line.Add("--set", &arguments.settings, "override a value of the campaign: --set seeds.count=5",
+           {.type = "KEY=VALUE", .one_value_each = true});
   line.Add("--jobs", &arguments.jobs,
            "number of parallel runs (default: one for each core; with mpirun one for each rank)",
            {.range = tenon::apps::OptionRange::kPositiveInteger});

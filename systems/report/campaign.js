@@ -196,7 +196,8 @@
     hint(node, `run ${line.run}, seed ${line.seed}${text}`);
     node.onclick = () => {
       const card = node.closest('.card'), note = card.querySelector('.repeat') || card.appendChild(element('p', 'note repeat'));
-      note.replaceChildren(`run ${line.run}, seed ${line.seed}${text}: `, element('code', '', `${data.command} --replay ${line.run}`));
+      note.replaceChildren(`run ${line.run}, seed ${line.seed}${text}`);
+      if (data.command) note.append(': ', element('code', '', `${data.command} --replay ${line.run}`));
     };
     return node;
   }
