@@ -170,11 +170,6 @@ TEST(CdprEstimator, RefusesSignalsOfAnotherNumberOfCables) {
   EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "CdprEstimator", "4", "8"));
 }
 
-TEST(CdprEstimator, RefusesSensorsWithoutNoise) {
-  EXPECT_TRUE(Refuses<CdprEstimator>({.noise = {.attitude = 0}}, "noise.attitude"));
-  EXPECT_TRUE(Refuses<CdprEstimator>({.noise = {.length_rate = 0}}, "noise.length_rate"));
-}
-
 TEST(CdprEstimator, NoiseIsSetInARun) {
   const CdprNoise noise{.position = 0.02, .attitude = 0.001, .angular_velocity = 0.05, .specific_force = 0.2};
   TestRig<CdprEstimator> plain, set, built(CdprEstimatorParams{.noise = noise});

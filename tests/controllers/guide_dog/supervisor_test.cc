@@ -321,14 +321,6 @@ TEST(SupervisorTest, JerksDoNotStartIt) {
   }
 }
 
-TEST(SupervisorTest, DoesNotAllocate) {
-  Dog dog;
-  dog.Run(2);
-  dog.Pull(60, 1);
-  dog.Tick();
-  EXPECT_EQ(AllocationsOf([&] { dog.Run(2); }), 0);
-}
-
 TEST(SupervisorTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<Supervisor>({{.release = 51}}, "release", "threshold"));
 }

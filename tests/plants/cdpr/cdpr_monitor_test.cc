@@ -102,10 +102,5 @@ TEST(CdprMonitorTest, EndsTheRunFarFromTheAnchors) {
   EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("block.place"), HasSubstr("11.4 m")));
 }
 
-TEST(CdprMonitorTest, RefusesLimitsThatMakeNoSense) {
-  EXPECT_TRUE(
-      Refuses<CdprMonitor>({.robot = test::FourCableRobot(), .max_tension_ratio = 0.9}, "max_tension_ratio"));
-}
-
 }  // namespace
 }  // namespace tenon::cdpr_monitor_test

@@ -400,13 +400,6 @@ TEST(CdprPlantTest, HasOneEntryPerCable) {
   rig.RunTo(0.01);
 }
 
-TEST_P(CdprPlantOfRobots, DoesNotAllocate) {
-  Rig rig(Hanging(test::RobotWithCables(GetParam())));
-  rig.Fix(rig->command, Same(60, GetParam())).Fix(rig->payload, Payload{1, {0, 0, 0.1}});
-  rig.RunTo(0.1);
-  EXPECT_EQ(AllocationsOf([&] { rig.RunTo(0.2); }), 0);
-}
-
 TEST(CdprPlantTest, LengthsAtTheStartAreThoseOfHoming) {
   CdprPlantParams params = Hanging();
   params.homed_length = Same(7);

@@ -56,7 +56,6 @@ TEST(FallMonitorTest, EndsTheRunWhenTheRobotFlies) {
 
 TEST(FallMonitorTest, RefusesLimitsThatMakeNoSense) {
   EXPECT_TRUE(Refuses<FallMonitor>({.min_height = 1, .max_height = 1}, "max_height"));
-  EXPECT_TRUE(Refuses<FallMonitor>({.max_tilt = 45}, "max_tilt"));
 }
 
 TEST(FallMonitorTest, LimitsAreSetInARun) {

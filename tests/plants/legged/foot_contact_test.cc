@@ -144,15 +144,6 @@ TEST(FootContactTest, SlidesAlongFloorAndWallOfDifferentFriction) {
   }
 }
 
-TEST(FootContactTest, DoesNotAllocate) {
-  const Terrain terrain = Ground(0.5);
-  const AllocationGuard guard;
-  const FootContact foot = CalcFootContact(terrain, Properties(), kRadius,
-                                           {Vec<3>(0, 0, 0.029), Vec<3>(1, 0, 0), Vec<3>::Zero()}, {0, 0});
-  EXPECT_EQ(guard.count(), 0);
-  EXPECT_GT(foot.normal_force, 0);
-}
-
 /// A block of 5 kg that does not turn.
 struct Block {
   Vec<3> p, v;

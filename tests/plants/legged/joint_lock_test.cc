@@ -111,7 +111,6 @@ TEST(JointLockTest, TakesEnergyAndGivesNone) {
 
 TEST(JointLockTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<JointLock>({.joints = {12}}, "joint 12"));
-  EXPECT_TRUE(Refuses<JointLock>({.schedule = {.duration = -1}}, "schedule.duration"));
   EXPECT_TRUE(Refuses<JointLock>({.stiffness = 0}, "stiffness"));
   EXPECT_TRUE(Refuses<JointLock>({.damping = -1}, "damping"));
 }

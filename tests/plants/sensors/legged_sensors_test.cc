@@ -121,17 +121,6 @@ TEST(FootForceSensorTest, EveryComponentHasItsOwnNoise) {
   error.Expect(Vec<12>::Zero(), 0.1 * values);
 }
 
-TEST(LeggedSensorsTest, DoNotAllocate) {
-  TestRig<JointEncoders> encoders(JointEncodersParams{.angle = {.absolute = 1e-4}});
-  TestRig<FootForceSensor> feet(FootForceSensorParams{.error = {.relative = 0.1}});
-  encoders.Fix(encoders->state, Standing(DogBot())).RunTo(0.01);
-  feet.Fix(feet->forces, FootForces{}).RunTo(0.01);
-  AllocationGuard guard;
-  encoders.RunTo(0.1);
-  feet.RunTo(0.1);
-  EXPECT_EQ(guard.count(), 0);
-}
-
 // Both runs draw the same random numbers.
 TEST(JointEncodersTest, ErrorsAreSetInARun) {
   const SensorError angle{.absolute = 1e-3, .bias = 0.1}, speed{.absolute = 0.1, .relative = 0.2};

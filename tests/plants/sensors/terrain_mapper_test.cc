@@ -53,13 +53,5 @@ TEST(TerrainMapperTest, NoiseBelongsToThePlace) {
   EXPECT_NE(MapOf(other, state, state).HeightAt({-5, 3}), after.HeightAt({-5, 3}));
 }
 
-TEST(TerrainMapperTest, DoesNotAllocate) {
-  TestRig<TerrainMapper> rig(Params(0.01));
-  rig.Fix(rig->state, LeggedState()).Fix(rig->told, LeggedState()).Tick();
-  const AllocationGuard guard;
-  for (int n = 0; n < 100; ++n) rig.Tick();
-  EXPECT_EQ(guard.count(), 0);
-}
-
 }  // namespace
 }  // namespace tenon::terrain_mapper_test

@@ -104,10 +104,6 @@ TEST(LeashTest, IsDrawnFromTheHandToTheTrunkColouredByTension) {
   EXPECT_NEAR(rod.value, 120 * 0.25, 1e-9);
 }
 
-TEST(LeashTest, RefusesNonsense) {
-  EXPECT_TRUE(Refuses<Leash>({.attachment_B = {INFINITY, 0, 0}}, "attachment"));
-}
-
 TEST(LeashTest, LengthStiffnessAndDissipationAreSetInARun) {
   LeashParams changed = kParams;
   changed.nominal_length = 1.2;

@@ -194,10 +194,7 @@ TEST(PersonTest, RefusesNonsense) {
     change(params);
     return Refuses<Person>(params, keys...);
   };
-  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].speed = -0.1; }, "phases.0"));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[0].speed_amplitude = 0.2; }, "phases.0"));
-  EXPECT_TRUE(refuses([](auto& p) { p.phases[0].direction = INFINITY; }, "phases.0"));
-  EXPECT_TRUE(refuses([](auto& p) { p.phases[1].force = -1; }, "phases.1"));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[1].speed = 1; }, "phases.1"));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[0].force = 1; }, "phases.0"));
 }

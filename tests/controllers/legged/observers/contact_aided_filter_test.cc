@@ -264,12 +264,5 @@ TEST(ContactAidedFilterTest, AFootThatIsNotAnchoredHasNoCovariance) {
   EXPECT_GT((filter.covariance.block<3, 3>(Filter::kFeet + 6, 0).norm()), 0);
 }
 
-TEST(ContactAidedFilterTest, RefusesPerfectSensors) {
-  EXPECT_TRUE(Throws<ParameterError>([] { CheckRanges(ContactAidedNoise{.foot_walk = 0}, "noise"); },
-                                     "noise.foot_walk"));
-  EXPECT_TRUE(Throws<ParameterError>([] { CheckRanges(ContactAidedNoise{.encoder = NAN}, "noise"); },
-                                     "noise.encoder"));
-}
-
 }  // namespace
 }  // namespace tenon::contact_aided_filter_test

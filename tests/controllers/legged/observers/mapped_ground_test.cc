@@ -36,14 +36,5 @@ TEST(MappedGroundTest, WithoutAMapTheGroundIsLevel) {
   EXPECT_EQ(GroundOn(ElevationMap(), LeggedState()).slope, Eigen::Vector2d(0, 0));
 }
 
-TEST(MappedGroundTest, DoesNotAllocate) {
-  TestRig<MappedGround> rig(MappedGroundParams{.robot = test::DogBot()});
-  const ElevationMap map = test::MapOf([](double x, double) { return x > 0.1 ? 0.12 : 0.0; });
-  rig.Fix(rig->map, map).Fix(rig->state, LeggedState()).Tick();
-  const AllocationGuard guard;
-  for (int n = 0; n < 100; ++n) rig.Tick();
-  EXPECT_EQ(guard.count(), 0);
-}
-
 }  // namespace
 }  // namespace tenon::mapped_ground_test

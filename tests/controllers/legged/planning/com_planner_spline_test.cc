@@ -224,15 +224,6 @@ TEST(ComPlannerSpline, DoesNotAllocate) {
   EXPECT_EQ(guard.count(), 0);
 }
 
-TEST(ComPlannerSpline, RefusesNonsense) {
-  const auto refuses = [](const ZmpPlanParams& zmp, const char* key) {
-    ComPlannerParams params = SplineParams();
-    params.zmp = zmp;
-    return Refuses<ComPlanner>(params, key);
-  };
-  EXPECT_TRUE(refuses({.horizon = 5}, "horizon_steps"));
-}
-
 TEST(ComPlannerSpline, ThePlanIsSetInARun) {
   ComPlannerParams changed = SplineParams(SplineOrder::kQuintic);
   changed.zmp.horizon = 3;

@@ -585,17 +585,6 @@ TEST(SwingPlannerTest, DoesNotAllocate) {
 }
 
 TEST(SwingPlannerTest, RefusesNonsense) {
-  const auto refuses = [](const StepProperties& step, const char* key) {
-    SwingPlannerParams params = Params();
-    params.step = step;
-    return Refuses<SwingPlanner>(params, key);
-  };
-  EXPECT_TRUE(refuses({.retarget_phase = 1}, "retarget_phase"));
-  EXPECT_TRUE(refuses({.reflex = {.lag = 0}}, "lag_m"));
-  EXPECT_TRUE(refuses({.reflex = {.force = -1}}, "force_mg"));
-  EXPECT_TRUE(refuses({.reflex = {.retreat = -1}}, "retreat_m"));
-  EXPECT_TRUE(refuses({.reflex = {.height = 0}}, "height_m"));
-  EXPECT_TRUE(refuses({.reflex = {.rise_phase = 0.6}}, "rise_phase"));
   SwingPlannerParams params = Params();
   params.gravity = -9.81;
   EXPECT_TRUE(Refuses<SwingPlanner>(params, "gravity"));

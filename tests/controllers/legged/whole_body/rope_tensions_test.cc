@@ -140,13 +140,5 @@ TEST(RopeTensionsTest, RefuseNoFriction) {
   EXPECT_TRUE(Refuses<RopeTensions>(on.params, "friction"));
 }
 
-TEST(RopeTensionsTest, DoNotAllocate) {
-  const OnSlope on;
-  TestRig<RopeTensions> rig(on.params);
-  rig.Fix(rig->tension, CableVector(Vec<2>::Zero()));
-  rig.Fix(rig->state, on.state).Fix(rig->ground, on.ground).Tick();
-  EXPECT_EQ(AllocationsOf([&] { rig.Tick(); }), 0);
-}
-
 }  // namespace
 }  // namespace tenon::rope_tensions_test

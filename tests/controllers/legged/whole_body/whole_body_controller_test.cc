@@ -459,18 +459,6 @@ TEST(WholeBodyController, SolvesAt400HzWithinTorquesAt1kHz) {
   }
 }
 
-TEST(WholeBodyController, RefusesGainsThatMakeNoSense) {
-  const auto refuses = [](const WholeBodyGains& gains, const char* key) {
-    WholeBodyParams params = Params();
-    params.gains = gains;
-    return Refuses<WholeBodyController>(params, key);
-  };
-  EXPECT_TRUE(refuses({.stretch_limit = 1.1}, "stretch_limit"));
-  EXPECT_TRUE(refuses({.qp = {.friction = 0}}, "friction"));
-  EXPECT_TRUE(refuses({.qp = {.tilt_weight = -1}}, "tilt_weight"));
-  EXPECT_TRUE(refuses({.qp = {.free_tilt = -0.1}}, "free_tilt"));
-}
-
 TEST(WholeBodyController, GainsAreSetInARun) {
   WholeBodyParams changed = Params();
   changed.gains.com_stiffness = 1000;

@@ -1,12 +1,81 @@
+// Loads on the platform.
+
 #include <tenon/plants/cdpr/cdpr_plant.h>
+#include <tenon/plants/cdpr/gusts.h>
 #include <tenon/plants/cdpr/hanging_load.h>
+#include <tenon/plants/cdpr/payload_schedule.h>
+#include <tenon/plants/cdpr/platform_pull.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/block_test.h>
 
 #include <numbers>
 
-namespace tenon::hanging_load_test {
-namespace {
+namespace tenon::loads_test {
+
+TEST(GustsTest, RiseToTheirPeaksAndFallAndAddUp) {
+  TestRig<Gusts> rig(GustsParams{{{{20, 0, 0}, 1, 2}, {{0, 10, 0}, 2, 4}}});
+  const auto at = [&](double time) { return rig.RunTo(time)[rig->wrench]; };
+  EXPECT_THAT(at(1).force_W, IsNear(Vec<3>(0, 0, 0), 1e-12));
+  EXPECT_THAT(at(1.5).force_W, IsNear(Vec<3>(10, 0, 0), 1e-12));
+  EXPECT_THAT(at(2).force_W, IsNear(Vec<3>(20, 0, 0), 1e-12));
+  EXPECT_THAT(at(2.5).force_W, IsNear(Vec<3>(10, 5 - 5 * std::sqrt(0.5), 0), 1e-12));
+  EXPECT_THAT(at(4).force_W, IsNear(Vec<3>(0, 10, 0), 1e-12));
+  EXPECT_THAT(at(6.5).force_W, IsNear(Vec<3>(0, 0, 0), 1e-12));
+  EXPECT_EQ(at(7).torque_W, Vec<3>(0, 0, 0));
+}
+
+TEST(PayloadScheduleTest, HangsThePayloadFromAttachToRelease) {
+  PayloadScheduleParams params;
+  params.payload.mass = 5;
+  params.attach_s = 1;
+  params.release_s = 2;
+  TestRig<PayloadSchedule> rig(params);
+  const auto mass_at = [&](double time) { return rig.RunTo(time)[rig->payload].mass; };
+  EXPECT_EQ(mass_at(0.999), 0);
+  EXPECT_EQ(mass_at(1), 5);
+  EXPECT_EQ(mass_at(1.999), 5);
+  EXPECT_EQ(mass_at(2), 0);
+}
+
+TEST(PayloadScheduleTest, RefusesNonsense) {
+  PayloadScheduleParams params;
+  params.attach_s = 3;
+  EXPECT_TRUE(Refuses<PayloadSchedule>(params, "release_s", "attach_s"));
+}
+
+TEST(PayloadScheduleTest, LoadAndTimesAreSetInARun) {
+  TestRig<PayloadSchedule> rig;
+  EXPECT_EQ(rig.RunTo(1)[rig->payload].mass, 0);
+  rig.context().Set(rig->load, Payload{.mass = 3}, rig->attach, 1.5, rig->release, 2.0);
+  EXPECT_EQ(rig.RunTo(1.49)[rig->payload].mass, 0);
+  EXPECT_EQ(rig.RunTo(1.5)[rig->payload].mass, 3);
+  rig.Set(rig->release, 1.8);
+  EXPECT_EQ(rig.RunTo(1.8)[rig->payload].mass, 0);
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->release, 1); }, "release_s = 1", "1.5"));
+}
+
+// Turned by 90 degrees about z, x_B points along y_W; the point at x_B = 0.2 m moves by w = 1 rad/s.
+TEST(PlatformPullTest, PullsAtItsPointBesideOthers) {
+  TestRig<PlatformPull> rig(PlatformPullParams{.stiffness = 100, .damping = 10, .max_force = 50});
+  PlatformState platform;
+  platform.p_WB = {1, 2, 3};
+  platform.q_WB = {std::numbers::sqrt2 / 2, 0, 0, std::numbers::sqrt2 / 2};
+  platform.w_W = {0, 0, 1};
+  rig.Fix(rig->platform, platform);
+  rig.Fix(rig->others, {{1, 0, 0}, {0, 0, 0.5}});
+  EXPECT_THAT(rig[rig->wrench].force_W, IsNear(Vec<3>(1, 0, 0), 0));
+  rig.Set(rig->grip, {true, {0.2, 0, 0}, {1, 2.2, 3.3}});
+  // v = w x arm = (-0.2, 0, 0): F = (0, 0, 30) + (2, 0, 0).
+  EXPECT_THAT(rig[rig->wrench].force_W, IsNear(Vec<3>(3, 0, 30), 1e-12));
+  // arm x F = (0, 0.2, 0) x (2, 0, 30) = (6, 0, -0.4)
+  EXPECT_THAT(rig[rig->wrench].torque_W, IsNear(Vec<3>(6, 0, 0.1), 1e-12));
+  rig.Set(rig->grip, {true, {0, 0, 0}, {1, 2, 30}});
+  EXPECT_THAT(rig[rig->wrench].force_W, IsNear(Vec<3>(1, 0, 50), 1e-12));
+}
+
+TEST(PlatformPullTest, RefusesNonsense) {
+  EXPECT_TRUE(Refuses<PlatformPull>({.stiffness = -1}, "-1 N/m"));
+}
 
 constexpr double kGravity = 9.81;
 
@@ -88,5 +157,4 @@ TEST(HangingLoadTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<HangingLoad>({.p_W = {NAN, 0, 0}}, "p_W"));
 }
 
-}  // namespace
-}  // namespace tenon::hanging_load_test
+}  // namespace tenon::loads_test
