@@ -2,7 +2,6 @@
 #include <tenon/apps/cdpr/path_file.h>
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/faults.h>
-#include <tenon/apps/common/notes.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/diagrams/cdpr/cdpr_profile.h>
 #include <tenon/plants/attached_bodies.h>
@@ -341,33 +340,6 @@ std::string PayOutNote(const EquilibriumPath& equilibria) {
         b, time, i, at.length_rate[i], b * at.length_rate[i]);
   }
   return "";
-}
-
-std::vector<std::string> Notes(const CdprScenario& scenario, double duration) {
-  std::vector<std::string> notes;
-  const PayloadScheduleParams& payload = scenario.payload;
-  const bool given = payload.payload.mass != 0 || payload.attach_s != 0 || payload.release_s != 0 ||
-                     !payload.payload.p_B.isZero(0);
-  if (given) {
-    std::string why;
-    if (payload.payload.mass == 0) {
-      why = "mass_kg is 0";
-    } else if (payload.release_s == payload.attach_s) {
-      why = fmt::format("release_s and attach_s are both {:.10g}", payload.attach_s);
-    } else if (payload.release_s <= 0) {
-      why = fmt::format("release_s = {:.10g}, and the run begins at 0 s", payload.release_s);
-    } else if (payload.attach_s >= duration) {
-      why = fmt::format("attach_s = {:.10g}, and the run ends at {:.10g} s", payload.attach_s, duration);
-    }
-    AddIdle("payload", {}, duration, why, notes);
-  }
-  for (std::size_t i = 0; i < scenario.gusts.size(); ++i) {
-    const Gust& gust = scenario.gusts[i];
-    AddIdle(fmt::format("gusts.{}", i), {gust.start, gust.duration}, duration,
-            gust.force_W.isZero(0) ? "force_N is 0" : "", notes);
-  }
-  AddNotes(scenario.faults, duration, notes);
-  return notes;
 }
 
 SimulatorOptions MakeSimulatorOptions(const CdprScenario& scenario) {

@@ -311,7 +311,5 @@ PathVerdict MakePathVerdict(const CdprScenario& scenario, bool live);
 /// with reel damping b pays out at dl/dt under the tension T if the motor's tension is T - b dl/dt. So
 /// tensions must exist that hold the platform at rest and are higher than the smallest tension by b dl/dt.
 std::string PayOutNote(const EquilibriumPath& equilibria);
-/// Notes on keys of the scenario that have no effect in a run of `duration` [s], each with the reason.
-std::vector<std::string> Notes(const CdprScenario& scenario, double duration);
 
 }  // namespace tenon::apps

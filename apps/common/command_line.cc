@@ -1,6 +1,5 @@
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/live_session.h>
-#include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/files/output_file.h>
@@ -164,7 +163,6 @@ void OpenStandardDescriptors() {
 int RunMain(CommandLine& line, int argc, char** argv, const std::function<int()>& body) {
   CLI::App& app = *line.app_;
   OpenStandardDescriptors();
-  const MemoryReserve reserve;
   std::signal(SIGXFSZ, SIG_IGN);  // at a limit of the file size, writing then fails with an error
   app.set_version_flag("--version", app.get_name() + " " + Version(), "print the version and stop");
   // `--live 8081` means `--live=8081`; any other word after --live is the scenario.

@@ -1,6 +1,5 @@
 #include <tenon/apps/common/comparison.h>
 #include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
 
 #include <fmt/core.h>
 
@@ -13,32 +12,14 @@
 
 namespace tenon::apps {
 
-void CheckVariantNames(const std::vector<std::string>& names) {
-  std::set<std::string_view> seen;
-  for (const std::string& name : names) {
-    if (!IsVariantName(name)) {
-      throw ParameterError(fmt::format(
-          "the variant '{}' cannot name a directory below --out: use at most 200 bytes, no '/', and no "
-          "'.' at the beginning",
-          internal::Excerpt(name)));
-    }
-    if (name == "summary.json" || name == "report.html")
-      throw ParameterError(
-          fmt::format("the variant '{}' has the name of an output file: choose another name", name));
-    if (!seen.insert(name).second) {
-      throw ParameterError(fmt::format("two variants have the name '{}': rename or remove one of them",
-                                       internal::Excerpt(name)));
-    }
-  }
-}
-
 int Compare(const RunOptions& options, Report report, const std::vector<Variant>& variants) {
-  std::vector<std::string> names;
-  for (const Variant& variant : variants) names.push_back(variant.name);
-  CheckVariantNames(names);
+  std::set<std::string_view> names;
+  for (const Variant& variant : variants)
+    if (!names.insert(variant.name).second)
+      throw ParameterError(fmt::format("two variants have the name '{}': remove one of them", variant.name));
   const OutputDirectory out(options.out);
-  for (const std::string& name : names)
-    OutputDirectory(out.path() / name);  // also if a signal prevents its run
+  for (const Variant& variant : variants)
+    OutputDirectory(out.path() / variant.name);  // also if a signal prevents its run
   Summary::Named runs;
   std::vector<Report> reports;
   int worst = kRan;

@@ -14,12 +14,10 @@ struct Variant {
   std::function<RunResult(const RunOptions&)> run;
 };
 
-/// Throws ParameterError unless all names are different and valid as subdirectories of the output directory.
-void CheckVariantNames(const std::vector<std::string>& names);
-
 /// Runs all variants, each into a subdirectory of its name, and writes one summary.json with the figures of
 /// each variant and one report.html of the first kReported variants. `report` has their title and plots. A
-/// signal or a full disk stops all runs. Returns the largest exit code.
+/// signal or a full disk stops all runs. Returns the largest exit code. Throws ParameterError if two variants
+/// have the same name.
 int Compare(const RunOptions& options, Report report, const std::vector<Variant>& variants);
 inline constexpr std::size_t kReported = 8;
 

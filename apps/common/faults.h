@@ -2,7 +2,6 @@
 
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/customisation.h>
-#include <tenon/apps/common/notes.h>
 #include <tenon/diagrams/faults/faults.h>
 
 #include <string>
@@ -32,14 +31,6 @@ Diagram& AddDiagram(DiagramBuilder& builder, const auto& params, const Customisa
   customisation.Apply(builder, diagram, scenario.custom, outputs);
   faults = BlameFaults([&] { return InsertFaults(builder, diagram, scenario.faults); });
   return diagram;
-}
-
-/// Adds a note for each fault of a scenario that never acts in a run of `duration` [s].
-template <class Place>
-void AddNotes(const std::vector<FaultAt<Place>>& faults, double duration, std::vector<std::string>& notes) {
-  for (std::size_t i = 0; i < faults.size(); ++i)
-    AddIdle("faults." + std::to_string(i), {faults[i].start_s, faults[i].duration_s.value_or(-1)}, duration,
-            "", notes);
 }
 
 }  // namespace tenon::apps

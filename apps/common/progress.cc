@@ -1,4 +1,3 @@
-#include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/run_options.h>
 #include <tenon/systems/files/output_file.h>
@@ -162,11 +161,8 @@ int SignalGuard::caught() {
 }
 
 void StopOnSignal(Simulator& simulator) {
-  simulator.AddMonitor([](Context& context) {
-    if (MemoryReserve::given()) MemoryReserve::Refill();  // a single large allocation may have failed
-    if (MemoryReserve::given()) throw RunError(OutOfMemoryAt(context));
-    return SignalGuard::caught() == 0 ? Verdict() : Verdict(kInterrupted);
-  });
+  simulator.AddMonitor(
+      [](Context&) { return SignalGuard::caught() == 0 ? Verdict() : Verdict(kInterrupted); });
 }
 
 RunOutcome Observe(Simulator& simulator, const std::function<RunStatus()>& advance) {

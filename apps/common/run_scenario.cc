@@ -1,4 +1,3 @@
-#include <tenon/apps/common/memory_reserve.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/simulation/background_log.h>
@@ -54,7 +53,6 @@ std::shared_ptr<LogSink> InBackground(std::shared_ptr<LogSink> sink) {
 }
 
 int TryToWrite(const std::function<void()>& write) {
-  MemoryReserve::Refill();  // the run may have ended because it ran out of memory
   try {
     write();
     return kRan;

@@ -58,7 +58,7 @@ void PrintNotes(const RunOptions& options, const std::vector<std::string>& notes
 /// can be identified. `signals`, and those that the scenario names (see AddRequested), are written to
 /// signals.csv and, with `shapes` and `limits`, to the report. A
 /// live session keeps the run in real time, and browsers can use `controls`. Sets `parameters` of the
-/// scenario before the run, if it has that key. If a function `Notes(scenario, duration)` exists, its remarks
+/// scenario before the run, if it has that key. If a function `Notes(scenario)` exists, its remarks
 /// are printed before the run and added to the results. `plots` follow those of the scenario.
 RunResult RunScenario(const RunOptions& options, const auto& scenario, const std::string& description,
                       double duration, Simulator& simulator, std::vector<const Source*> signals,
@@ -87,7 +87,7 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
     return options.live->Advance(simulator, view, duration, options.out);
   };
   std::vector<std::string> notes;
-  if constexpr (requires { Notes(scenario, duration); }) notes = Notes(scenario, duration);
+  if constexpr (requires { Notes(scenario); }) notes = Notes(scenario);
   const auto advance = [&] {
     Summary summary(scenario.case_name, scenario.seed, run());
     judge(summary);

@@ -48,4 +48,4 @@ _tenon() {
   COMPREPLY+=($(compgen -W "$words" -- "$word"))
 }
 complete -F _tenon tenon-campaign tenon-cdpr tenon-cdpr-workspace tenon-gait-stability tenon-guide-dog \
-  tenon-observer-order tenon-quadruped tenon-report tenon-robot
+  tenon-quadruped tenon-report tenon-robot

@@ -40,13 +40,6 @@ double Duration(const GuideDogScenario& scenario) {
   return Duration(WithoutPerson(scenario));
 }
 
-std::vector<std::string> Notes(const GuideDogScenario& scenario, double duration) {
-  std::vector<std::string> notes;
-  AddNotes(scenario.forces, duration, notes);
-  AddNotes(scenario.faults, duration, notes);
-  return notes;
-}
-
 GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
   GuideDogParams params = MakeGuideDog(MakeWalkParams(WithoutPerson(scenario)));
   params.supervisor.gains = scenario.supervisor;

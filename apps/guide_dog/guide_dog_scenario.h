@@ -38,9 +38,6 @@ struct GuideDogScenario : LeggedScenario {
 /// Simulated time [s].
 double Duration(const GuideDogScenario& scenario);
 
-/// Notes on keys of the scenario that have no effect in a run of `duration` [s], each with the reason.
-std::vector<std::string> Notes(const GuideDogScenario& scenario, double duration);
-
 /// Reads the files that a scenario names and translates it into parameters of a diagram. Throws KeyError.
 GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario);
 

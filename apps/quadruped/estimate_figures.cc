@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace tenon::apps {
 
@@ -62,6 +63,60 @@ bool EstimateFigures::AddPathTo(Summary& summary) const {
   summary.Set("drift_m", drift_.max());
   summary.Set("height_drift_m", height_drift_.max());
   return true;
+}
+
+namespace {
+
+/// Compares the estimate of a constant force on a foot with the force.
+class FootStepFigures final : public LogSink {
+ public:
+  FootStepFigures(const OutputPort<LegForceEstimate>& estimate, std::size_t leg, const Vec<3>& force_W,
+                  double start)
+      : estimate_(estimate), leg_(leg), force_W_(force_W), start_(start) {}
+  void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override {
+    columns_ = Columns(names, estimate_, &LegForceEstimate::foot_force, kFeet[leg_]);
+  }
+  void Row(std::span<const double> row) override {
+    if (row[0] < start_) return;
+    const double share = VectorIn<3>(row, columns_).dot(force_W_) / force_W_.squaredNorm();
+    shares_.Add(share);
+    const bool settled = std::abs(share - 1) <= 0.02;
+    if (!settled) settled_since_.reset();
+    if (settled && !settled_since_) settled_since_ = row[0] - start_;
+  }
+  void AddTo(Summary& summary) const {
+    summary.Set("force_settling_time_s", settled_since_);
+    const std::optional<double> peak = shares_.max();
+    summary.Set("force_overshoot_ratio", peak ? std::optional(std::max(0.0, *peak - 1)) : peak);
+  }
+
+ private:
+  static constexpr Vec<3> FootForces::*kFeet[] = {&FootForces::front_left, &FootForces::front_right,
+                                                  &FootForces::rear_left, &FootForces::rear_right};
+  const OutputPort<LegForceEstimate>& estimate_;
+  std::size_t leg_;
+  Vec<3> force_W_;  // [N]
+  double start_;    // [s]
+  std::vector<std::size_t> columns_;
+  Tally shares_;  // of the force that the estimate shows
+  std::optional<double> settled_since_;
+};
+
+}  // namespace
+
+void JudgeFootStep(const QuadrupedScenario& scenario, double duration, const QuadrupedWalk& loop,
+                   Outputs& outputs) {
+  const auto* const estimate = FindCurrent(loop.observer.leg_forces);
+  if (estimate == nullptr || scenario.forces.size() != 1 || scenario.scale_forces) return;
+  const ForceScenario& force = scenario.forces[0];
+  if (force.on == Part::kTrunk || force.height != 0 || force.frequency_rad_per_s != 0 ||
+      force.start_s + force.duration_s < duration)
+    return;
+  const Vec<3> force_W = force.factor * (Eigen::AngleAxisd(force.turn_rad, Vec<3>::UnitZ()) * force.force_N);
+  if (force_W.isZero(0)) return;
+  const auto leg = static_cast<std::size_t>(force.on) - static_cast<std::size_t>(Part::kFrontLeft);
+  const auto sink = std::make_shared<FootStepFigures>(*estimate, leg, force_W, force.start_s);
+  outputs.Judge(Hz(1000), {estimate}, sink, [sink](Summary& summary) { sink->AddTo(summary); });
 }
 
 }  // namespace tenon::apps

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 
 #include <array>
@@ -39,5 +41,11 @@ class EstimateFigures {
   Tally path_errors_, drift_, height_drift_;  // [m]
   std::array<Tally, kNumLegs> path_foot_errors_;
 };
+
+/// Adds figures of the estimate of a force on a foot: its overshoot, relative to the force, and the time
+/// after which it stays within 2 % of the force. The force must be the only one of the scenario, constant,
+/// and act until the end at `duration` [s]. Other runs have no such figures.
+void JudgeFootStep(const QuadrupedScenario& scenario, double duration, const QuadrupedWalk& loop,
+                   Outputs& outputs);
 
 }  // namespace tenon::apps

@@ -1,5 +1,4 @@
 #include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/faults.h>
 #include <tenon/apps/quadruped/legged_scenario.h>
 #include <tenon/systems/yaml/resources.h>
 
@@ -48,15 +47,6 @@ PathVerdict MakePathVerdict(const WalkScenario& walk, bool live) {
   const WalkSchedule::Extent extent = WalkSchedule(walk.path).extent();
   if (extent.length == 0 && extent.turn == 0) return {};
   return {walk.path_tolerance, extent.length};
-}
-
-void AddNotes(const std::vector<ForceScenario>& forces, double duration, std::vector<std::string>& notes) {
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    const ForceScenario& force = forces[i];
-    const bool none = force.factor == 0 || (force.force_N.isZero(0) && force.torque_N_m.isZero(0));
-    AddIdle(fmt::format("forces.{}", i), {.start = force.start_s, .length = force.duration_s}, duration,
-            none ? "force_N and torque_N_m, times factor, are 0" : "", notes);
-  }
 }
 
 double EndOfWalk(const WalkScenario& walk) {

@@ -182,8 +182,6 @@ struct LeggedScenario {
 
 /// Judges whether a walk follows its path. A live run is not judged.
 PathVerdict MakePathVerdict(const WalkScenario& walk, bool live);
-/// Adds a note for each force that never acts in a run of `duration` [s].
-void AddNotes(const std::vector<ForceScenario>& forces, double duration, std::vector<std::string>& notes);
 /// Returns the time at which the walk ends [s]. Throws KeyError for a path that cannot be walked.
 double EndOfWalk(const WalkScenario& walk);
 /// Returns the options for a diagram that holds `plant`.

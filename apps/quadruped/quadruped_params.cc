@@ -236,19 +236,21 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& given) {
   return params;
 }
 
-void AddHoldingNotes(const QuadrupedScenario& scenario, std::vector<std::string>& notes) {
-  if (!scenario.walk) return;
+std::vector<std::string> Notes(const QuadrupedScenario& scenario) {
+  std::vector<std::string> notes;
+  if (!scenario.walk) return notes;
   const QuadrupedDescription robot = ReadRobot(scenario);
   const HeldMass held = HeldByTwoLegs(robot);
   if (held.mass < robot.mass()) notes.push_back(CannotHold(robot, held));
   const double load = scenario.payload.mass_kg * ReadRatio(scenario, robot).weight;
-  if (load <= held.load) return;
+  if (load <= held.load) return notes;
   const JointDescription& joint = robot.joint(held.joint);
   notes.push_back(fmt::format(
       "payload: {:.3g} kg, {:.0f} % of the robot's weight, are more than the {:.3g} kg that two legs hold "
       "beside the robot by the {:.3g} N m of joint '{}'; {}",
       load, 100 * load / robot.mass(), held.load, joint.torque_limit, joint.name,
       scenario.scale_forces ? "reduced to this mass" : "the robot may fall"));
+  return notes;
 }
 
 }  // namespace tenon::apps

@@ -31,7 +31,10 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
   std::vector<const Source*> faults;
   auto& loop = AddDiagram(
       builder, [&] { return params; }, customisation, scenario, outputs, faults);
-  if constexpr (requires { loop.observer; }) CheckObserver(scenario.observer, loop);
+  if constexpr (requires { loop.observer; }) {
+    CheckObserver(scenario.observer, loop);
+    JudgeFootStep(scenario, duration, loop, outputs);
+  }
   std::optional<QuadrupedLive> live;
   if (options.live) {
     WalkSchedule* walk = nullptr;

@@ -55,20 +55,6 @@ void QuadrupedScenario::Validate() const {
                      forces.empty() ? "random_forces" : "forces", num_forces, most));
 }
 
-std::vector<std::string> Notes(const QuadrupedScenario& scenario, double duration) {
-  std::vector<std::string> notes;
-  AddNotes(scenario.forces, duration, notes);
-  for (std::size_t i = 0; i < scenario.random_forces.size(); ++i)
-    AddIdle(fmt::format("random_forces.{}", i), {}, duration,
-            scenario.random_forces[i].upper_N == 0 ? "upper_N is 0" : "", notes);
-  const TrunkLoadScenario& payload = scenario.payload;
-  const bool placed = payload.slides || !payload.position_m.isZero(0) || !payload.edges_m.isZero(0);
-  AddIdle("payload", {}, duration, placed && payload.mass_kg == 0 ? "mass_kg is 0" : "", notes);
-  AddNotes(scenario.faults, duration, notes);
-  AddHoldingNotes(scenario, notes);
-  return notes;
-}
-
 double Duration(const QuadrupedScenario& scenario) {
   if (scenario.duration_s) return *scenario.duration_s;
   return scenario.walk ? EndOfWalk(*scenario.walk) + 1 : 10;

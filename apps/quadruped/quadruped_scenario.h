@@ -103,11 +103,8 @@ SizeRatio RatioOf(const LeggedScenario& scenario);
 /// of B may lie anywhere. Times, speeds, the path and the positions of blocks do not change.
 QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario, const SizeRatio& ratio);
 
-/// Adds notes if the torque limits of the robot of a walk can hold neither it nor its load on two legs.
-void AddHoldingNotes(const QuadrupedScenario& scenario, std::vector<std::string>& notes);
-
-/// Notes on keys of the scenario that have no effect in a run of `duration` [s], each with the reason.
-std::vector<std::string> Notes(const QuadrupedScenario& scenario, double duration);
+/// Notes on the robot of a walk whose torque limits hold neither it nor its load on two legs.
+std::vector<std::string> Notes(const QuadrupedScenario& scenario);
 
 /// Returns the simulated time of a scenario [s].
 double Duration(const QuadrupedScenario& scenario);

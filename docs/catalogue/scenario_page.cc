@@ -3,7 +3,6 @@
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/apps/studies/observer_order_scenario.h>
 #include <tenon/docs/catalogue/headers.h>
 #include <tenon/docs/catalogue/scenario_page.h>
 
@@ -150,8 +149,6 @@ const Page kPages[] = {
      &internal::TypeInfoOf<apps::QuadrupedScenario>, &apps::KeysOf<apps::QuadrupedScenario>},
     {"tenon-guide-dog", "the quadruped with a person on a leash",
      &internal::TypeInfoOf<apps::GuideDogScenario>, &apps::KeysOf<apps::GuideDogScenario>},
-    {"tenon-observer-order", "the comparison of leg observers of different order",
-     &internal::TypeInfoOf<apps::ObserverOrderScenario>, &apps::KeysOf<apps::ObserverOrderScenario>},
     {"tenon-campaign", "a campaign file, see [campaigns.md](campaigns.md)",
      &internal::TypeInfoOf<apps::CampaignFile>, &apps::KeysOf<apps::CampaignFile>},
 };

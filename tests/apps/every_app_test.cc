@@ -184,54 +184,5 @@ TEST_P(PathTest, ARobotThatLeavesItsPathIsNotFinished) {
   EXPECT_THAT(Summary(), HasSubstr("\"followed\": null"));
 }
 
-/// Disturbances of a run that cannot act.
-struct Idle {
-  std::string name, app, arguments;
-  std::vector<std::string> disturbances;
-};
-class IdleTest : public test::AppTest, public ::testing::WithParamInterface<Idle> {
- protected:
-  IdleTest() : AppTest(GetParam().app) {}
-};
-
-INSTANTIATE_TEST_SUITE_P(
-    Apps, IdleTest,
-    ::testing::Values(
-        Idle{"quadruped",
-             TENON_QUADRUPED,
-             "flat --duration 0.2 --set 'forces=[{force_N: [20, 0, 0], duration_s: 0}, "
-             "{force_N: [20, 0, 0], start_s: 5, duration_s: 1}, {duration_s: 1}, "
-             "{force_N: [1, 0, 0], duration_s: 1}]' --set 'random_forces=[{lower_N: 0, upper_N: 0}]' "
-             "--set 'payload={position_m: [0, 0, 0.1]}' "
-             "--set 'faults=[{at: imu, kind: drop_out, start_s: 3}]'",
-             {"forces.0", "forces.1", "forces.2", "random_forces.0", "payload", "faults.0"}},
-        Idle{"stand", TENON_QUADRUPED, "stand --duration 0.1", {}},
-        Idle{"guide_dog",
-             TENON_GUIDE_DOG,
-             "C1 --duration 0.1 --set 'forces=[{force_N: [9, 0, 0], start_s: 5, duration_s: 1}]'",
-             {"forces.0"}},
-        Idle{"payload_after_the_end", TENON_CDPR, "D2 --duration 0.2", {"payload"}},
-        Idle{
-            "payload_released_first", TENON_CDPR, "D2 --duration 0.2 --set payload.release_s=1", {"payload"}},
-        Idle{"payload_without_mass", TENON_CDPR, "D2 --duration 2 --set payload.mass_kg=0", {"payload"}},
-        Idle{"gust_without_force",
-             TENON_CDPR,
-             "D1 --duration 0.2 --set 'gusts=[{force_N: [0, 0, 0], start_s: 0, duration_s: 1}]'",
-             {"gusts.0"}}),
-    [](const auto& info) { return info.param.name; });
-
-TEST_P(IdleTest, AWarningNamesEachDisturbanceThatNeverActs) {
-  const std::string text = Run(GetParam().arguments), report = Read(out / "report.html");
-  for (const std::string& disturbance : GetParam().disturbances) {
-    const std::string note = disturbance + " never acts: ";
-    EXPECT_THAT(text, HasSubstr("warning: " + note));
-    EXPECT_THAT(Summary(), HasSubstr(note));
-    EXPECT_THAT(report, HasSubstr(note));
-  }
-  std::size_t notes = 0;
-  for (std::size_t at = 0; (at = text.find("warning: ", at)) != std::string::npos; ++at) ++notes;
-  EXPECT_EQ(notes, GetParam().disturbances.size()) << text;
-}
-
 }  // namespace
 }  // namespace tenon::every_app_test

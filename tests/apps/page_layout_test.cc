@@ -37,8 +37,7 @@ TEST_F(PageLayoutTest, RunsOfEachApp) {
   for (const auto& [app, arguments] : {std::pair{TENON_QUADRUPED, "A1 --duration 0.8"},
                                        {TENON_GUIDE_DOG, "C1 --duration 0.3"},
                                        {TENON_CDPR, "D1 --duration 0.3"},
-                                       {TENON_QUADRUPED, "A2 --compare --duration 0.1"},
-                                       {TENON_OBSERVER_ORDER, "A0 --duration 0.25"}}) {
+                                       {TENON_QUADRUPED, "A2 --compare --duration 0.1"}}) {
     SCOPED_TRACE(arguments);
     Run(app, arguments, out);
     ExpectLaidOut(out, kRun);

@@ -51,11 +51,11 @@ TEST(QuadrupedScaleTest, TheLoadIsAtMostWhatTwoLegsHold) {
   EXPECT_NEAR(load(loaded(3, "scale_forces=true")), 23, 1e-9);
   EXPECT_EQ(load(loaded(0.9, "scale_forces=true")), 0);
 
-  EXPECT_THAT(Notes(loaded(3, "scale_forces=true"), 10), IsEmpty());
+  EXPECT_THAT(Notes(loaded(3, "scale_forces=true")), IsEmpty());
   EXPECT_THAT(
-      Notes(loaded(1.3, "scale_forces=true"), 10),
+      Notes(loaded(1.3, "scale_forces=true")),
       ElementsAre(HasSubstr("payload: 23 kg, 108 % of the robot's weight, are more than the 6.38 kg")));
-  EXPECT_THAT(Notes(loaded(0.9, "scale_forces=false"), 10),
+  EXPECT_THAT(Notes(loaded(0.9, "scale_forces=false")),
               ElementsAre(HasSubstr("in a trot, two legs hold the robot"), HasSubstr("the robot may fall")));
 }
 

@@ -88,6 +88,26 @@ TEST_F(TenonQuadrupedTest, ComparesObservers) {
   Run("A2 --duration 0.1");
   EXPECT_FALSE(fs::exists(out / "focchi")) << "left by the earlier run";
   EXPECT_TRUE(fs::exists(out / "report.html"));
+  ExpectRefused({{"A2 --compare --set compare=[legs,legs]", "'legs'"}});
+}
+
+// The settling time of first order and the overshoot of second order, exp(-pi zeta / sqrt(1 - zeta^2)) with
+// zeta = sqrt(1/2), have closed forms.
+TEST_F(TenonQuadrupedTest, JudgesTheEstimateOfAForceOnAFoot) {
+  const auto figure = [&](int order, double bandwidth, const char* key) {
+    Run(
+        fmt::format("A0 --duration 0.6 --set 'profile={{file: standard, observer: {{legs: {{gains_per_s: [], "
+                    "butterworth: {{order: {}, bandwidth_rad_per_s: {}}}}}}}}}'",
+                    order, bandwidth));
+    return nlohmann::json::parse(Summary()).at(key).get<double>();
+  };
+  EXPECT_NEAR(figure(1, 100, "force_settling_time_s"), std::log(50) / 100, 1.5e-3);
+  EXPECT_LT(figure(1, 100, "force_overshoot_ratio"), 4e-3);
+  EXPECT_NEAR(figure(2, 141.421, "force_overshoot_ratio"), std::exp(-M_PI), 4e-3);
+  Run("A0 --duration 0.1");
+  ExpectNull({"force_settling_time_s", "force_overshoot_ratio"});
+  ExpectRefused({{"A0 --set 'profile={file: standard, observer: {legs: {gains_per_s: [17.5, 6.28, 2.25]}}}'",
+                  "profile.observer.legs"}});
 }
 
 TEST_F(TenonQuadrupedTest, ATerminalShowsWhichOfSeveralRunsIsGoing) {
