@@ -26,18 +26,16 @@ FieldList Variation::Fields() {
           {"normal", &Variation::normal},
           {"lognormal", &Variation::lognormal},
           {"sobol", &Variation::sobol},
-          {"latin_hypercube", &Variation::latin_hypercube},
           {"sets", &Variation::sets}};
 }
 
 void Variation::Validate() const {
   const int ways = !grid.empty() + linspace.has_value() + !list.empty() + !choices.empty() +
-                   uniform.has_value() + normal.has_value() + lognormal.has_value() + sobol.has_value() +
-                   latin_hypercube.has_value();
+                   uniform.has_value() + normal.has_value() + lognormal.has_value() + sobol.has_value();
   if (ways != 1)
     throw ParameterError(fmt::format(
         "{} ways to vary are given: give exactly one of grid, linspace, list, choices, uniform, normal, "
-        "lognormal, sobol, latin_hypercube",
+        "lognormal, sobol",
         ways));
   if (!sets.empty() && (!list.empty() || !choices.empty()))
     throw ParameterError("sets: factors apply to numbers only; remove them from a list or choices");
@@ -48,9 +46,8 @@ void Variation::Validate() const {
       throw ParameterError(fmt::format(
           "linspace: [from, to, count] has a count of {:.6g}: give an integer from 2 to 1000000", count));
   }
-  for (const auto& range : {sobol, latin_hypercube})
-    if (range && (*range)[0] > (*range)[1])
-      throw ParameterError(fmt::format("[{}, {}]: give the lower bound first", (*range)[0], (*range)[1]));
+  if (sobol && (*sobol)[0] > (*sobol)[1])
+    throw ParameterError(fmt::format("[{}, {}]: give the lower bound first", (*sobol)[0], (*sobol)[1]));
   if (const auto drawn = distribution()) drawn->Validate();
 }
 

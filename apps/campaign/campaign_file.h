@@ -27,8 +27,6 @@ struct Variation {
   /// Lognormal distribution: mean, standard deviation of the logarithm.
   std::optional<std::array<double, 2>> lognormal;
   std::optional<std::array<double, 2>> sobol;  ///< minimum, maximum; all such keys share one Sobol sequence
-  /// Minimum, maximum; all such keys share one Latin hypercube design.
-  std::optional<std::array<double, 2>> latin_hypercube;
   /// Keys that are set to the value times a factor; empty: the key of the variation itself.
   std::map<std::string, double> sets;
 

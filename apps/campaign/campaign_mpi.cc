@@ -1,6 +1,8 @@
 #include <tenon/apps/campaign/campaign_mpi.h>
 #include <tenon/systems/framework/types/errors.h>
 
+#include <nlohmann/json.hpp>
+
 #include <chrono>
 #include <cstdlib>
 #include <deque>
@@ -9,12 +11,31 @@
 #include <vector>
 
 #ifdef TENON_WITH_MPI
-#include <tenon/apps/campaign/campaign_message.h>
-
 #include <mpi.h>
 #endif
 
 namespace tenon::apps {
+
+std::string Pack(const CampaignMessage& message) {
+  nlohmann::json json{{"run", message.run}};
+  if (message.result) {
+    json["row"] = message.result->row;
+    json["survived"] = message.result->survived;
+    json["machine_failure"] = message.result->machine_failure;
+  }
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+CampaignMessage Unpack(const std::string& text) {
+  const auto json = nlohmann::json::parse(text);
+  CampaignMessage message;
+  message.run = json["run"].get<std::size_t>();
+  if (json.contains("row"))
+    message.result = CampaignResult{.row = json["row"].get<CampaignRow>(),
+                                    .survived = json["survived"].get<bool>(),
+                                    .machine_failure = json["machine_failure"].get<std::string>()};
+  return message;
+}
 
 bool StartedByMpi() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_SIZE"})

@@ -103,13 +103,6 @@ void CampaignPlan::AddDrawn(const std::string& name, const Variation& how) {
       RandomStream random(seed, name);
       return distribution.Draw(random);
     };
-  } else if (how.latin_hypercube) {
-    // All points of the product share one design, so that they differ only in their own values.
-    RandomStream random(file_.seeds.first, name);
-    auto points = std::make_shared<const std::vector<double>>(LatinHypercube(num_seeds(), random));
-    drawn.draw = [points, range = *how.latin_hypercube](std::uint64_t, std::size_t k) {
-      return Between(range, (*points)[k]);
-    };
   } else {
     const std::size_t dimension = sobol_.size();
     sobol_.push_back(name);

@@ -1,5 +1,5 @@
 #include <tenon/apps/campaign/program_app.h>
-#include <tenon/apps/common/read_text.h>
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
 

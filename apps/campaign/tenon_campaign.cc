@@ -13,12 +13,12 @@
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/progress.h>
-#include <tenon/apps/common/read_text.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/guide_dog/guide_dog_app.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/fnv1a.h>
 #include <tenon/systems/text/parse_number.h>

@@ -1,10 +1,9 @@
 #pragma once
 
 #include <tenon/apps/cdpr/cdpr_hardware.h>
-#include <tenon/apps/common/log_scenario.h>
-#include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/common/ranges.h>
 #include <tenon/apps/common/report_scenario.h>
+#include <tenon/apps/common/verdicts.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/faults/cdpr_faults.h>

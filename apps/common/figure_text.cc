@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tenon::apps {
+
 namespace {
 
 constexpr std::size_t kNarrowest = 10;  // minimal width of a column of numbers [characters]
@@ -180,6 +182,13 @@ std::string FigureColumns(const std::vector<std::pair<std::string, NamedTexts>>&
     }
   }
   return text;
+}
+
+std::pair<std::string, std::string> Beside(double value, double limit, int digits) {
+  const auto text = [&](double number) { return fmt::format("{:.{}g}", number, digits); };
+  while (value != limit && text(value) == text(limit) && digits < std::numeric_limits<double>::max_digits10)
+    ++digits;
+  return {text(value), text(limit)};
 }
 
 }  // namespace tenon::apps

@@ -34,4 +34,7 @@ std::string FigureLines(const std::vector<FigureText>& figures);
 /// characters follow in another table. Long texts are truncated.
 std::string FigureColumns(const std::vector<std::pair<std::string, NamedTexts>>& runs);
 
+/// Formats a value and its limit with enough digits, at least `digits`, to distinguish them.
+std::pair<std::string, std::string> Beside(double value, double limit, int digits = 3);
+
 }  // namespace tenon::apps

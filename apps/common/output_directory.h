@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tenon/systems/framework/diagram/diagram.h>
+
 #include <filesystem>
 #include <string_view>
 
@@ -32,5 +34,10 @@ class OutputDirectory : public OutputLock {
   /// Throws as OutputLock does.
   explicit OutputDirectory(std::filesystem::path path);
 };
+
+/// Writes the diagram to a file, as SVG by Graphviz's `dot` or as .dot; does nothing if `file` is empty.
+/// Throws ParameterError for another extension or if `dot` is missing, and OutputError if the file cannot be
+/// written.
+void WriteGraph(const Diagram& diagram, const std::filesystem::path& file);
 
 }  // namespace tenon::apps

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/graph_file.h>
 #include <tenon/apps/common/live_session.h>
-#include <tenon/apps/common/log_scenario.h>
 #include <tenon/apps/common/output_directory.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/report_scenario.h>
@@ -114,5 +112,18 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
   WriteResults(out.path(), summary, report);
   return {std::move(summary), std::move(report)};
 }
+
+/// One of several runs, which writes into the directory that its options name.
+struct Variant {
+  std::string name;
+  std::function<RunResult(const RunOptions&)> run;
+};
+
+/// Runs all variants, each into a subdirectory of its name, and writes one summary.json with the figures of
+/// each variant and one report.html of the first kReported variants. `report` has their title and plots. A
+/// signal or a full disk stops all runs. Returns the largest exit code. Throws ParameterError if two variants
+/// have the same name.
+int Compare(const RunOptions& options, Report report, const std::vector<Variant>& variants);
+inline constexpr std::size_t kReported = 8;
 
 }  // namespace tenon::apps

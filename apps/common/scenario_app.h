@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/log_scenario.h>
+#include <tenon/apps/common/report_scenario.h>
 #include <tenon/apps/common/run_options.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_keys.h>

@@ -1,4 +1,3 @@
-#include <tenon/apps/common/read_text.h>
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>

@@ -1,4 +1,3 @@
-#include <tenon/apps/common/beside.h>
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/run_options.h>

@@ -1,8 +1,8 @@
 // tenon-report: writes one report of several existing runs, or pictures of one report.
 
 #include <tenon/apps/common/command_line.h>
-#include <tenon/apps/common/comparison.h>
 #include <tenon/apps/common/report_pictures.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/report.h>
 #include <tenon/systems/text/excerpt.h>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/apps/common/log_scenario.h>
-#include <tenon/apps/common/path_verdict.h>
+#include <tenon/apps/common/report_scenario.h>
+#include <tenon/apps/common/verdicts.h>
 #include <tenon/apps/quadruped/quadruped_hardware.h>
 #include <tenon/controllers/legged/planning/centroidal_mpc.h>
 #include <tenon/controllers/legged/planning/com_planner.h>

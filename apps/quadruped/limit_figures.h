@@ -1,11 +1,13 @@
 #pragma once
 
 #include <tenon/apps/common/added_shapes.h>
-#include <tenon/apps/common/breaches.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
+#include <tenon/apps/common/verdicts.h>
 #include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/plants/legged/quadruped_plant.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/report/report.h>
 #include <tenon/systems/simulation/signal_log.h>
 
 #include <array>
@@ -13,6 +15,14 @@
 #include <vector>
 
 namespace tenon::apps {
+
+/// The parameters of the plant that stands in the diagram, see CurrentAs.
+inline const QuadrupedPlantParams& ParamsOf(const QuadrupedPlant& plant) {
+  return CurrentAs<LeafSystem<QuadrupedPlantParams>>(plant).params;
+}
+
+/// Limits of torque and speed of each joint [N m, rad/s], in both directions; none if they are unknown.
+std::vector<SignalLimits> DriveLimits(const QuadrupedPlant& plant);
 
 /// The clearances of the robot that stands in the diagram.
 QuadrupedClearance MakeClearance(const QuadrupedPlant& plant);

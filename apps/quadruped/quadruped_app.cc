@@ -1,6 +1,5 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/command_line.h>
-#include <tenon/apps/common/comparison.h>
 #include <tenon/apps/common/report_scenario.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/summary.h>

@@ -1,4 +1,4 @@
-#include <tenon/apps/quadruped/drive_limits.h>
+#include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
 

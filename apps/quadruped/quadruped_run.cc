@@ -1,6 +1,5 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/faults.h>
-#include <tenon/apps/quadruped/drive_limits.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/quadruped_run.h>

@@ -1,28 +1,130 @@
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/read_text.h>
 #include <tenon/apps/common/run_program.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/held_mass.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_proposal.h>
-#include <tenon/apps/quadruped/robot_drawing.h>
 #include <tenon/apps/quadruped/robot_proposal_run.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/robots/mesh_file.h>
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/parse_number.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 #include <tenon/systems/yaml/resources.h>
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace tenon::apps {
+
+namespace {
+
+constexpr double kHeight = 260;  // height of the picture without margins [pixels]
+constexpr double kMargin = 20;   // [pixels]
+
+/// A view by its axes in B: right and up in the picture, and towards the viewer.
+struct View {
+  const char* name;
+  Eigen::Vector3d right, up, towards;
+};
+
+/// Positions of abduction joint, hip, knee and foot of a leg in B [m].
+std::array<Eigen::Vector3d, 4> Points(const QuadrupedDescription& robot, int leg) {
+  const LegDescription& at = robot.legs[static_cast<std::size_t>(leg)];
+  std::array<Eigen::Vector3d, 4> points;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  for (int i = 0; i < kJointsPerLeg; ++i) {
+    const JointDescription& joint = at.joints[static_cast<std::size_t>(i)];
+    p += R * joint.p_PJ;
+    R = R * Eigen::AngleAxisd(robot.stance[kJointsPerLeg * leg + i], joint.axis);
+    points[static_cast<std::size_t>(i)] = p;
+  }
+  points[3] = p + R * at.foot_J;
+  return points;
+}
+
+}  // namespace
+
+std::string DrawQuadruped(const QuadrupedDescription& robot) {
+  const View views[] = {
+      {"left", -Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY()},
+      {"front", Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX()},
+      {"above", -Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()}};
+  std::array<std::array<Eigen::Vector3d, 4>, kNumLegs> legs;
+  Eigen::AlignedBox3d box, trunk;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    legs[static_cast<std::size_t>(leg)] = Points(robot, leg);
+    for (const Eigen::Vector3d& p : legs[static_cast<std::size_t>(leg)]) box.extend(p);
+    trunk.extend(legs[static_cast<std::size_t>(leg)][0]);
+  }
+  const double radius = robot.foot_radius, thick = 0.06 * robot.LegLength(0);
+  trunk.extend(Eigen::Vector3d(trunk.min() - Eigen::Vector3d(thick, 0, thick)));
+  trunk.extend(Eigen::Vector3d(trunk.max() + Eigen::Vector3d(thick, 0, 2 * thick)));
+  box.extend(trunk);
+  const Eigen::Vector3d size = box.sizes() + Eigen::Vector3d::Constant(2 * radius);
+  const double scale = kHeight / std::max(size.z(), size.y());  // pixels per metre
+
+  std::string shapes;
+  double x = kMargin;
+  for (const View& view : views) {
+    const auto extent = [&](const Eigen::Vector3d& axis) { return size.dot(axis.cwiseAbs()); };
+    const Eigen::Vector2d origin(x + scale * extent(view.right) / 2, kMargin + kHeight / 2);
+    const auto at = [&](const Eigen::Vector3d& p) -> Eigen::Vector2d {
+      const Eigen::Vector3d d = p - box.center();
+      return origin + scale * Eigen::Vector2d(d.dot(view.right), -d.dot(view.up));
+    };
+    // Layers are drawn from the back to the front.
+    std::vector<std::pair<double, std::string>> layers;
+    for (const auto& leg : legs) {
+      std::string line;
+      for (const Eigen::Vector3d& p : leg) line += fmt::format(" {:.1f},{:.1f}", at(p)[0], at(p)[1]);
+      const Eigen::Vector2d foot = at(leg[3]);
+      const double depth = leg[3].dot(view.towards);
+      const char* colour = depth < box.center().dot(view.towards) ? "#8aa1b8" : "#33556f";
+      layers.emplace_back(
+          depth, fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:.1f}\" "
+                             "stroke-linecap=\"round\" stroke-linejoin=\"round\"/>\n"
+                             "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"#c0562b\"/>\n",
+                             line.substr(1), colour, std::max(2.0, 1.2 * scale * radius), foot[0], foot[1],
+                             scale * radius));
+    }
+    const Eigen::Vector2d low = at(trunk.min()), high = at(trunk.max());
+    layers.emplace_back(
+        box.center().dot(view.towards),
+        fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" rx=\"6\" "
+                    "fill=\"#d7dee5\" stroke=\"#33556f\"/>\n",
+                    std::min(low[0], high[0]), std::min(low[1], high[1]), std::abs(high[0] - low[0]),
+                    std::abs(high[1] - low[1])));
+    std::stable_sort(layers.begin(), layers.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& layer : layers) shapes += layer.second;
+    shapes += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>\n", origin[0],
+                          kHeight + 2 * kMargin + 14, view.name);
+    x += scale * extent(view.right) + 2 * kMargin;
+  }
+  const double width = x - kMargin, height = kHeight + 2 * kMargin + 24;
+  shapes += fmt::format(
+      "<path d=\"M {0:.1f} {1:.1f} h {2:.1f}\" stroke=\"#000\" stroke-width=\"3\"/>\n"
+      "<text x=\"{3:.1f}\" y=\"{4:.1f}\">0.1 m</text>\n",
+      kMargin, height - 8, 0.1 * scale, kMargin, height - 14);
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" "
+      "height=\"{1:.0f}\" font-family=\"sans-serif\" font-size=\"13\">\n"
+      "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{2}</svg>\n",
+      width, height, shapes);
+}
+
 namespace {
 
 namespace fs = std::filesystem;

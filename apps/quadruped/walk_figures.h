@@ -2,9 +2,9 @@
 
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/columns.h>
-#include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
+#include <tenon/apps/common/verdicts.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>

@@ -10,7 +10,7 @@
 //                      of the time in which rank 0 works
 
 #include <tenon/apps/campaign/campaign_desk.h>
-#include <tenon/apps/campaign/campaign_message.h>
+#include <tenon/apps/campaign/campaign_mpi.h>
 #include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/apps/campaign/campaign_schedule.h>

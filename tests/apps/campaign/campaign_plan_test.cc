@@ -101,24 +101,18 @@ TEST(CampaignPlanTest, ADistributionGivesWhatAScenarioWithItDraws) {
   EXPECT_EQ(std::stod(Varied(plan, 0)["payload.mass_kg"]), scenario.Draw(9)[0].second);
 }
 
-TEST(CampaignPlanTest, HypercubesAndSobolFillTheirRange) {
-  const CampaignPlan plan(
-      File("seeds: {count: 64}\nvary:\n  a: {latin_hypercube: [0, 64]}\n"
-           "  b: {latin_hypercube: [0, 64]}\n  c: {sobol: [0, 64]}\n  d: {sobol: [0, 64]}\n"));
+TEST(CampaignPlanTest, SobolFillsItsRange) {
+  const CampaignPlan plan(File("seeds: {count: 64}\nvary: {c: {sobol: [0, 64]}, d: {sobol: [0, 64]}}\n"));
   std::map<std::string, std::set<int>> intervals;
-  int equal = 0, in_sobol = 0;
+  int in_sobol = 0;
   for (std::size_t run = 0; run < 64; ++run) {
     for (const auto& [key, text] : Varied(plan, run))
       intervals[key].insert(static_cast<int>(std::stod(text)));
     auto row = Varied(plan, run);
-    equal += row["a"] == row["b"] ? 1 : 0;
     in_sobol += row["c"] == row["d"] ? 1 : 0;
   }
-  EXPECT_EQ(intervals["a"].size(), 64U);
-  EXPECT_EQ(intervals["b"].size(), 64U);
   EXPECT_GE(intervals["c"].size(), 63U);  // the sequence leaves out the origin
   EXPECT_GE(intervals["d"].size(), 63U);
-  EXPECT_LT(equal, 5);
   EXPECT_LT(in_sobol, 10);  // its first points are on the diagonal
 }
 

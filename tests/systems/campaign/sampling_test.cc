@@ -2,23 +2,9 @@
 #include <tenon/tests/testing/block_test.h>
 
 #include <cmath>
-#include <set>
 #include <vector>
 
 namespace tenon::sampling_test {
-
-TEST(LatinHypercubeTest, HasOnePointInEachInterval) {
-  RandomStream random(1);
-  const std::vector<double> points = LatinHypercube(50, random);
-  std::set<int> intervals;
-  for (const double x : points) intervals.insert(static_cast<int>(50 * x));
-  EXPECT_EQ(intervals.size(), 50U);
-  EXPECT_EQ(*intervals.begin(), 0);
-  EXPECT_EQ(*intervals.rbegin(), 49);
-  RandomStream again(1), other(2);
-  EXPECT_EQ(LatinHypercube(50, again), points);
-  EXPECT_NE(LatinHypercube(50, other), points);
-}
 
 // The first points of the sequence: 1/2; 3/4, 1/4; 3/8, 3/8; ...
 TEST(SobolTest, BeginsAsItDoes) {
@@ -49,7 +35,7 @@ TEST(SobolTest, FillsEvenly) {
 
 TEST(SobolTest, OfNothingIsNothingAndDimensionsEnd) {
   EXPECT_TRUE(Sobol(10, 0).empty());
-  EXPECT_TRUE(Throws<ParameterError>([] { Sobol(10, 100'000); }, "latin_hypercube"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Sobol(10, 100'000); }, "uniform"));
 }
 
 }  // namespace tenon::sampling_test

@@ -3,7 +3,9 @@
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
 
+#include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace tenon::apps {
@@ -28,6 +30,21 @@ class PathVerdict {
   std::optional<double> position_limit_, heading_limit_;  // [m], [rad]
   Tally deviations_, turns_;                              // [m], [rad]
   std::optional<double> left_, turned_;                   // times at which a limit was first exceeded [s]
+};
+
+/// Physically impossible events of a run; only the first event of each kind is kept.
+class Breaches {
+ public:
+  /// Adds an event at `time` [s]. `what` describes where it happened and by how much.
+  void Add(double time, const std::string& kind, const std::string& what) {
+    first_.try_emplace(kind, time, kind + ": " + what);
+  }
+  void AddTo(Summary& summary) const {
+    for (const auto& [kind, breach] : first_) summary.Break(breach.first, breach.second);
+  }
+
+ private:
+  std::map<std::string, std::pair<double, std::string>> first_;
 };
 
 }  // namespace tenon::apps

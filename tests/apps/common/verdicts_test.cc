@@ -1,5 +1,5 @@
-#include <tenon/apps/common/path_verdict.h>
 #include <tenon/apps/common/run_options.h>
+#include <tenon/apps/common/verdicts.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <string>
 
-namespace tenon::apps::path_verdict_test {
+namespace tenon::apps::verdicts_test {
 namespace {
 
 using ::testing::ContainsRegex;
@@ -76,4 +76,4 @@ TEST(PathVerdictTest, ARobotMayStartAsideOfItsPath) {
 }
 
 }  // namespace
-}  // namespace tenon::apps::path_verdict_test
+}  // namespace tenon::apps::verdicts_test

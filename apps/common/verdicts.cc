@@ -1,5 +1,5 @@
-#include <tenon/apps/common/beside.h>
-#include <tenon/apps/common/path_verdict.h>
+#include <tenon/apps/common/figure_text.h>
+#include <tenon/apps/common/verdicts.h>
 
 #include <fmt/core.h>
 

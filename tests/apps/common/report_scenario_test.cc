@@ -1,5 +1,5 @@
 #include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/log_scenario.h>
+#include <tenon/apps/common/report_scenario.h>
 #include <tenon/systems/simulation.h>
 
 #include <gmock/gmock.h>
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace tenon::apps::log_scenario_test {
+namespace tenon::apps::report_scenario_test {
 namespace {
 
 using ::testing::AllOf;
@@ -102,4 +102,4 @@ TEST_F(LogScenarioTest, LimitsTheNumberOfSignals) {
 }
 
 }  // namespace
-}  // namespace tenon::apps::log_scenario_test
+}  // namespace tenon::apps::report_scenario_test
