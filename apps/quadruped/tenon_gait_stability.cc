@@ -1,7 +1,10 @@
+// tenon-gait-stability: the Floquet multipliers of a walking robot.
+
 #include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/run_options.h>
+#include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/apps/studies/gait_stability_study.h>
 #include <tenon/systems/analysis/linearize_discrete.h>
 #include <tenon/systems/analysis/matrix_functions.h>
 
@@ -11,9 +14,18 @@
 #include <cmath>
 #include <complex>
 #include <numeric>
+#include <string>
+#include <vector>
 
 namespace tenon::apps {
 namespace {
+
+struct GaitStabilityOptions {
+  int settle = 20;                  ///< strides before the linearized one
+  int strides = 8;                  ///< strides over which the decay of a push is compared
+  double push = 0.005;              ///< change of the trunk's velocity to the left [m/s]
+  std::vector<double> steps{1e-5};  ///< step sizes of the finite differences
+};
 
 constexpr std::size_t kShown = 12;  // number of multipliers that are printed
 constexpr double kNeutral = 1e-3;   // distance from 1 up to which a multiplier counts as neutral
@@ -141,12 +153,39 @@ int Analyse(const QuadrupedScenario& scenario, const std::string& name, const Ga
   return kRan;
 }
 
-}  // namespace
-
+/// Linearizes the stride of a walking robot without disturbances. Prints the Floquet multipliers, the
+/// eigenvalues of the stride map, and compares the decay of a small push in the linear model with the
+/// simulation. `name` is printed as that of the scenario. Returns the exit code. Throws ParameterError with
+/// the place of a value that is not possible, and RunError if the robot falls.
 int StudyGaitStability(const YamlDocument& document, const std::string& name,
                        const GaitStabilityOptions& options) {
   const auto scenario = document.Read<QuadrupedScenario>();
   return RunBlaming(document, [&] { return Analyse(scenario, name, options); });
 }
 
+}  // namespace
 }  // namespace tenon::apps
+
+int main(int argc, char** argv) {
+  using namespace tenon::apps;
+  CommandLine line("Linearises the stride of a walking quadruped and prints its Floquet multipliers.",
+                   "tenon-gait-stability");
+  CommonArguments arguments;
+  AddScenarioArguments(line, arguments);
+  line.SetFooter(
+      "Writes no files: all results are printed. The last segment of the walk is extended without end, and\n"
+      "disturbances are removed.\n"
+      "Exit codes: 0 analysed; 2 bad usage or scenario; 4 the robot fell, or numerical failure.");
+  GaitStabilityOptions options;
+  line.Add("--settle", &options.settle, "number of strides before the one that is linearised",
+           {.range = OptionRange::kNotNegative});
+  line.Add("--strides", &options.strides, "number of strides over which the decay of a push is compared",
+           {.range = OptionRange::kPositiveInteger});
+  line.Add("--push", &options.push, "change of the trunk's velocity to the left [m/s]");
+  line.Add("--steps", &options.steps, "step sizes of the finite differences");
+  return RunMain(line, argc, argv, [&]() -> int {
+    const ScenarioApp app = QuadrupedApp().AsScenarioApp();
+    if (PrintsInstead(arguments, app)) return kRan;
+    return StudyGaitStability(LoadScenario(arguments, app.name), arguments.scenario, options);
+  });
+}
