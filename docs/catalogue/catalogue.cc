@@ -23,17 +23,11 @@
 #include <tenon/systems/primitives/concatenate.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/systems/primitives/discrete_derivative.h>
-#include <tenon/systems/primitives/discrete_low_pass.h>
-#include <tenon/systems/primitives/discrete_transfer_function.h>
 #include <tenon/systems/primitives/gain.h>
-#include <tenon/systems/primitives/gauss_markov.h>
 #include <tenon/systems/primitives/held_lag.h>
 #include <tenon/systems/primitives/integrator.h>
 #include <tenon/systems/primitives/jittered_delay.h>
 #include <tenon/systems/primitives/low_pass_filter.h>
-#include <tenon/systems/primitives/matrix_gain.h>
-#include <tenon/systems/primitives/multiport_switch.h>
-#include <tenon/systems/primitives/mux.h>
 #include <tenon/systems/primitives/noise.h>
 #include <tenon/systems/primitives/pid.h>
 #include <tenon/systems/primitives/pulse.h>
@@ -50,7 +44,6 @@
 #include <tenon/systems/primitives/trajectory.h>
 #include <tenon/systems/primitives/transfer_function.h>
 #include <tenon/systems/primitives/transport_delay.h>
-#include <tenon/systems/primitives/uniform_noise.h>
 #include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/systems/primitives/zero_order_hold.h>
 #include <tenon/systems/yaml/resources.h>

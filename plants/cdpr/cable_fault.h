@@ -34,13 +34,6 @@ struct CableFaultParams {
 ///
 ///     builder.Connect(fault.faults, loop.world.plant.faults);
 ///
-///     | port      | kind            | size          | unit     |
-///     | others    | input, optional | CableFaults   |          |
-///     | active    | input, optional | bool          |          |
-///     | schedule  | Parameter       | FaultSchedule | s        |
-///     | faults    | output, sampled | CableFaults   |          |
-///     | acting    | output, sampled | bool          |          |
-///
 /// `faults` is the union of `others`, the output of another such block, and the faults of this block. The
 /// fault acts while t is within `schedule` and `active` is true; a broken cable stays broken. The tensions
 /// depend on `faults` without delay, so an `active` that depends on tensions (a cable that breaks under

@@ -31,14 +31,6 @@ struct JointLockParams {
 ///     builder.Connect(loop.world.state, lock.state);
 ///     builder.Connect(lock.locks, loop.world.plant.locks);
 ///
-///     | port      | kind            | size          | unit     |
-///     | state     | input           | LeggedState   |          |
-///     | others    | input, optional | JointLocks    |          |
-///     | active    | input, optional | bool          |          |
-///     | schedule  | Parameter       | FaultSchedule | s        |
-///     | locks     | output, sampled | JointLocks    |          |
-///     | acting    | output, sampled | bool          |          |
-///
 /// `locks` combines `others`, from another JointLock, with the locks of this block. The fault is active while
 /// t is within `schedule` and `active` is true.
 ///

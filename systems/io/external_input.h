@@ -30,9 +30,6 @@ struct ExternalInputParams {
 /// At each tick, y takes over the value of the last Put and holds it until the next tick. A run with the
 /// recording as `replay` repeats the recorded run bit for bit.
 ///
-///     | port | kind            | size | unit |
-///     | y    | output, sampled | T    | unit |
-///
 /// The recording is part of the context and of its snapshots. Put affects all contexts of the diagram. A tick
 /// does not allocate unless it records.
 template <class T = double>

@@ -46,9 +46,6 @@ struct UdpInputParams {
 ///
 ///     builder.Connect(cart.state, builder.Add<UdpPublisher<Vec<2>>>("to_plots", {.name = "cart"}).u);
 ///
-///     | port | kind  | size |
-///     | u    | input | T    |
-///
 /// No receiver is required. Datagrams that the system refuses are lost and counted in `unsent`. Only the
 /// first message allocates. Throws ParameterError if the address does not exist or T holds no numbers. During
 /// the run, throws RunError if a message exceeds the 65507 bytes of a datagram.
@@ -78,9 +75,6 @@ class UdpPublisher final : public LeafSystem<UdpPublisherParams> {
 /// own time: two programs that send at each tick and receive in lock-step are synchronised to one simulation
 /// (docs/network.md). A tick can wait for the answer to a message of the same tick, because everything that
 /// does not depend on y is sent before.
-///
-///     | port | kind            | size | unit |
-///     | y    | output, sampled | T    | unit |
 ///
 /// A message must have all elements of the signal as numbers, flat ("cart.position") or nested, a number
 /// "timestamp", and no other keys. Other messages are refused, also those with the text "NaN";

@@ -23,11 +23,6 @@ struct AdderParams {
 ///
 ///     y = w_0 u_0 + w_1 u_1 + …
 ///
-///     | port        | kind      | size          | unit |
-///     | u[0], u[1]… | input     | T each        | unit |
-///     | weights     | Parameter | one per input |      |
-///     | y           | output    | T             | unit |
-///
 /// T is double or Vec<N>. Throws ParameterError if there are no weights or one is not finite, and RunError
 /// during a run if the number of weights differs from the number of inputs.
 template <internal::DoubleOrMatrix T = double>

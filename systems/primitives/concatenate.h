@@ -2,6 +2,7 @@
 
 #include <tenon/systems/framework/block/state.h>
 
+#include <deque>
 #include <memory>
 #include <string>
 #include <tuple>
@@ -56,10 +57,6 @@ inline Spec Joined(const std::string& name, const std::vector<const Source*>& po
 ///
 ///     y = (u_0, u_1, …)
 ///
-///     | port                | kind   | size            | unit         |
-///     | u<0>(), u<1>(), …   | input  | Ts              | as `ports`   |
-///     | y                   | output | Eigen::VectorXd | of each part |
-///
 ///     Concatenate<double, Vec<3>, TrunkState>({.ports = {{"height", "m"}, {"force", "N"}, "trunk"}})
 ///
 /// Elements of y are named by their port and element: "force.x". Ts are numbers, enumerations, matrices of
@@ -101,10 +98,6 @@ class Concatenate final : public LeafSystem<ConcatenateParams> {
 ///
 ///     (y_0, y_1, …) = u
 ///
-///     | port              | kind   | size            | unit       |
-///     | u                 | input  | Eigen::VectorXd |            |
-///     | y<0>(), y<1>(), … | output | Ts              | as `ports` |
-///
 /// Throws ParameterError if the number of names is wrong or a type has no fixed size. During a run throws
 /// RunError if the size of u differs from the total size of the parts, and ParameterError if a part cannot
 /// hold a number (a fraction for an integer, say).
@@ -139,6 +132,43 @@ class Split final : public LeafSystem<ConcatenateParams> {
     return {MakePort<Ts>(I, begin)...};
   }
   const Ports ports_ = MakePorts(std::index_sequence_for<Ts...>());
+};
+
+struct MuxParams {
+  std::string units = "";     ///< units of the vector's elements, comma-separated: one for all, or one each
+  std::string elements = "";  ///< names of the elements, comma-separated; indices if empty
+};
+
+/// Combines N numbers into a vector:
+///
+///     y = (u_0, …, u_(N-1))
+template <int N>
+class Mux final : public LeafSystem<MuxParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPorts<double> u{this, "u", N};
+  OutputPort<Vec<N>> y{
+      this, {"y", params.units, params.elements}, Uses(u), [](const Inputs<double>& u) -> Vec<N> {
+        Vec<N> y;
+        for (int i = 0; i < N; ++i) y[i] = u[i];
+        return y;
+      }};
+};
+
+/// Splits a vector into its elements:
+///
+///     y_i = u_i
+template <int N>
+class Demux final : public LeafSystem<MuxParams> {
+ public:
+  explicit Demux(MuxParams p = {}) : LeafSystem(std::move(p)) {
+    for (int i = 0; i < N; ++i) {
+      y.emplace_back(this, Spec("y_" + std::to_string(i), internal::ElementUnit(u.spec(), i)), Uses(u),
+                     [i](const Vec<N>& u) -> double { return u[i]; });
+    }
+  }
+  InputPort<Vec<N>> u{this, {"u", params.units, params.elements}};
+  std::deque<OutputPort<double>> y;
 };
 
 }  // namespace tenon

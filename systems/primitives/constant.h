@@ -16,10 +16,6 @@ struct ConstantParams {
 
 /// A constant value, which can be changed between advances of a run: `context.Set(constant.value, 3)`.
 ///
-///     | port  | kind      | size | unit |
-///     | value | Parameter | T    | unit |
-///     | y     | output    | T    | unit |
-///
 /// T is any copyable type.
 template <class T = double>
 class ConstantSource final : public LeafSystem<ConstantParams<T>> {

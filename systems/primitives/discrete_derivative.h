@@ -21,11 +21,6 @@ struct DiscreteDerivativeParams {
 ///
 ///     y[n] = (T y[n - 1] + u[n] - u[n - 1]) / (T + h),   y[0] = 0
 ///
-///     | port          | kind            | size   | unit   |
-///     | u             | input           | T      | u_unit |
-///     | time_constant | Parameter       | double | s      |
-///     | y             | output, sampled | T      | y_unit |
-///
 /// T is double or Vec<N>. Feedthrough at its ticks; for a smooth signal the lag is T + h / 2. Throws
 /// ParameterError if the time constant is negative or not finite.
 template <internal::DoubleOrMatrix T = double>

@@ -3,6 +3,7 @@
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
+#include <tenon/systems/primitives/internal/product.h>
 
 #include <string>
 
@@ -19,11 +20,6 @@ struct GainParams {
 ///
 ///     y = gain u
 ///
-///     | port | kind      | size   | unit            |
-///     | u    | input     | T      | u_unit          |
-///     | gain | Parameter | double | y_unit / u_unit |
-///     | y    | output    | T      | y_unit          |
-///
 /// T is double or Vec<N>. Throws ParameterError if the gain is not finite.
 template <internal::DoubleOrMatrix T = double>
 class Gain final : public LeafSystem<GainParams> {
@@ -35,6 +31,47 @@ class Gain final : public LeafSystem<GainParams> {
       this, {"y", params.y_unit, params.elements}, Uses(gain, u), [](double gain, const T& u) -> T {
         return gain * u;
       }};
+};
+
+template <int Rows = Eigen::Dynamic, int Cols = Rows>
+struct MatrixGainParams {
+  static constexpr bool kDynamic = Rows == Eigen::Dynamic || Cols == Eigen::Dynamic;
+  static constexpr int kOrder = Rows == 1 && Cols != 1 ? Eigen::RowMajor : Eigen::ColMajor;
+  /// Eigen::MatrixXd, or like Vec<N> a matrix of fixed size that is never over-aligned.
+  using Matrix = Eigen::Matrix<double, Rows, Cols, kOrder | (kDynamic ? 0 : Eigen::DontAlign)>;
+  Matrix gain = internal::Zeroed<Matrix>();  ///< [y_unit / u_unit]
+  std::string u_unit = "";                   ///< unit of the input
+  std::string y_unit = "";                   ///< unit of the output
+  std::string u_elements = "";               ///< names of the input's elements
+  std::string y_elements = "";               ///< names of the output's elements
+  void Validate() const {
+    Demand(gain.size() > 0, "gain must not be empty: give a matrix of as many columns as u has elements");
+  }
+};
+
+/// A multiplication by a matrix:
+///
+///     y = gain u
+///
+/// The size of MatrixGain<> is that of its matrix, known at run time, and its ports are Eigen::VectorXd.
+/// Throws ParameterError if the matrix is empty or not finite, and RunError if the size of u differs from the
+/// number of columns.
+template <int Rows = Eigen::Dynamic, int Cols = Rows>
+class MatrixGain final : public LeafSystem<MatrixGainParams<Rows, Cols>> {
+  using Matrix = typename MatrixGainParams<Rows, Cols>::Matrix;
+
+ public:
+  using LeafSystem<MatrixGainParams<Rows, Cols>>::LeafSystem;
+  using LeafSystem<MatrixGainParams<Rows, Cols>>::params;
+  Parameter<Matrix> gain{this, "gain", params.gain, "matrix in unit of y / unit of u", Range().Finite()};
+  InputPort<Vec<Cols>> u{this, {"u", params.u_unit, params.u_elements}};
+  OutputPort<Vec<Rows>> y{this,
+                          {"y", params.y_unit, params.y_elements},
+                          Vec<Rows>::Zero(params.gain.rows()),
+                          Uses(gain, u),
+                          [](const Matrix& gain, const Vec<Cols>& u, Vec<Rows>* y) {
+                            internal::Multiply("gain", gain, "u", u, y);
+                          }};
 };
 
 }  // namespace tenon

@@ -43,11 +43,6 @@ struct HeldLagPart {
 ///     T dy/dt = u[k] - y   for k h < t <= (k + 1) h,   y(0) = initial:
 ///     y(t) = u[k] + (y(k h) - u[k]) exp(-(t - k h) / T)
 ///
-///     | port          | kind      | size   | unit |
-///     | u             | input     | T      | unit |
-///     | time_constant | Parameter | double | s    |
-///     | y             | output    | T      | unit |
-///
 /// y is continuous in time and does not depend on the present input, so the block breaks loops. Where u
 /// jumps, y bends at the next tick. Use LowPassFilter for signals that are not held. T is double, Vec<N> or a
 /// vector of run-time size, which `initial` sets. Throws ParameterError if the time constant is not positive

@@ -20,10 +20,6 @@ struct IntegratorParams {
 ///
 ///     dy/dt = u,   y(0) = initial
 ///
-///     | port | kind             | size | unit   |
-///     | u    | input            | T    | u_unit |
-///     | y    | output, the state | T    | y_unit |
-///
 /// T is double or Vec<N>. The output does not depend on the present input, so the block breaks loops.
 /// Throws ParameterError if the initial value is not finite.
 template <internal::DoubleOrMatrix T = double>

@@ -57,10 +57,6 @@ struct MessageLine {
 ///     u*(t) = u[max {n: a[n] <= t}]                                        value held by the receiver
 ///     y[k] = 1/h (integral of u* over k h <= t < (k + 1) h)                its mean over a period
 ///
-///     | port | kind            | size | unit |
-///     | u    | input           | T    | unit |
-///     | y    | output, sampled | T    | unit |
-///
 /// A message that is overtaken is lost. y has exactly the impulse of each message, so a receiver that is slow
 /// compared with h responds as if messages arrived between ticks, without finer ticks that would interrupt
 /// the integration. With a delay below h + jitter the block has feedthrough. Use SampleDelay for delays of

@@ -4,6 +4,7 @@
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
+#include <cmath>
 #include <string>
 
 namespace tenon {
@@ -20,11 +21,6 @@ struct LowPassFilterParams {
 /// A continuous first-order low-pass filter with gain 1:
 ///
 ///     T dy/dt = u - y,   y(0) = initial
-///
-///     | port          | kind              | size   | unit |
-///     | u             | input             | T      | unit |
-///     | time_constant | Parameter         | double | s    |
-///     | y             | output, the state | T      | unit |
 ///
 /// T is double or Vec<N>. The output does not depend on the present input, so the block breaks loops.
 /// Throws ParameterError if the time constant is not positive or the initial value is not finite.
@@ -44,6 +40,50 @@ class LowPassFilter final : public LeafSystem<LowPassFilterParams<T>> {
   TimeDerivative<T> dx{x, Uses(x, u, time_constant), [](const T& x, const T& u, double time_constant) -> T {
                          return (1 / time_constant) * (u - x);
                        }};
+};
+
+template <internal::DoubleOrMatrix T = double>
+struct DiscreteLowPassParams {
+  double time_constant = 0.1;          ///< [s]
+  T initial = internal::Filled<T>(0);  ///< y at the first tick [unit]
+  Rate rate = Hz(1000);
+  std::string unit = "";      ///< unit of input and output
+  std::string elements = "";  ///< names of the elements
+  void Validate() const { Demand(internal::IsFinite(initial), "initial must be finite"); }
+};
+
+/// A sampled first-order low-pass filter, for controllers. For an input that is held between ticks, its
+/// output at the ticks equals that of LowPassFilter. With h the period:
+///
+///     y[n + 1] = y[n] + (1 - exp(-h / T)) (u[n] - y[n]),   y[0] = initial
+///
+/// T is double or Vec<N>. The output does not depend on the present input, so the block breaks loops.
+/// Throws ParameterError if the time constant is not positive or the initial value is not finite.
+template <internal::DoubleOrMatrix T = double>
+class DiscreteLowPass final : public LeafSystem<DiscreteLowPassParams<T>> {
+ public:
+  using LeafSystem<DiscreteLowPassParams<T>>::LeafSystem;
+  using LeafSystem<DiscreteLowPassParams<T>>::params;
+  Parameter<double> time_constant{this,
+                                  {"time_constant", "s"},
+                                  params.time_constant,
+                                  "time constant of the filter",
+                                  Range().Positive().OrInfinite()};
+  InputPort<T> u{this, {"u", params.unit, params.elements}};
+  DiscreteState<T> x{this, {"x", params.unit, params.elements}, params.initial};
+  OutputPort<T> y{
+      this, {"y", params.unit, params.elements}, Sampled{params.rate}, Uses(x), [](const T& x) -> const T& {
+        return x;
+      }};
+
+ private:
+  Shared<double> blend_{this, "blend", Uses(time_constant), [this](double time_constant) {
+                          return -std::expm1(-params.rate.period() / time_constant);
+                        }};
+
+ public:
+  Update<T> next{x, Sampled{params.rate}, Uses(x, u, blend_),
+                 [](const T& x, const T& u, double blend) -> T { return x + blend * (u - x); }};
 };
 
 }  // namespace tenon

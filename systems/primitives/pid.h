@@ -51,15 +51,6 @@ struct PidMemory {
 /// ref_weight of 1 for smooth references, and 0 for references with steps, whose derivative would be an
 /// impulse. I has the units of u, so a change of ki during a run does not make u jump.
 ///
-///     | port                    | kind            | size   | unit            |
-///     | ref, y                  | input           | T      | y_unit          |
-///     | kp                      | Parameter       | T      | u_unit / y_unit |
-///     | ki                      | Parameter       | T      | that / s        |
-///     | kd                      | Parameter       | T      | that s          |
-///     | filter_time, ref_weight | Parameter       | double | s, 1            |
-///     | lower, upper            | Parameter       | T      | u_unit          |
-///     | u                       | output, sampled | T      | u_unit          |
-///
 /// T is double or Vec<N>. Feedthrough at its ticks. Throws ParameterError if a gain is not finite, if
 /// filter_time is negative, if ref_weight is not from 0 to 1, or if a lower limit exceeds its upper one.
 template <internal::DoubleOrMatrix T = double>

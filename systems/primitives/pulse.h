@@ -30,9 +30,6 @@ struct PulseParams {
 ///
 ///     y(t) = high for start + n period <= t < start + n period + width,   n = 0, 1, ...,   else low
 ///
-///     | port | kind   | size | unit |
-///     | y    | output | T    | unit |
-///
 /// T is double or Vec<N>. Every edge is a NextJump: integrator steps end there. Throws ParameterError if a
 /// level or start is not finite, if width is not positive, or if period does not exceed width.
 template <internal::DoubleOrMatrix T = double>

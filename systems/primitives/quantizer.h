@@ -22,11 +22,6 @@ struct QuantizerParams {
 ///
 ///     y = step round(u / step)
 ///
-///     | port | kind      | size | unit |
-///     | u    | input     | T    | unit |
-///     | step | Parameter | T    | unit |
-///     | y    | output    | T    | unit |
-///
 /// T is double or Vec<N>. Halves are rounded away from zero. The jumps are a Kink: each ends an integrator
 /// step if a derivative depends on y. Throws ParameterError if a step is not positive or not finite.
 template <internal::DoubleOrMatrix T = double>

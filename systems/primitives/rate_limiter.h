@@ -26,11 +26,6 @@ struct RateLimiterParams {
 ///
 ///     y[n] = y[n - 1] + min(max(u[n] - y[n - 1], h falling), h rising),   y[-1] = initial
 ///
-///     | port            | kind            | size   | unit   |
-///     | u               | input           | T      | unit   |
-///     | falling, rising | Parameter       | T each | unit/s |
-///     | y               | output, sampled | T      | unit   |
-///
 /// T is double or Vec<N>. Feedthrough at its ticks. Throws ParameterError if a limit has the wrong sign or is
 /// not a number, or if the initial value is not finite.
 template <internal::DoubleOrMatrix T = double>

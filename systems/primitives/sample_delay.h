@@ -26,10 +26,6 @@ struct SampleDelayParams {
 ///
 ///     y[n] = u[n - N],   y[0] = … = y[N - 1] = initial
 ///
-///     | port | kind            | size | unit |
-///     | u    | input           | T    | unit |
-///     | y    | output, sampled | T    | unit |
-///
 /// T is any copyable type except bool. The output does not depend on the present input, so the block breaks
 /// loops. A tick copies N values and does not allocate if T does not. Throws ParameterError if N is below 1.
 template <class T = double>

@@ -26,11 +26,6 @@ struct SaturationParams {
 ///
 ///     y = min(max(u, lower), upper)
 ///
-///     | port         | kind      | size   | unit |
-///     | u            | input     | T      | unit |
-///     | lower, upper | Parameter | T each | unit |
-///     | y            | output    | T      | unit |
-///
 /// T is double or Vec<N>. The limits are Kinks: no integrator step spans one. NaN passes unchanged. Throws
 /// ParameterError if a lower limit exceeds its upper limit or one is not a number.
 template <internal::DoubleOrMatrix T = double>

@@ -63,14 +63,6 @@ struct SignalFaultParams {
 /// The fault acts while t is within `schedule` and `active` is true. With the default schedule a connected
 /// `active` controls it alone.
 ///
-///     | port     | kind              | size          | unit |
-///     | u        | input             | T             | unit |
-///     | active   | input, optional   | bool          |      |
-///     | size     | Parameter         | double        | unit |
-///     | schedule | Parameter         | FaultSchedule | s    |
-///     | y        | output, sampled   | T             | unit |
-///     | acting   | output, sampled   | bool          |      |
-///
 /// T is any copyable type, though nan, spike, offset and loss change only real numbers. If only some elements
 /// are affected, integers are exact up to 2^53. Feedthrough at its ticks, without delay. Does not allocate
 /// during a run if T does not. Throws ParameterError for invalid numbers and unknown elements, and RunError

@@ -24,15 +24,6 @@ struct SineParams {
 ///
 ///     y = offset + a sin(w t + phase),   dy = a w cos(w t + phase),   ddy = -a w^2 sin(w t + phase)
 ///
-///     | port              | kind      | size | unit     |
-///     | amplitude         | Parameter | T    | unit     |
-///     | angular_frequency | Parameter | T    | rad/s    |
-///     | phase             | Parameter | T    | rad      |
-///     | offset            | Parameter | T    | unit     |
-///     | y                 | output    | T    | unit     |
-///     | dy                | output    | T    | unit/s   |
-///     | ddy               | output    | T    | unit/s^2 |
-///
 /// T is double or Vec<N>: phases of 0 and pi/2 make a circle. The phase is counted from t = 0, so changing a
 /// frequency during a run makes y jump. Throws ParameterError if a number is not finite.
 template <internal::DoubleOrMatrix T = double>

@@ -70,12 +70,6 @@ void CalcOutput(const Block& block, const Reads& read, Eigen::VectorXd* y) {
 ///
 ///     dx/dt = A x + B u,   y = C x + D u,   x(0) = initial
 ///
-///     | port       | kind             | size            | unit   |
-///     | u          | input            | columns of B    | u_unit |
-///     | A, B, C, D | Parameter        | Eigen::MatrixXd |        |
-///     | x          | continuous state | rows of A       | x_unit |
-///     | y          | output           | rows of C       | y_unit |
-///
 /// The ports are Eigen::VectorXd. If D is empty the output does not depend on the present input, and the
 /// block breaks loops; to set D during a run, initialise it to zeros. Throws ParameterError if the sizes do
 /// not match or a number is not finite, and RunError if u has the wrong size.
@@ -104,12 +98,6 @@ struct DiscreteStateSpaceParams {
 /// A sampled linear system of any size:
 ///
 ///     x[n + 1] = A x[n] + B u[n],   y[n] = C x[n] + D u[n],   x[0] = initial
-///
-///     | port       | kind            | size            | unit   |
-///     | u          | input           | columns of B    | u_unit |
-///     | A, B, C, D | Parameter       | Eigen::MatrixXd |        |
-///     | x          | discrete state  | rows of A       | x_unit |
-///     | y          | output, sampled | rows of C       | y_unit |
 ///
 /// Feedthrough and exceptions are those of StateSpace.
 class DiscreteStateSpace final : public LeafSystem<DiscreteStateSpaceParams> {

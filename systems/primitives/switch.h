@@ -4,6 +4,7 @@
 #include <tenon/systems/framework/block/state.h>
 
 #include <string>
+#include <type_traits>
 
 namespace tenon {
 
@@ -15,11 +16,6 @@ struct SwitchParams {
 /// Selects one of two signals by a bool:
 ///
 ///     y = on if select, else off
-///
-///     | port    | kind   | size | unit |
-///     | select  | input  | bool |      |
-///     | on, off | input  | T    | unit |
-///     | y       | output | T    | unit |
 ///
 /// T is any copyable type. All inputs have feedthrough. The selection is a Kink.
 template <class T = double>
@@ -47,12 +43,6 @@ struct ThresholdSwitchParams {
 ///
 ///     y = on if control >= threshold, else off
 ///
-///     | port      | kind      | size   | unit         |
-///     | control   | input     | double | control_unit |
-///     | threshold | Parameter | double | control_unit |
-///     | on, off   | input     | T      | unit         |
-///     | y         | output    | T      | unit         |
-///
 /// T is any copyable type. All inputs have feedthrough. The selection is a Kink. Throws ParameterError if the
 /// threshold is not finite.
 template <class T = double>
@@ -72,6 +62,44 @@ class ThresholdSwitch final : public LeafSystem<ThresholdSwitchParams> {
                   }};
   Kink kink{this, "kink", Uses(control, threshold),
             [](double control, double threshold) { return std::int64_t{control >= threshold}; }};
+};
+
+struct MultiportSwitchParams {
+  int count = 2;              ///< number of signals
+  std::string unit = "";      ///< unit of the signals and of the output
+  std::string elements = "";  ///< names of the elements
+  void Validate() const { Demand(count >= 1, "count must be 1 or more: it is " + std::to_string(count)); }
+};
+
+/// Selects one of several signals by its index:
+///
+///     y = u[select]
+///
+/// T is any copyable type; Index is an integer or an enumeration. All inputs have feedthrough. The selection
+/// is a Kink. Throws ParameterError if count is below 1, and RunError if `select` is out of range.
+template <class T = double, class Index = int>
+class MultiportSwitch final : public LeafSystem<MultiportSwitchParams> {
+  static_assert(std::is_integral_v<Index> || std::is_enum_v<Index>,
+                "MultiportSwitch: Index is an integer or an enumeration.");
+
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<Index> select{this, "select"};
+  InputPorts<T> u{this, {"u", params.unit, params.elements}, static_cast<std::size_t>(params.count)};
+  OutputPort<T> y{this,
+                  {"y", params.unit, params.elements},
+                  Uses(select, u),
+                  [](const Index& select, const Inputs<T>& u) -> const T& {
+                    const auto i = static_cast<long long>(select);
+                    if (i < 0 || static_cast<std::size_t>(i) >= u.size()) {
+                      throw RunError("select is " + std::to_string(i) + ", but the " +
+                                     std::to_string(u.size()) + " signals are numbered from 0 to " +
+                                     std::to_string(u.size() - 1));
+                    }
+                    return u[static_cast<std::size_t>(i)];
+                  }};
+  Kink kink{this, "kink", Uses(select),
+            [](const Index& select) { return static_cast<std::int64_t>(select); }};
 };
 
 }  // namespace tenon

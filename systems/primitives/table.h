@@ -29,10 +29,6 @@ struct TableParams {
 
 /// A function given by points (u_k, y_k), linear between the points and constant outside of them.
 ///
-///     | port | kind   | size   | unit   |
-///     | u    | input  | double | u_unit |
-///     | y    | output | T      | y_unit |
-///
 /// T is double or Vec<N>. The points are Kinks. y is NaN if u is. Throws ParameterError if there are fewer
 /// than two points, if u does not increase, if the numbers of u and y differ, or if a value is not finite.
 template <internal::DoubleOrMatrix T = double>

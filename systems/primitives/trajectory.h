@@ -45,11 +45,6 @@ struct TrajectoryPoint {
 /// velocities at its ends (de Boor, "A Practical Guide to Splines", chapter IV). Outside of the given times,
 /// y is the first or last value.
 ///
-///     | port | kind   | size | unit     |
-///     | y    | output | T    | unit     |
-///     | dy   | output | T    | unit/s   |
-///     | ddy  | output | T    | unit/s^2 |
-///
 /// T is double or Vec<N>. The given times are NextJumps. Throws ParameterError if there are fewer than two
 /// times, if they do not increase, if the numbers of times and values differ, or if one is not finite.
 template <internal::DoubleOrMatrix T = double>

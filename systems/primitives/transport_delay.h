@@ -44,10 +44,6 @@ struct TransportDelayLine {
 ///
 ///     y(t) = u(t - delay),   y = initial until the first sample has arrived
 ///
-///     | port | kind   | size | unit |
-///     | u    | input  | T    | unit |
-///     | y    | output | T    | unit |
-///
 /// T is double or Vec<N>. With h the period, the error of y is at most h^2 / 8 max |d^2 u / dt^2|, and 0 at
 /// the samples; a jump of u becomes a ramp of length h. If the delay is a multiple of h, y bends only at
 /// ticks; otherwise it also bends between ticks, inside integrator steps: choose h accordingly where accuracy

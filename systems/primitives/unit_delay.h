@@ -18,10 +18,6 @@ struct UnitDelayParams {
 ///
 ///     y[n + 1] = u[n],   y[0] = initial
 ///
-///     | port | kind            | size | unit |
-///     | u    | input           | T    | unit |
-///     | y    | output, sampled | T    | unit |
-///
 /// T is any copyable type. The output does not depend on the present input.
 template <class T = double>
 class UnitDelay final : public LeafSystem<UnitDelayParams<T>> {

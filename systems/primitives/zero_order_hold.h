@@ -16,10 +16,6 @@ struct ZeroOrderHoldParams {
 ///
 ///     y(t) = u(n h)   for n h <= t < (n + 1) h
 ///
-///     | port | kind            | size | unit |
-///     | u    | input           | T    | unit |
-///     | y    | output, sampled | T    | unit |
-///
 /// T is any copyable type. The block has feedthrough at its ticks and does not break loops.
 template <class T = double>
 class ZeroOrderHold final : public LeafSystem<ZeroOrderHoldParams> {

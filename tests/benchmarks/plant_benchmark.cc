@@ -1,12 +1,4 @@
-// Computing times of the quadruped (DogBot). Counters are medians and 99th percentiles over blocks of 20
-// calls:
-//
-//   accelerations/simbody       one evaluation of all derivatives of QuadrupedPlant, with contact
-//   accelerations/simbody_bare  Simbody's own call at the same states, without contact; the ratio of
-//                               the two does not depend on the speed of the machine
-//   model/eigen                 QuadrupedModel::Calc: all quantities that controllers need of one state
-//   model/decoupled             the decoupled form, computed from model/eigen
-//   model/simbody               the same quantities as model/eigen from Simbody's operators
+// Computing times of the plants.
 //
 // cable/straight, pulley, sag and sag_pulley: CalcCableStatics for one taut cable of the cable robot, at
 // random poses of the platform.
@@ -28,19 +20,15 @@
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/plants/cdpr/cable_statics.h>
 #include <tenon/plants/legged/quadruped_plant.h>
-#include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/simbody.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>
-#include <tenon/tests/plants/model/quadruped_simbody.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <limits>
@@ -50,49 +38,6 @@
 
 namespace tenon {
 namespace {
-
-/// Measures `call`, each time with the next one of a thousand states.
-template <class Call>
-void Measure(benchmark::State& state, const Call& call) {
-  using Clock = std::chrono::steady_clock;
-  constexpr int kBlock = 20;
-  RandomStream random(41);
-  std::vector<LeggedState> states;
-  const LeggedState stance = test::Standing(test::DogBot());
-  for (int i = 0; i < 1000; ++i) {
-    LeggedState x = stance;
-    x.q += test::RandomVector<12>(random, 0.1);
-    x.qd = test::RandomVector<12>(random, 1);
-    states.push_back(x);
-  }
-  std::vector<double> ns;
-  std::size_t next = 0;
-  for (auto _ : state) {
-    const auto start = Clock::now();
-    for (int i = 0; i < kBlock; ++i) call(states[next++ % states.size()]);
-    ns.push_back(std::chrono::duration<double, std::nano>(Clock::now() - start).count() / kBlock);
-  }
-  std::sort(ns.begin(), ns.end());
-  state.counters["median_ns"] = ns[ns.size() / 2];
-  state.counters["p99_ns"] = ns[ns.size() * 99 / 100];
-}
-
-void Accelerations(benchmark::State& state) {
-  QuadrupedPlantParams params;
-  params.robot = test::DogBot();
-  params.initial = test::Standing(params.robot);
-  DiagramBuilder builder;
-  auto& plant = builder.Add<QuadrupedPlant>("plant", params);
-  const auto diagram = builder.BuildWithOpenInputs();
-  Simulator simulator(*diagram, {});
-  Context& context = simulator.context();
-  context.Set(plant.torque, Vec<12>::Constant(1));
-  Measure(state, [&](const LeggedState& x) {
-    context.Set(plant.motion, x);
-    benchmark::DoNotOptimize(context.EvalTimeDerivatives());
-  });
-}
-BENCHMARK(Accelerations)->Name("accelerations/simbody");
 
 void Cable(benchmark::State& state, double mass_per_length, double pulley_radius) {
   CdprDescription robot = test::FourCableRobot();
@@ -112,45 +57,6 @@ BENCHMARK_CAPTURE(Cable, straight, 0, 0)->Name("cable/straight");
 BENCHMARK_CAPTURE(Cable, pulley, 0, 0.04)->Name("cable/pulley");
 BENCHMARK_CAPTURE(Cable, sag, 0.05, 0)->Name("cable/sag");
 BENCHMARK_CAPTURE(Cable, sag_pulley, 0.05, 0.04)->Name("cable/sag_pulley");
-
-void BareAccelerations(benchmark::State& state) {
-  test::QuadrupedSimbody simbody(test::DogBot());
-  Measure(state, [&](const LeggedState& x) {
-    benchmark::DoNotOptimize(simbody.CalcAcceleration(x, Vec<12>::Constant(1)));
-  });
-}
-BENCHMARK(BareAccelerations)->Name("accelerations/simbody_bare");
-
-void Model(benchmark::State& state) {
-  const QuadrupedModel model(test::DogBot());
-  QuadrupedDynamics dynamics;
-  Measure(state, [&](const LeggedState& x) {
-    model.Calc(x, &dynamics);
-    benchmark::DoNotOptimize(dynamics);
-  });
-}
-BENCHMARK(Model)->Name("model/eigen");
-
-void Decoupled(benchmark::State& state) {
-  const QuadrupedModel model(test::DogBot());
-  QuadrupedDynamics dynamics;
-  DecoupledDynamics decoupled;
-  model.Calc(test::Standing(test::DogBot()), &dynamics);
-  Measure(state, [&](const LeggedState& x) {
-    model.CalcDecoupled(x, dynamics, &decoupled);
-    benchmark::DoNotOptimize(decoupled);
-  });
-}
-BENCHMARK(Decoupled)->Name("model/decoupled");
-
-void Simbody(benchmark::State& state) {
-  test::QuadrupedSimbody simbody(test::DogBot());
-  Measure(state, [&](const LeggedState& x) {
-    simbody.Calc(x, 9.81);
-    benchmark::DoNotOptimize(simbody);
-  });
-}
-BENCHMARK(Simbody)->Name("model/simbody");
 
 // --- Trot: work-precision diagram -----------------------------------------------------------------------
 

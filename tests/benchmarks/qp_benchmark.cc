@@ -3,22 +3,19 @@
 //     qp          DogBot trots on level ground (see trot_recording.h): few inequalities are active
 //     qp_k3, k8   the problems of qp with 3 or 8 torque limits moved past the solution by 0.2 N m
 //     qp_slip     on blocks with a friction of 0.25 (A6-slippery)
-//     qp_blocks   on blocks, with random pushes, a friction of 0.4 and a model 30 % too heavy (B3-plus)
 //     qp_push     a push of 160 N at a knee for 0.2 s, with an assumed friction of 0.4 (A3-160)
 //     qp_lean     a constant lateral push of 60 N, with an assumed friction of 0.4 (lateral_push)
-//     qp_stumble  a guide dog whose person stumbles and pulls by 150 N more (C1-stumble)
 //
 // Benchmarks of each set:
 //
 //     SET/eliminated            12 variables, warm start from the active set of the previous problem
 //     SET/full                  30 variables (FullWholeBodyQp), warm start likewise
 //
-// Benchmarks of the set qp only:
+// Benchmark of the set qp only:
 //
-//     whole_body_qp             12 variables, includes making the problem from the dynamics
-//     qp/alglib_ipm             30 variables, dense interior-point method of ALGLIB
-//     qp/alglib_aul             its augmented Lagrangian method. Morlando 2023 uses ALGLIB. Both have a
-//                               tolerance of 1e-6: smaller ones take longer at hardly better precision
+//     qp/alglib_ipm             30 variables, dense interior-point method of ALGLIB, which Morlando 2023
+//     uses, with
+//                               a tolerance of 1e-6: smaller ones take longer at hardly better precision
 //
 // Counters: median_ns and p99_ns over the problems, each with its least time over all iterations, so that
 // other load of the machine does not count; cold_median_ns and cold_p99_ns without a warm start; active, the
@@ -29,10 +26,8 @@
 // the dual active set method.
 
 #include <tenon/apps/common/scenario_file.h>
-#include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
-#include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/tests/controllers/legged/whole_body/full_whole_body_qp.h>
 #include <tenon/tests/controllers/optimization/kkt_residual.h>
 #include <tenon/tests/controllers/optimization/owned_qp.h>
@@ -77,11 +72,11 @@ Sequence Trot() {
   return made;
 }
 
-// The inputs of the controller from tick `first` to `last` of a loop with the options of a scenario.
-template <class Loop>
-Sequence Record(const auto& params, const auto& scenario, int first, int last) {
+// The inputs of the controller from tick `first` to `last` of a scenario.
+Sequence Record(const std::string& name, const std::vector<std::string>& settings, int first, int last) {
+  const auto scenario = apps::LoadScenario(name, settings, "tenon-quadruped").Read<apps::QuadrupedScenario>();
   DiagramBuilder builder;
-  const Loop& loop = builder.Add<Loop>("loop", params);
+  const auto& loop = builder.Add<QuadrupedWalk>("loop", apps::MakeWalkParams(scenario));
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, apps::MakeSimulatorOptions(scenario, loop.world.plant));
   Context& context = simulator.context();
@@ -107,25 +102,12 @@ Sequence Record(const auto& params, const auto& scenario, int first, int last) {
   return made;
 }
 
-Sequence Quadruped(const std::string& scenario, const std::vector<std::string>& settings, int first,
-                   int last) {
-  const auto read = apps::LoadScenario(scenario, settings, "tenon-quadruped").Read<apps::QuadrupedScenario>();
-  return Record<QuadrupedWalk>(apps::MakeWalkParams(read), read, first, last);
-}
-
-Sequence Dog(const std::string& scenario, int first, int last) {
-  const auto read = apps::LoadScenario(scenario, {}, "tenon-guide-dog").Read<apps::GuideDogScenario>();
-  return Record<GuideDog>(apps::MakeGuideDogParams(read), read, first, last);
-}
-
 const Sequence& Walk(const std::string& name) {
   static const std::map<std::string, std::function<Sequence()>> walks{
       {"qp", Trot},
-      {"qp_slip", [] { return Quadruped("A6-slippery", {}, 11500, 13000); }},
-      {"qp_blocks", [] { return Quadruped("B3-plus", {}, 12000, 14000); }},
-      {"qp_push", [] { return Quadruped("A3-160", {"walk.friction=0.4"}, 3500, 4500); }},
-      {"qp_lean", [] { return Quadruped("lateral_push", {"walk.friction=0.4"}, 500, 2500); }},
-      {"qp_stumble", [] { return Dog("C1-stumble", 9950, 10950); }}};
+      {"qp_slip", [] { return Record("A6-slippery", {}, 11500, 13000); }},
+      {"qp_push", [] { return Record("A3-160", {"walk.friction=0.4"}, 3500, 4500); }},
+      {"qp_lean", [] { return Record("lateral_push", {"walk.friction=0.4"}, 500, 2500); }}};
   static std::map<std::string, Sequence> recorded;
   const auto found = recorded.find(name);
   return found != recorded.end() ? found->second : recorded.emplace(name, walks.at(name)()).first->second;
@@ -218,21 +200,7 @@ void Solve(benchmark::State& state, const Set& set, bool eliminate) {
     state.SkipWithError("a solve failed, or is not the minimum");
 }
 
-void MakeAndSolve(benchmark::State& state) {
-  const Sequence& walk = Walk("qp");
-  WholeBodyQp qp(walk.limit);
-  WholeBodySolution solution;
-  LeastTimes times(walk.tasks.size());
-  for (auto _ : state) {
-    for (std::size_t k = 0; k < walk.tasks.size(); ++k) {
-      const auto& [dynamics, task] = walk.tasks[k];
-      times.Measure(k, [&] { return qp.Solve(dynamics, task, walk.params, &solution); });
-    }
-  }
-  times.Report(state);
-}
-
-void SolveByAlglib(benchmark::State& state, bool interior_point) {
+void SolveByAlglib(benchmark::State& state) {
   const std::vector<Stored> problems = MakeProblems({"qp"}, false);
   LeastTimes times(problems.size());
   long iterations = 0, failures = 0;
@@ -263,11 +231,7 @@ void SolveByAlglib(benchmark::State& state, bool interior_point) {
         alglib::minqpsetlinearterm(solver, g);
         alglib::minqpsetlc2dense(solver, A, lower, upper);
         alglib::minqpsetscale(solver, scale);
-        if (interior_point) {
-          alglib::minqpsetalgodenseipm(solver, 1e-6);
-        } else {
-          alglib::minqpsetalgodenseaul(solver, 1e-6, 1e4, 5);
-        }
+        alglib::minqpsetalgodenseipm(solver, 1e-6);
         alglib::minqpoptimize(solver);
         alglib::minqpreport result;
         alglib::minqpresults(solver, x, result);
@@ -298,16 +262,12 @@ const bool kRegistered = [] {
                                   {"qp_k3", {"qp", 3}},
                                   {"qp_k8", {"qp", 8}},
                                   {"qp_slip", {"qp_slip"}},
-                                  {"qp_blocks", {"qp_blocks"}},
                                   {"qp_push", {"qp_push"}},
-                                  {"qp_lean", {"qp_lean"}},
-                                  {"qp_stumble", {"qp_stumble"}}}) {
+                                  {"qp_lean", {"qp_lean"}}}) {
     Register((name + std::string("/eliminated")).c_str(), 10, Solve, set, true);
     Register((name + std::string("/full")).c_str(), 10, Solve, set, false);
   }
-  Register("whole_body_qp", 10, MakeAndSolve);
-  Register("qp/alglib_ipm", 2, SolveByAlglib, true);
-  Register("qp/alglib_aul", 2, SolveByAlglib, false);
+  Register("qp/alglib_ipm", 2, SolveByAlglib);
   return true;
 }();
 

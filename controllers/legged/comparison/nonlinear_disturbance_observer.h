@@ -48,13 +48,6 @@ struct NonlinearDisturbanceObserverParams {
 /// stores its values, so the observer may start on a moving robot. LegMomentumObserver with
 /// LegDynamics::kThesis has equal ports and converts F_hat to foot forces in the same way.
 ///
-///     | port        | kind            | type             |
-///     | state       | input           | LeggedState      |
-///     | torque      | input           | Vec<12> [N m]    |
-///     | foot_forces | input           | FootForces       |
-///     | ground      | input           | GroundPlane; level if not connected |
-///     | estimate    | output, sampled | LegForceEstimate |
-///
 /// `gain` and `min_singular_value` are Parameters: a run can change them.
 class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanceObserverParams> {
  public:

@@ -60,12 +60,6 @@ struct GroundEstimatorParams {
 /// plane has this slope and passes through the centroid of the stance feet; it stays constant while no foot
 /// stands. If the first footholds tell a slope, they are measured once more without h and s wandering, since
 /// they stand at the same time, and with the contact points on that slope.
-///
-///     | port     | kind            | type            |
-///     | state    | input           | LeggedState     |
-///     | schedule | input           | ContactSchedule |
-///     | ground   | output, sampled | GroundPlane     |
-///     | belief   | parameter       | GroundBelief    |
 class GroundEstimator final : public LeafSystem<GroundEstimatorParams> {
  public:
   using LeafSystem::LeafSystem;

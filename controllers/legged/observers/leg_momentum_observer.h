@@ -72,14 +72,6 @@ struct LegMomentumObserverParams {
 /// a nearly singular leg, the component of f that hardly affects the joints tends to zero, see
 /// SolveFootForces.
 ///
-///     | port        | kind            | type             |
-///     | state       | input           | LeggedState      |
-///     | torque      | input           | Vec<12> [N m]    |
-///     | foot_forces | input           | FootForces       |
-///     | ground      | input           | GroundPlane; level if not connected |
-///     | estimate    | output, sampled | LegForceEstimate |
-///     | gains       | parameter       | LegObserverGains |
-///
 /// The estimate depends on the present state and foot forces and on the torque of the previous tick, so a
 /// controller may use it for the torque of the same tick. If the order of the gains or the dynamics change
 /// during a run, the estimator continues from the present estimate.

@@ -83,19 +83,6 @@ struct LeggedEstimate {
 /// foot_radius - m g / (n k) - b / 2 with the contact's stiffness k and blend b. A foot is used after it has
 /// been in stance for `settle_time`, when the ground carries its load; feet in swing, late or searching are
 /// not used.
-///
-///     | port        | kind            | type                        |
-///     | imu         | input           | ImuMeasurement              |
-///     | joints      | input           | JointMotion                 |
-///     | schedule    | input           | ContactSchedule             |
-///     | ground      | input           | GroundPlane; level if not connected |
-///     | estimate    | output, sampled | LeggedEstimate              |
-///     | state       | output          | LeggedState, of estimate    |
-///     | diagnostics | output          | LeggedEstimatorDiagnostics  |
-///     | inertial    | output          | ImuMeasurement, without the estimated biases |
-///     | noise       | parameter       | ContactAidedNoise           |
-///     | settle_time | parameter       | double [s]                  |
-///     | outlier     | parameter       | double                      |
 class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams> {
  public:
   using LeafSystem::LeafSystem;

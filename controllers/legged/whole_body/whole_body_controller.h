@@ -179,19 +179,6 @@ struct WholeBodyPlan {
 /// range: an end stop exerts it. Connect zeros to compensate nothing. `known_wrench` is added to the wrench:
 /// forces that are not estimated, such as those of ropes (see RopeTensions).
 ///
-///     | port        | kind            | type                 |
-///     | state       | input           | LeggedState          |
-///     | schedule    | input           | ContactSchedule      |
-///     | body        | input           | BodyReference        |
-///     | feet        | input           | FeetReference        |
-///     | wrench      | input           | WrenchEstimate       |
-///     | known_wrench | input          | WrenchEstimate; zero if not connected |
-///     | leg_forces  | input           | LegForceEstimate     |
-///     | ground      | input           | GroundPlane; level if not connected |
-///     | plan        | output, sampled | WholeBodyPlan        |
-///     | torque      | output, sampled | Vec<12> [N m]        |
-///     | diagnostics | output          | WholeBodyDiagnostics |
-///
 /// `gains` and `max_failures_in_a_row` are Parameters: a run can change them.
 class WholeBodyController final : public LeafSystem<WholeBodyParams> {
  public:

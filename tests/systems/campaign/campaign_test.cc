@@ -1,6 +1,6 @@
 #include <tenon/systems/campaign/campaign.h>
 #include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/primitives/uniform_noise.h>
+#include <tenon/systems/primitives/noise.h>
 #include <tenon/systems/simulation.h>
 #include <tenon/tests/testing/block_test.h>
 

@@ -2,10 +2,10 @@
 // counts are those of calculations that run one by one; only its description shows the difference.
 
 #include <tenon/systems/primitives/adder.h>
+#include <tenon/systems/primitives/concatenate.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/systems/primitives/gain.h>
 #include <tenon/systems/primitives/integrator.h>
-#include <tenon/systems/primitives/mux.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 #include <functional>

@@ -3,7 +3,6 @@
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/systems/primitives/gain.h>
-#include <tenon/systems/primitives/matrix_gain.h>
 #include <tenon/systems/primitives/quantizer.h>
 #include <tenon/systems/primitives/saturation.h>
 #include <tenon/systems/primitives/table.h>

@@ -2,7 +2,6 @@
 
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/primitives/discrete_derivative.h>
-#include <tenon/systems/primitives/discrete_low_pass.h>
 #include <tenon/systems/primitives/gain.h>
 #include <tenon/systems/primitives/held_lag.h>
 #include <tenon/systems/primitives/low_pass_filter.h>

@@ -1,6 +1,5 @@
 // Integrators, transfer functions and linear models.
 
-#include <tenon/systems/primitives/discrete_transfer_function.h>
 #include <tenon/systems/primitives/gain.h>
 #include <tenon/systems/primitives/integrator.h>
 #include <tenon/systems/primitives/state_space.h>

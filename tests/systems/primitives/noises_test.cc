@@ -1,9 +1,7 @@
 // Random signals.
 
-#include <tenon/systems/primitives/gauss_markov.h>
 #include <tenon/systems/primitives/noise.h>
 #include <tenon/systems/primitives/random_walk.h>
-#include <tenon/systems/primitives/uniform_noise.h>
 #include <tenon/tests/testing/block_test.h>
 
 #include <cmath>

@@ -1,8 +1,6 @@
 // Blocks that join, split and select signals.
 
 #include <tenon/systems/primitives/concatenate.h>
-#include <tenon/systems/primitives/multiport_switch.h>
-#include <tenon/systems/primitives/mux.h>
 #include <tenon/systems/primitives/switch.h>
 #include <tenon/systems/primitives/zero_order_hold.h>
 #include <tenon/tests/testing/block_test.h>
