@@ -59,10 +59,10 @@ struct TrunkImuParams : Delayed<ImuParams> {
 /// Sensors of a quadruped. Noise is white and given by its standard deviation. Each sensor has a random
 /// stream of its own, which depends on the run's seed and the sensor's name.
 struct QuadrupedSensors {
-  Delayed<JointEncodersParams> encoders;
-  Delayed<TorqueSensorParams> torque_sensor;
+  Delayed<JointEncodersParams> encoders;      ///< encoders of the joints
+  Delayed<TorqueSensorParams> torque_sensor;  ///< torque sensors of the joints
   FootForceSensors foot_sensor;
-  TrunkImuParams imu;  ///< p_B is taken from the robot
+  TrunkImuParams imu;  ///< inertial unit on the trunk; p_B is taken from the robot
 
   static FieldList Fields() {
     using S = QuadrupedSensors;

@@ -15,6 +15,7 @@
 #include <regex>
 #include <set>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace tenon::docs {
@@ -51,8 +52,7 @@ void ReadStructs(const fs::path& file, std::map<std::string, Members>& found) {
     std::smatch match;
     if (std::regex_match(line, match, kStruct)) {
       name = match[1];
-      found[name].about = above;
-      above.clear();
+      found[name].about = std::exchange(above, {});
       continue;
     }
     if (const std::string text = Docstring(line, "/// "); !text.empty()) {
@@ -106,10 +106,12 @@ void ReadKeys(const fs::path& file, std::map<std::string, Members>& found) {
       name = begin[1];
       continue;
     }
-    const auto from = text.cbegin() + begin.position();
-    const std::size_t end = text.find("};", static_cast<std::size_t>(begin.position()));
-    const auto to = end == text.npos ? text.cend() : text.cbegin() + static_cast<std::ptrdiff_t>(end);
-    for (auto key = std::sregex_iterator(from, to, kKey); key != std::sregex_iterator(); ++key)
+    const auto from = static_cast<std::size_t>(begin.position());
+    std::size_t end = text.find("};", from);
+    while (end != text.npos && text[end - 1] == ' ') end = text.find("};", end + 1);  // of a lambda
+    const std::string list = text.substr(from, end - from);
+    for (auto key = std::sregex_iterator(list.begin(), list.end(), kKey); key != std::sregex_iterator();
+         ++key)
       found[begin[2].matched ? begin[2].str() : name].keys.push_back(
           {(*key)[1], (*key)[2], (*key)[3], (*key)[4]});
   }
@@ -204,15 +206,12 @@ std::string WriteMeanings(const fs::path& source) {
       "# What the keys of scenarios mean; written by tools/docs --blocks from the docstrings.\nstructs:\n";
   const auto quoted = [](const std::string& meaning) { return '"' + Escaped(meaning, "\"\\") + '"'; };
   for (const std::string& name : names) {
-    const Members& members = found[name];
+    Members& members = found[name];
     std::string lines;
     for (const auto& [key, member, part, part_member] : members.keys) {
-      const auto of = [](const Members& each, const std::string& named) {
-        const auto meaning = each.meanings.find(named);
-        return meaning == each.meanings.end() ? "" : WithoutUnit(meaning->second);
-      };
-      std::string meaning = of(members, member);
-      if (!part.empty()) meaning += (meaning.empty() ? "" : ": ") + of(found[part], part_member);
+      std::string meaning = WithoutUnit(members.meanings[member]);
+      if (!part.empty())
+        meaning += (meaning.empty() ? "" : ": ") + WithoutUnit(found[part].meanings[part_member]);
       if (!meaning.empty()) lines += fmt::format("    {}: {}\n", key, quoted(meaning));
     }
     if (!members.about.empty()) lines += fmt::format("    about: {}\n", quoted(members.about));
@@ -224,11 +223,8 @@ std::string WriteMeanings(const fs::path& source) {
 std::string WriteScenarioKeys() {
   std::string text = kHead;
   for (const Page& page : kPages) {
-    text += fmt::format(
-        "\n## {}\n\nKeys of {}.\n\n| key | type | unit | range | default | meaning |\n| --- | --- | --- | "
-        "--- "
-        "| --- | --- |\n",
-        page.app, page.what);
+    text += fmt::format("\n## {}\n\nKeys of {}.\n\n", page.app, page.what);
+    text += "| key | type | unit | range | default | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
     for (const ScenarioKey& key : page.keys())
       text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", key.key, key.type, key.unit, key.range,
                           key.initial.empty() ? "" : "`" + key.initial + "`", Escaped(key.meaning, "|"));

@@ -8,8 +8,9 @@
 
 namespace tenon {
 
+/// A gust of wind on the platform.
 struct Gust {
-  Vec<3> force_W = Vec<3>::Zero();  ///< peak force F [N]
+  Vec<3> force_W = Vec<3>::Zero();  ///< peak force F in W [N]
   double start = 0;                 ///< start time t_0 [s]
   double duration = 1;              ///< duration T [s]
 

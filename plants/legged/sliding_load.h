@@ -15,8 +15,8 @@ namespace tenon {
 struct SlidingLoadParams {
   double mass = 0;                       ///< m; 0: no load until the Parameter is set [kg]
   Vec<3> position_B = Vec<3>::Zero();    ///< initial position of its centre in B [m]
-  Vec<2> reach = Vec<2>::Constant(0.1);  ///< distance of the stops from there along x and y [m]
-  double friction = 0.3;                 ///< mu
+  Vec<2> reach = Vec<2>::Constant(0.1);  ///< distance of the stops from position_B along x and y [m]
+  double friction = 0.3;                 ///< mu, friction coefficient between load and trunk
   double slip_speed = 0.01;              ///< v_s [m/s]
   double stiffness = 25e3;               ///< k of trunk and stops [N/m]
   double damping_ratio = 0.5;            ///< damping ratio of the load on this spring

@@ -11,8 +11,8 @@ namespace tenon {
 struct ImuErrorsParams {
   Rate rate = Hz(1000);              ///< rate of the samples
   double misalignment = 0;           ///< error of the mounting, about each axis of B [rad]
-  double angular_velocity_bias = 0;  ///< initial bias [rad/s]
-  double specific_force_bias = 0;    ///< initial bias [m/s^2]
+  double angular_velocity_bias = 0;  ///< initial bias, drawn for each run [rad/s]
+  double specific_force_bias = 0;    ///< initial bias, drawn for each run [m/s^2]
   double angular_velocity_walk = 0;  ///< random walk of the bias [rad/s/sqrt(s)]
   double specific_force_walk = 0;    ///< random walk of the bias [m/s^2/sqrt(s)]
 

@@ -13,14 +13,12 @@ namespace tenon {
 
 /// Encoders of the joints. By default there are no errors.
 struct JointEncodersParams {
-  Rate rate = Hz(1000);     ///< sample rate
-  SensorError angle = {};   ///< error of the angles, equal at all joints [rad]
-  SensorError speed = {};   ///< error of the speeds, equal at all joints [rad/s]
-  std::optional<int> bits;  ///< resolution of one turn of the joint; empty: unlimited
-  double
-      offset_deviation =  ///< standard deviation of each joint's calibration error, drawn at the start [rad]
-      0;
-  double speed_bandwidth = 0;  ///< cut-off frequency f of differentiated angles; 0: speeds are measured [Hz]
+  Rate rate = Hz(1000);         ///< sample rate
+  SensorError angle = {};       ///< error of the angles, equal at all joints [rad]
+  SensorError speed = {};       ///< error of the speeds, equal at all joints [rad/s]
+  std::optional<int> bits;      ///< resolution of one turn of the joint; empty: unlimited
+  double offset_deviation = 0;  ///< standard deviation of each joint's calibration error [rad]
+  double speed_bandwidth = 0;   ///< cut-off frequency f of differentiated angles; 0: speeds are measured [Hz]
 
   double Resolution() const;  ///< smallest difference of two angles; 0: unlimited [rad]
   static FieldList Fields() {

@@ -10,7 +10,7 @@ namespace tenon {
 
 /// The defaults model a distant motion capture system.
 struct PoseSensorParams {
-  Rate rate = Hz(200);
+  Rate rate = Hz(200);                              ///< sample rate of the pose
   Vec<3> position_noise = Vec<3>::Constant(0.005);  ///< standard deviation along x, y, z of W [m]
   Vec<3> attitude_noise = Vec<3>::Constant(0.01);   ///< standard deviation about x, y, z of B [rad]
   double position_offset = 0;  ///< standard deviation of the calibration error along each axis of W [m]

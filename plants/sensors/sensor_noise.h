@@ -22,7 +22,7 @@ inline Vec<3> NormalVector(RandomStream& noise, const Vec<3>& deviation) {
 struct SensorError {
   double absolute = 0;  ///< standard deviation [unit of the signal]
   double relative = 0;  ///< standard deviation relative to the signal: 0.1 is 10 %
-  double bias = 0;      ///< [unit of the signal]
+  double bias = 0;      ///< constant part [unit of the signal]
 
   static FieldList Fields() {
     return {Field("absolute", &SensorError::absolute).AtLeast(0).Because("a standard deviation, 0 for none"),

@@ -50,7 +50,7 @@ struct PlatformWrench {
 
 /// A point mass fixed to the platform; none if the mass is 0.
 struct Payload {
-  double mass = 0;              ///< [kg]
+  double mass = 0;              ///< mass of the payload [kg]
   Vec<3> p_B = Vec<3>::Zero();  ///< position from the CoM of the empty platform [m]
 
   static FieldList Fields() { return {{"mass", &Payload::mass, "kg"}, {"p_B", &Payload::p_B, "m"}}; }
