@@ -30,9 +30,8 @@ inline const CdprDescription& RobotOf(const CdprPlant& plant) {
 /// assumed to be an open frame and is not checked. Cables without tension are not checked.
 ///
 /// The platform's box, payload, hanging load, added bodies and cables, with their sag, stay above the floor,
-/// z = 0. The
-/// heading differs from its reference by at most a quarter turn: the restoring moment of the cables is
-/// proportional to the sine of that angle.
+/// z = 0. The heading differs from its reference by at most a quarter turn: the restoring moment of the
+/// cables is proportional to the sine of that angle.
 ///
 /// Slack cables and the largest tension are checked by CdprMonitor. The limits of a plant with other
 /// parameters than CdprPlantParams are unknown, and nothing is checked.

@@ -1,5 +1,6 @@
 #include <tenon/apps/cdpr/cdpr_limits.h>
 #include <tenon/apps/cdpr/cdpr_live.h>
+#include <tenon/apps/common/customisation.h>
 #include <tenon/plants/model/gravity.h>
 
 #include <Eigen/Geometry>
@@ -35,8 +36,8 @@ CdprLive::CdprLive(DiagramBuilder& builder, CdprLoop& loop)
   connect(loop.reference.path);
   if (loop.control.mpc != nullptr) connect(loop.control.mpc->path);
   builder.Connect(loop.world.plant.platform, pull_.platform);
-  if (FindCurrent(loop.world.plant.wrench) != nullptr)
-    builder.InsertBefore(loop.world.plant.wrench, pull_.others, pull_.wrench);
+  acts_ = FindCurrent(loop.world.plant.wrench) != nullptr && KnowsLimits<CdprPlantParams>(loop.world.plant);
+  if (acts_) builder.InsertBefore(loop.world.plant.wrench, pull_.others, pull_.wrench);
 }
 
 LiveControls CdprLive::Controls() const {
@@ -64,8 +65,8 @@ LiveControls CdprLive::Controls() const {
     const Vec<3> point = platform.p_WB + platform.R_WB() * grip.p_B;
     return std::pair(point, pull_.Force(platform, grip));
   };
-  if (FindCurrent(loop_.world.plant.wrench) != nullptr) controls.pull = std::move(pull);
-
+  if (!acts_) return controls;
+  controls.pull = std::move(pull);
   const PayloadSchedule& payload = CurrentAs(loop_.world.payload);
   if (CurrentBlock(payload) != &payload) return controls;
   const double mass = RobotOf(loop_.world.plant).mass;

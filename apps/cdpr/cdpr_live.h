@@ -28,6 +28,7 @@ class CdprLive {
   CdprLoop& loop_;
   PlatformPull& pull_;
   GoalPath& goal_;
+  bool acts_ = false;  ///< the plant takes forces, and has the parameters that tell its weight
 };
 
 }  // namespace tenon::apps

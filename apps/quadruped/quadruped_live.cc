@@ -1,3 +1,4 @@
+#include <tenon/apps/common/customisation.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
@@ -57,10 +58,8 @@ std::map<std::size_t, int> BodiesOf(const QuadrupedPlant& plant) {
     by_name[std::string("foot ") + kLegNames[static_cast<std::size_t>(leg)]] = kJointsPerLeg * (leg + 1);
   std::map<std::size_t, int> bodies;
   const Geometry shapes = ShapesOf(plant);
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    const auto body = by_name.find(shapes[i].name);
-    if (body != by_name.end()) bodies[i] = body->second;
-  }
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    if (by_name.contains(shapes[i].name)) bodies[i] = by_name[shapes[i].name];
   return bodies;
 }
 
@@ -82,7 +81,7 @@ QuadrupedLive::QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, Wal
   }
   builder.Connect(world.plant.state, pull_.state);
   builder.Connect(world.plant.state, load_.robot);
-  acts_ = FindCurrent(world.plant.external) != nullptr;
+  acts_ = FindCurrent(world.plant.external) != nullptr && KnowsLimits<QuadrupedPlantParams>(world.plant);
   if (!acts_) return;
   const std::size_t used = CurrentAs<LeafSystem<ForceBundleParams>>(world.disturbances).params.count;
   Demand(used + 2 <= kMaxExternalForces,

@@ -111,8 +111,9 @@ std::string UnitOf(const Source& source) {
 std::string DefaultOf(const Source& source) {
   const TypeInfo& type = source.type();
   const std::vector<double> numbers = source.initial_numbers();
-  if (numbers.empty()) return "";
-  if (type.kind == Kind::kStruct && numbers.size() > 1) {
+  if (numbers.empty()) return "empty";
+  const bool zero = std::all_of(numbers.begin(), numbers.end(), [](double number) { return number == 0; });
+  if (type.kind == Kind::kStruct && numbers.size() > 1 && !zero) {
     std::vector<std::string> fields;
     for (const Element& element : source.elements())
       fields.push_back(element.name + " " + Number(numbers[fields.size()]));
@@ -121,11 +122,10 @@ std::string DefaultOf(const Source& source) {
   for (const internal::NamedValue& value : type.names)
     if (static_cast<double>(value.value) == numbers[0]) return value.name;
   if (source.type_name() == "bool") return numbers[0] == 0 ? "false" : "true";
-  if (std::all_of(numbers.begin(), numbers.end(), [](double number) { return number == 0; })) return "0";
+  if (zero) return "0";
   std::string text;
-  for (std::size_t i = 0; i < std::min<std::size_t>(numbers.size(), 3); ++i) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(numbers.size(), 3); ++i)
     text += (i == 0 ? "" : ", ") + Number(numbers[i]);
-  }
   return numbers.size() == 1 ? text : fmt::format("({}{})", text, numbers.size() > 3 ? ", …" : "");
 }
 

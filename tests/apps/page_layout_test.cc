@@ -1,7 +1,7 @@
 // Every part of the pages that the apps write is visible, see LayoutFaults.
 
-#include <tenon/tests/apps/browser_app.h>
 #include <tenon/tests/apps/run_app.h>
+#include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/systems/report/page_layout.h>
 
 namespace tenon::page_layout_test {
@@ -14,7 +14,7 @@ using ::testing::IsEmpty;
 
 class PageLayoutTest : public test::AppTest {
  protected:
-  void SetUp() override { test::RequireBrowser(); }
+  void SetUp() override { testing::RequireBrowser(); }
   /// Runs an app, which prints the path of its page.
   void Run(const std::string& app, const std::string& arguments, const fs::path& directory) const {
     const test::Result result = test::RunCommand(app + " " + arguments + " --out " + directory.string());

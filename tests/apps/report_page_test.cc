@@ -1,6 +1,5 @@
 // The report of a short flight, opened from disk in a browser without network.
 
-#include <tenon/tests/apps/browser_app.h>
 #include <tenon/tests/apps/run_app.h>
 #include <tenon/tests/systems/report/browser.h>
 
@@ -37,7 +36,7 @@ class ReportPageTest : public ::testing::Test {
   static fs::path out;
 
   void SetUp() override {
-    test::RequireBrowser();
+    testing::RequireBrowser();
     if (!IsSkipped() && !HasFatalFailure()) Open({});
   }
   void Open(const std::vector<std::string>& browser_arguments) {

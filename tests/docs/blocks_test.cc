@@ -106,6 +106,7 @@ void ExpectUpToDate(const char* file, const std::string& text) {
 
 TEST(BlocksTest, ThePageIsUpToDate) {
   ExpectUpToDate("docs/blocks.md", WriteBlocks(kSource));
+  EXPECT_THAT(WriteBlocks(kSource), testing::Not(testing::ContainsRegex("else *\\|"))) << "no default";
 }
 
 TEST(ScenarioPageTest, KeysAndMeaningsAreUpToDate) {

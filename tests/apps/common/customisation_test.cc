@@ -360,6 +360,7 @@ TEST_F(CustomisationTest, AnObserverThatActsNoLongerIsRefused) {
 class OtherRobot final : public Subdiagram {
  public:
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
+  InputPort<ExternalForces> external{this, {"external"}, ExternalForces{}};
   OutputPort<LeggedState> state{this, {"state"}};
   OutputPort<Vec<12>> joint_torque{this, {"joint_torque", "N m"}},
       external_torque{this, {"external_torque", "N m"}};
@@ -369,6 +370,7 @@ class OtherRobot final : public Subdiagram {
   explicit OtherRobot(const QuadrupedPlantParams& params) {
     auto& plant = Add<QuadrupedPlant>("inner", params);
     Connect(torque, plant.torque);
+    Connect(external, plant.external);
     Connect(plant.state, state);
     Connect(plant.joint_torque, joint_torque);
     Connect(plant.external_torque, external_torque);
@@ -390,6 +392,10 @@ TEST_F(CustomisationTest, LimitsOfAPlantWithUnknownParametersAreNotJudged) {
   EXPECT_TRUE(SummaryOf("run")["com_error_max_m"].is_number());
   ASSERT_EQ(RunIn("again", app, kShort), 0);
   EXPECT_THAT(text_, ::testing::Not(HasSubstr("not judged"))) << "it is said once";
+  // Nor is it known which body a shape on the live page is.
+  ASSERT_EQ(RunIn("live", app, With(kShort, {"--live", "--graph", (out / "live.dot").string()})), 0) << text_;
+  EXPECT_THAT(Read(out / "live.dot"),
+              AllOf(HasSubstr("live_pull"), ::testing::Not(HasSubstr("live_forces"))));
 }
 
 // The oracle of a plant with other parameters is a scenario with these parameters.

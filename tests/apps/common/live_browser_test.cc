@@ -1,6 +1,5 @@
 // The page of a live run in a browser, and how it controls the run.
 
-#include <tenon/tests/apps/browser_app.h>
 #include <tenon/tests/apps/common/live_app.h>
 #include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/systems/report/page_layout.h>
@@ -19,7 +18,7 @@ constexpr auto kPatience = std::chrono::seconds(90);  // reached only by a run t
 
 class LiveBrowserTest : public LiveAppTest {
  protected:
-  void SetUp() override { RequireBrowser(); }
+  void SetUp() override { testing::RequireBrowser(); }
   bool Until(const std::string& expression) {
     const auto end = std::chrono::steady_clock::now() + kPatience;
     while (std::chrono::steady_clock::now() < end) {

@@ -1,7 +1,7 @@
 // A page with several runs.
 
-#include <tenon/tests/apps/browser_app.h>
 #include <tenon/tests/apps/run_app.h>
+#include <tenon/tests/systems/report/browser.h>
 
 namespace tenon::tenon_report_test {
 namespace {
@@ -37,7 +37,7 @@ TEST_F(TenonReportTest, PutsRunsSideBySide) {
       RunApp(Directory("circle") + "/ " + Directory("hang") + " --out " + page.parent_path().string());
   ASSERT_EQ(result.exit_code, 0) << result.text;
   EXPECT_EQ(result.text, page.string() + "\n");
-  test::RequireBrowser();
+  testing::RequireBrowser();
   if (IsSkipped() || HasFatalFailure()) return;
   testing::Browser browser;
   browser.Open(page);
@@ -61,7 +61,7 @@ TEST_F(TenonReportTest, PutsRunsSideBySide) {
 }
 
 TEST_F(TenonReportTest, DrawsPicturesOfTwoSeconds) {
-  test::RequireBrowser();
+  testing::RequireBrowser();
   if (IsSkipped() || HasFatalFailure()) return;
   const std::string run = Directory("run");
   ASSERT_EQ(RunCommand(std::string(TENON_CDPR) + " D1 --controller pd --duration 2 --out " + run).exit_code,

@@ -105,7 +105,7 @@ class FakeRun {
   /// Sets the first messages to every client.
   void Greet(const Json& hello, const Json& append) {
     const std::lock_guard lock(mutex_);
-    greeting_ = {Message("hello", hello), Message("append", append)};
+    greeting_ = {"retry: 10\n" + Message("hello", hello), Message("append", append)};
   }
   void Disconnect() {
     const std::lock_guard lock(mutex_);
