@@ -26,7 +26,7 @@ struct WalkArguments {
   std::optional<double> speed;  ///< forward speed of all segments that move forward or backward [m/s]
   std::string observer;         ///< name of an ObserverKind; empty: the scenario's
   bool compare = false;         ///< one run for each observer
-  std::string serve;            ///< see Serving; empty: the robot is not served
+  std::string serve;            ///< see Serve; empty: the robot is not served
 
   bool any() const { return !gait.empty() || speed || !observer.empty() || compare; }
 };

@@ -12,6 +12,7 @@
 
 #include <fmt/core.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,12 +44,12 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
     if constexpr (requires { loop.walk; }) walk = &loop.walk;
     Blame("forces", [&] { live.emplace(builder, loop.world, walk, scenario.live); });
   }
-  std::optional<Serving> serving;
+  std::function<void(Summary&, const Simulator&)> served;
   if constexpr (std::is_same_v<Loop, QuadrupedStand>)
-    if (!serve.empty()) serving.emplace(serve, builder, loop);
+    if (!serve.empty()) served = Serve(serve, builder, loop);
   const auto diagram = builder.Build();
   SimulatorOptions simulation = MakeSimulatorOptions(scenario, loop.world.plant);
-  if (serving) simulation.real_time_rate = 1;
+  if (served) simulation.real_time_rate = 1;
   Simulator simulator(*diagram, simulation);
   const auto figures = std::make_shared<Figures>(loop, judging...);
   simulator.AddLog(Hz(1000), Figures::Judged(loop), {figures});
@@ -63,7 +64,7 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
       summary.Set("observer", IsReplaced(loop.observer) ? kMine : EnumName(*observer));
     figures->AddTo(summary);
     limits->AddTo(summary);
-    if (serving) serving->AddTo(summary, simulator);
+    if (served) served(summary, simulator);
     summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
     outputs.AddTo(summary);
   };

@@ -25,45 +25,35 @@ static DdsLink LinkOf(const std::string& where) {
   return {.domain = *domain, .interface = interface};
 }
 
-struct Serving::Server {
-  UnitreeServer& unitree;
-};
-
-Serving::Serving(const std::string& where, DiagramBuilder& builder, QuadrupedStand& loop) {
+std::function<void(Summary&, const Simulator&)> Serve(const std::string& where, DiagramBuilder& builder,
+                                                      QuadrupedStand& loop) {
   const DdsLink link = LinkOf(where);
   const UnitreeServerParams params{.link = link, .initial = HoldStance(loop.pd.params)};
-  server_ = std::make_unique<Server>(builder.Replace<UnitreeServer>(loop.pd, params));
-  server_->unitree.ConnectSensors(builder, loop.world);
+  auto& server = builder.Replace<UnitreeServer>(loop.pd, params);
+  server.ConnectSensors(builder, loop.world);
   Say(fmt::format(
       "serving rt/lowcmd and rt/lowstate in domain {} at {}; the robot stands until a client commands\n",
       link.domain, link.interface));
-}
-
-void Serving::AddTo(Summary& summary, const Simulator& simulator) const {
-  const Context& context = simulator.context();
-  const RefusedMessages& refused = context.Eval(server_->unitree.command.refused);
-  summary.Set("commands", static_cast<double>(context.Eval(server_->unitree.command.taken).number));
-  summary.Set("commands_refused", static_cast<double>(refused.count));
-  if (refused.count > 0) summary.Note("the last refused command: " + refused.reason);
-  summary.Set("ticks_missed", static_cast<double>(simulator.real_time().missed));
-  summary.Set("tick_late_max_s", simulator.real_time().worst_lateness);
+  return [&command = server.command](Summary& summary, const Simulator& simulator) {
+    const RefusedMessages& refused = simulator.context().Eval(command.refused);
+    summary.Set("commands", static_cast<double>(simulator.context().Eval(command.taken).number));
+    summary.Set("commands_refused", static_cast<double>(refused.count));
+    if (refused.count > 0) summary.Note("the last refused command: " + refused.reason);
+    summary.Set("ticks_missed", static_cast<double>(simulator.real_time().missed));
+    summary.Set("tick_late_max_s", simulator.real_time().worst_lateness);
+  };
 }
 
 #else
 
-struct Serving::Server {};
-
-Serving::Serving(const std::string& where, DiagramBuilder&, QuadrupedStand&) {
+std::function<void(Summary&, const Simulator&)> Serve(const std::string& where, DiagramBuilder&,
+                                                      QuadrupedStand&) {
   throw ParameterError(
       fmt::format("--serve {}: this build has no Cyclone DDS: install cyclonedds-dev and "
                   "cyclonedds-tools, and build Tenon again",
                   where));
 }
 
-void Serving::AddTo(Summary&, const Simulator&) const {}
-
 #endif
-
-Serving::~Serving() = default;
 
 }  // namespace tenon::apps

@@ -4,14 +4,13 @@
 #include <fmt/core.h>
 #include <net/if.h>
 
-#include <array>
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -24,60 +23,40 @@ constexpr int kHistory =
 constexpr dds_duration_t kPatience = DDS_SECS(10);  // of a sender in lock-step
 constexpr double kNanosecond = 1e-9;
 
-/// Counts the messages of a topic that Cyclone DDS could not decode.
-struct Undecodable {
-  explicit Undecodable(std::string topic);
-  ~Undecodable();
-  const std::string topic;
-  std::atomic<int> count{0};
-};
-
-/// What Cyclone DDS reports, in its own threads, too. It drops messages that it cannot decode, and tells so
-/// in its log alone.
-struct Reports {
-  std::mutex mutex;
-  std::set<Undecodable*> readers;
-  std::string* joining = nullptr;  ///< receives the last report while a domain is joined
-
-  static Reports& Get() {
-    static Reports reports;
-    return reports;
+/// Reports of Cyclone DDS, some of them from its own threads. It drops messages that it cannot decode, which
+/// only its log tells.
+class Reports {
+ public:
+  /// Returns the number of messages of a topic and type that could not be decoded.
+  static std::atomic<int>& Undecodable(const std::string& topic, const char* type) {
+    const std::lock_guard lock(mutex_);
+    return undecodable_[topic + '/' + type];
   }
+  /// Keeps the last report in `text`, until it is called with null.
+  static void Catch(std::string* text) {
+    dds_set_log_sink(Sink, nullptr);
+    const std::lock_guard lock(mutex_);
+    caught_ = text;
+  }
+
+ private:
   static void Sink(void*, const dds_log_data_t* report) {
     const std::string_view text(report->message, report->size);
-    Reports& self = Get();
-    const std::lock_guard lock(self.mutex);
     constexpr std::string_view kCannotDecode = "deserialization ";
-    if (const auto at = text.find(kCannotDecode); at != std::string_view::npos) {
-      const std::string_view rest = text.substr(at + kCannotDecode.size());
-      for (Undecodable* reader : self.readers)
-        if (rest.starts_with(reader->topic + '/')) ++reader->count;
-    } else if (self.joining != nullptr) {
-      *self.joining = text.substr(0, text.find('\n'));
+    const std::lock_guard lock(mutex_);
+    if (const auto at = text.find(kCannotDecode); at != text.npos) {
+      for (auto& [name, count] : undecodable_)
+        if (text.substr(at + kCannotDecode.size()).starts_with(name + ' ')) ++count;
+    } else if (caught_ != nullptr) {
+      *caught_ = text.substr(0, text.find('\n'));
     } else {
       std::fwrite(text.data(), 1, text.size(), stderr);
     }
   }
+  inline static std::mutex mutex_;
+  inline static std::map<std::string, std::atomic<int>> undecodable_;
+  inline static std::string* caught_ = nullptr;
 };
-
-Undecodable::Undecodable(std::string name) : topic(std::move(name)) {
-  const std::lock_guard lock(Reports::Get().mutex);
-  Reports::Get().readers.insert(this);
-}
-
-Undecodable::~Undecodable() {
-  const std::lock_guard lock(Reports::Get().mutex);
-  Reports::Get().readers.erase(this);
-}
-
-std::string Interfaces() {
-  std::string names;
-  struct if_nameindex* const list = if_nameindex();
-  for (const struct if_nameindex* each = list; each != nullptr && each->if_index != 0; ++each)
-    names += (names.empty() ? "" : ", ") + std::string(each->if_name);
-  if_freenameindex(list);
-  return names;
-}
 
 /// The loopback interface has no multicast, so participants there are found by their ports.
 std::string ConfigurationFor(const std::string& interface) {
@@ -97,8 +76,8 @@ class Participant {
   explicit Participant(const DdsLink& link) : domain_(link.domain) {
     Demand(domain_ >= 0 && domain_ <= 230, fmt::format("domain = {} must be 0 to 230", domain_));
     Demand(link.interface.empty() || if_nametoindex(link.interface.c_str()) != 0,
-           fmt::format("interface = '{}': this machine has no such network interface; choose from {}",
-                       link.interface, Interfaces()));
+           fmt::format("interface = '{}': this machine has no such network interface; `ip link` lists them",
+                       link.interface));
     const std::lock_guard lock(mutex_);
     Joined& joined = Domains()[domain_];
     Demand(
@@ -120,21 +99,6 @@ class Participant {
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
-  dds_entity_t Topic(const std::string& name, const DdsMessage& message) const {
-    const auto* descriptor = static_cast<const dds_topic_descriptor_t*>(message.descriptor);
-    Demand(!name.empty(), "topic is empty: set the name of the topic, such as \"rt/lowcmd\"");
-    Demand((descriptor->m_flagset & DDS_TOPIC_FIXED_SIZE) != 0 && descriptor->m_size == message.size,
-           fmt::format(
-               "the type {} holds strings or sequences, or is not that of its descriptor: only structs of "
-               "numbers and arrays are supported",
-               descriptor->m_typename));
-    const dds_entity_t topic = dds_create_topic(participant_, descriptor, name.c_str(), nullptr, nullptr);
-    Demand(topic > 0,
-           fmt::format("topic = '{}' cannot be made with the type {}: {}; it must be a name of letters, "
-                       "digits, '/' and '_' that has one type in this program",
-                       name, descriptor->m_typename, dds_strretcode(topic)));
-    return topic;
-  }
   dds_entity_t get() const { return participant_; }
 
  private:
@@ -146,26 +110,20 @@ class Participant {
 
   static Joined Join(const DdsLink& link) {
     std::string report;
-    const auto catch_reports = [](std::string* report) {
-      const std::lock_guard lock(Reports::Get().mutex);
-      Reports::Get().joining = report;
-    };
-    dds_set_log_sink(Reports::Sink, nullptr);
-    catch_reports(&report);
-    Joined joined{0, link.interface, 0, 0};
+    Reports::Catch(&report);
+    Joined joined{0, link.interface};
     const auto id = static_cast<dds_domainid_t>(link.domain);
     if (!link.interface.empty())
       joined.domain = dds_create_domain(id, ConfigurationFor(link.interface).c_str());
     if (joined.domain >= 0) joined.participant = dds_create_participant(id, nullptr, nullptr);
-    catch_reports(nullptr);
+    Reports::Catch(nullptr);
     const dds_return_t error = std::min(joined.domain, joined.participant);
     if (error >= 0) return joined;
     if (joined.domain > 0) dds_delete(joined.domain);
     throw ParameterError(fmt::format(
-        "cannot join domain {} at {}: {} ({}); check that the interface is up and has an address, and "
-        "CYCLONEDDS_URI",
-        link.domain, link.interface.empty() ? "the default interface" : "'" + link.interface + "'",
-        dds_strretcode(error), report));
+        "cannot join domain {} at interface '{}': {} ({}); check that the interface is up and has an "
+        "address, and CYCLONEDDS_URI",
+        link.domain, link.interface, dds_strretcode(error), report));
   }
   static std::map<int, Joined>& Domains() {
     static std::map<int, Joined> domains;
@@ -206,39 +164,68 @@ struct Deleted {
   Deleted& operator=(const Deleted&) = delete;
 };
 
+/// The common part of readers and writers.
+struct End {
+  End(const DdsEnd& at, const DdsMessage& of)
+      : end(at), message(of), participant(at.link), topic(MakeTopic()) {}
+
+  dds_entity_t MakeTopic() const {
+    const auto* type = static_cast<const dds_topic_descriptor_t*>(message.descriptor);
+    Demand(!end.topic.empty(), "topic is empty: set the name of the topic, such as \"rt/lowcmd\"");
+    Demand((type->m_flagset & DDS_TOPIC_FIXED_SIZE) != 0 && type->m_size == message.size,
+           fmt::format(
+               "the type {} holds strings or sequences, or is not that of its descriptor: only structs of "
+               "numbers and arrays are supported",
+               type->m_typename));
+    const dds_entity_t made = dds_create_topic(participant.get(), type, end.topic.c_str(), nullptr, nullptr);
+    Demand(made > 0,
+           fmt::format("topic = '{}' cannot be made with the type {}: {}; it must be a name of letters, "
+                       "digits, '/' and '_' that has one type in this program",
+                       end.topic, type->m_typename, dds_strretcode(made)));
+    return made;
+  }
+  std::string Description() const {
+    return fmt::format("DDS topic '{}' of domain {}", end.topic, end.link.domain);
+  }
+
+  const DdsEnd end;
+  const DdsMessage message;
+  const Participant participant;
+  const Deleted topic;
+};
+
 class DdsInbox final : public Inbox {
  public:
   DdsInbox(const DdsEnd& end, const DdsMessage& message, double timeout_s)
       : Inbox({end.lock_step, timeout_s}),
-        end_(end),
-        message_(message),
-        participant_(end.link),
-        undecodable_(end.topic),
-        topic_(participant_.Topic(end.topic, message)),
+        end_(end, message),
+        undecodable_(Reports::Undecodable(
+            end.topic, static_cast<const dds_topic_descriptor_t*>(message.descriptor)->m_typename)),
         reader_(MakeReader()),
         ready_(dds_create_readcondition(reader_.entity, DDS_ANY_STATE)),
-        waiting_(dds_create_waitset(participant_.get())),
+        waiting_(dds_create_waitset(end_.participant.get())),
         memory_(message.size) {
+    undecodable_ = 0;
     dds_waitset_attach(waiting_.entity, ready_.entity, 0);
   }
 
  private:
   dds_entity_t MakeReader() const {
-    const Quality quality(end_.lock_step);
-    if (!end_.lock_step) dds_qset_history(quality.get(), DDS_HISTORY_KEEP_LAST, kHistory);
-    return dds_create_reader(participant_.get(), topic_.entity, quality.get(), nullptr);
+    const Quality quality(end_.end.lock_step);
+    if (!end_.end.lock_step) dds_qset_history(quality.get(), DDS_HISTORY_KEEP_LAST, kHistory);
+    return dds_create_reader(end_.participant.get(), end_.topic.entity, quality.get(), nullptr);
   }
 
   /// Returns an empty message for each one that Cyclone DDS refused.
   std::optional<std::span<const char>> Receive(double timeout_s) override {
-    const dds_time_t end = dds_time() + static_cast<dds_duration_t>(timeout_s / kNanosecond);
+    const dds_time_t end = dds_time() + static_cast<dds_duration_t>(std::min(timeout_s, 1e9) / kNanosecond);
     for (;;) {
       void* sample = memory_.data();
       const dds_return_t count = dds_take(reader_.entity, &sample, &info_, 1, 1);
       if (count > 0 && info_.valid_data) return std::span<const char>(memory_);
       if (count > 0) continue;  // a sender has left
-      if (undecodable_.count > 0) {
-        --undecodable_.count;
+      if (undecodable_ > 0) {
+        --undecodable_;
         return Refuse("a message has another size or layout");
       }
       dds_requested_incompatible_qos_status_t refused{};
@@ -259,66 +246,45 @@ class DdsInbox final : public Inbox {
   }
 
   std::string Read(std::span<const char> message, double* timestamp, void* value) override {
-    if (message.empty()) return fmt::format("{}: {}", Description(), refusal_);
-    *timestamp = kNanosecond * static_cast<double>(info_.source_timestamp);
-    Sender& sender = SenderOf(info_.publication_handle);
-    if (!end_.lock_step && info_.source_timestamp < sender.last)
-      return fmt::format("{}: a message is {:.6f} s older than the last one of its sender", Description(),
-                         kNanosecond * static_cast<double>(sender.last - info_.source_timestamp));
-    std::string reason = message_.read(message.data(), value);
-    if (!reason.empty()) return fmt::format("{}: {}", Description(), reason);
-    sender.last = info_.source_timestamp;
-    return "";
+    std::string reason = refusal_;
+    if (!message.empty()) {
+      *timestamp = kNanosecond * static_cast<double>(info_.source_timestamp);
+      dds_time_t& last = last_.try_emplace(info_.publication_handle, INT64_MIN).first->second;
+      const bool late = !end_.end.lock_step && info_.source_timestamp < last;
+      reason = late ? "a message is older than the last one of its sender"
+                    : end_.message.read(message.data(), value);
+      if (reason.empty()) last = info_.source_timestamp;
+    }
+    return reason.empty() ? reason : fmt::format("{}: {}", Description(), reason);
   }
-  std::string Description() const override {
-    return fmt::format("DDS topic '{}' of domain {}", end_.topic, end_.link.domain);
-  }
+  std::string Description() const override { return end_.Description(); }
 
-  struct Sender {
-    dds_instance_handle_t handle = 0;
-    dds_time_t last = INT64_MIN;  ///< time of its last message
-  };
-  Sender& SenderOf(dds_instance_handle_t handle) {
-    for (Sender& sender : senders_)
-      if (sender.handle == handle) return sender;
-    next_ = (next_ + 1) % senders_.size();
-    return senders_[next_] = {handle};
-  }
-
-  const DdsEnd end_;
-  const DdsMessage message_;
-  const Participant participant_;
-  Undecodable undecodable_;
-  const Deleted topic_, reader_, ready_, waiting_;
+  const End end_;
+  std::atomic<int>& undecodable_;
+  const Deleted reader_, ready_, waiting_;
   std::vector<char> memory_;
   dds_sample_info_t info_{};
   const char* refusal_ = "";
-  std::array<Sender, 16> senders_;
-  std::size_t next_ = 0;
+  std::map<dds_instance_handle_t, dds_time_t> last_;  ///< time of the last message of each sender
 };
 
 class DdsWriter final : public DdsSender {
  public:
   DdsWriter(const DdsEnd& end, const DdsMessage& message)
-      : end_(end),
-        message_(message),
-        participant_(end.link),
-        topic_(participant_.Topic(end.topic, message)),
-        writer_(dds_create_writer(participant_.get(), topic_.entity, Quality(end.lock_step).get(), nullptr)) {
-  }
+      : end_(end, message),
+        writer_(dds_create_writer(end_.participant.get(), end_.topic.entity, Quality(end.lock_step).get(),
+                                  nullptr)) {}
 
   bool Send(double time, const void* value, std::vector<char>& memory) const override {
-    memory.assign(message_.size, 0);
-    message_.write(value, memory.data());
-    if (!end_.lock_step) return dds_write(writer_.entity, memory.data()) == DDS_RETCODE_OK;
-    return dds_write_ts(writer_.entity, memory.data(), std::llround(time / kNanosecond)) == DDS_RETCODE_OK;
+    memory.assign(end_.message.size, 0);
+    end_.message.write(value, memory.data());
+    const dds_time_t stamp = end_.end.lock_step ? std::llround(time / kNanosecond) : dds_time();
+    return dds_write_ts(writer_.entity, memory.data(), stamp) == DDS_RETCODE_OK;
   }
 
  private:
-  const DdsEnd end_;
-  const DdsMessage message_;
-  const Participant participant_;
-  const Deleted topic_, writer_;
+  const End end_;
+  const Deleted writer_;
 };
 
 }  // namespace

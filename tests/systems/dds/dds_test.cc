@@ -77,7 +77,7 @@ TEST(DdsInputTest, CountsAndNamesWhatItDoesNotTrust) {
   expect_refused({test::kNan, 3}, 6, "'position' = nan is not finite");
   expect_refused({3, -test::kInfinity}, 6, "'speed' = -inf is not finite");
   expect_refused({3, 101}, 6, "too fast");
-  expect_refused({3, 3}, 4.5, "0.500000 s older");
+  expect_refused({3, 3}, 4.5, "older than the last one");
   // A refused message does not advance the sender's clock, and another sender has its own.
   const DdsPeer restarted("rt/cart", tenon_test_Cart__desc);
   const tenon_test_Cart_ first{7, 8};
@@ -157,8 +157,7 @@ TEST(DdsTest, RefusesWhatItCannotJoin) {
   };
   EXPECT_TRUE(Refuses<Input>(with(kInput, [](auto& p) { p.topic = ""; }), "topic"));
   EXPECT_TRUE(Refuses<Input>(with(kInput, [](auto& p) { p.link.domain = 231; }), "domain = 231"));
-  EXPECT_TRUE(
-      Refuses<Publisher>(with(kPublisher, [](auto& p) { p.link.interface = "nix0"; }), "'nix0'", "lo"));
+  EXPECT_TRUE(Refuses<Publisher>(with(kPublisher, [](auto& p) { p.link.interface = "nix0"; }), "'nix0'"));
   EXPECT_TRUE(Refuses<Input>(with(kInput, [](auto& p) { p.timeout_s = 0; }), "timeout_s = 0"));
   const TestRig<Input> first(kInput);
   EXPECT_TRUE(Refuses<Publisher>(with(kPublisher, [](auto& p) { p.link.interface = ""; }), "'lo'"));
