@@ -8,7 +8,6 @@ namespace tenon::docs {
 namespace {
 
 namespace fs = std::filesystem;
-
 using Lines = std::vector<std::string>;
 
 /// The first sentence of a docstring; it ends at the latest before a formula, a list or a table.

@@ -24,8 +24,7 @@ namespace tenon {
 ///     }
 template <class T>
 struct DdsMessageOf {
-  static_assert(internal::kFalse<T>,
-                "This signal has no DDS message: specialise tenon::DdsMessageOf for it.");
+  static_assert(internal::kFalse<T>, "This signal has no DDS message: specialise tenon::DdsMessageOf.");
 };
 
 /// Makes the mapping between a C struct of idlc and a signal. `write(signal, message)` fills a message whose
@@ -108,13 +107,12 @@ class DdsPublisher final : public LeafSystem<DdsPublisherParams> {
 ///     | port | kind            | size |
 ///     | y    | output, sampled | T    |
 ///
-/// What arrives is not trusted. Refused messages leave y as it is; `context.Eval(command.refused)` returns
-/// their number and the last reason:
-/// - the mapping refuses them, for example because of a wrong checksum;
+/// Received messages are not trusted. A refused one leaves y as it is; `context.Eval(command.refused)`
+/// returns the number of refusals and the last reason:
+/// - the mapping refuses a message, for example because of a wrong checksum;
 /// - a number is not finite;
-/// - the size or layout differs from that of the type, or a sender offers another type under the topic's
-/// name;
-/// - a sender's clock goes back: the message is older than the last one of the same sender.
+/// - the size or layout is not that of the type, or a sender offers another type under the topic's name;
+/// - a sender's clock goes back: a message is older than the last one of the same sender.
 ///
 /// Throws ParameterError if the domain cannot be joined or the topic has another type. In lock-step, throws
 /// RunError if the message of a tick is late.
