@@ -58,8 +58,7 @@ std::map<std::string, Declaration> ReadHeaders(const fs::path& source) {
     for (const auto& entry : fs::recursive_directory_iterator(source / directory)) {
       const std::string header = fs::relative(entry.path(), source).generic_string();
       if (entry.path().extension() != ".h" || header.find("/internal/") != std::string::npos) continue;
-      if (header.starts_with("systems/dds/") || header.starts_with("diagrams/unitree/"))
-        continue;  // optional
+      if (std::regex_search(header, std::regex("/dds/|/unitree/"))) continue;  // optional components
       const Lines lines = ReadLines(entry.path());
       for (std::size_t i = 0; i < lines.size(); ++i) {
         std::smatch match;
