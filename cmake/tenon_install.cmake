@@ -49,7 +49,7 @@ set(CPACK_DEBIAN_TENON_RUNTIME_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake
 set(CPACK_DEBIAN_TENON_DEVELOPMENT_PACKAGE_NAME libtenon-dev)
 set(CPACK_DEBIAN_TENON_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_TENON_DEVELOPMENT_PACKAGE_DEPENDS "${runtime} (= ${PROJECT_VERSION}), libeigen3-dev (>= 3.4)")
-set(CPACK_DEBIAN_TENON_DEVELOPMENT_PACKAGE_SUGGESTS "libgtest-dev, libgmock-dev, libsimbody-dev")
+set(CPACK_DEBIAN_TENON_DEVELOPMENT_PACKAGE_SUGGESTS "libgtest-dev, libgmock-dev, libsimbody-dev, cyclonedds-dev, cyclonedds-tools")
 set(CPACK_DEBIAN_TENON_APPS_PACKAGE_NAME tenon-apps)
 set(CPACK_DEBIAN_TENON_APPS_PACKAGE_DEPENDS "${runtime} (= ${PROJECT_VERSION}), libjs-three, libjs-dygraphs")
 set(CPACK_DEBIAN_TENON_APPS_PACKAGE_SUGGESTS "chromium, graphviz")

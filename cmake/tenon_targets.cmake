@@ -141,3 +141,16 @@ endfunction()
 function(tenon_set_rpath target)
   set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN;$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 endfunction()
+
+# tenon_dds_types(TARGET IDL): the object library TARGET with the types that idlc makes of the file IDL.idl.
+function(tenon_dds_types target idl)
+  set(types ${CMAKE_CURRENT_BINARY_DIR}/${target})
+  cmake_path(GET idl FILENAME name)
+  file(MAKE_DIRECTORY ${types})
+  add_custom_command(OUTPUT ${types}/${name}.c ${types}/${name}.h
+    COMMAND ${TENON_IDLC} ${CMAKE_CURRENT_SOURCE_DIR}/${idl}.idl WORKING_DIRECTORY ${types} DEPENDS ${idl}.idl VERBATIM)
+  add_library(${target} OBJECT ${types}/${name}.c ${types}/${name}.h)
+  target_include_directories(${target} SYSTEM PUBLIC ${types} ${TENON_DDS_INCLUDE})
+  target_compile_options(${target} PRIVATE -w)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+endfunction()

@@ -25,6 +25,7 @@ struct WalkArguments {
   std::optional<double> speed;  ///< forward speed of all segments that move forward or backward [m/s]
   std::string observer;         ///< name of an ObserverKind; empty: the scenario's
   bool compare = false;         ///< one run for each observer
+  std::string serve;            ///< see Serve; empty: the robot is not served
 
   bool any() const { return !gait.empty() || speed || !observer.empty() || compare; }
 };
@@ -37,6 +38,19 @@ void AddWalkArguments(CommandLine& line, WalkArguments& walk) {
   line.Add("--compare", &walk.compare,
            "make one run for each observer, each in its own directory below --out, and one report of all",
            {.excludes = "--observer"});
+  line.Add("--serve", &walk.serve,
+           "serve a standing robot in real time to a client on DDS, as a Go2 or B2 does: unitree, which is "
+           "on this "
+           "machine, or unitree:INTERFACE[,DOMAIN]",
+           {.excludes = "--live"});
+}
+
+/// Checks a scenario whose robot is served, and replaces DogBot, which no maker's client knows, by a Go2.
+void SetServed(const std::string& name, YamlDocument& document) {
+  if (document.Read<QuadrupedScenario>().walk)
+    throw ParameterError(
+        fmt::format("--serve: '{}' walks; choose a scenario that stands, such as stand", name));
+  if (document.Value("robot") == "dogbot") document.Set("robot", "go2");
 }
 
 Variant MakeVariant(std::string name, const QuadrupedScenario& scenario,
@@ -98,6 +112,7 @@ QuadrupedScenario ReadScenario(const YamlDocument& document, const WalkCustomisa
 int RunCommand(YamlDocument document, const CommonArguments& arguments, const WalkArguments& walk,
                const RunOptions& options, const WalkCustomisation& customisation) {
   if (walk.any()) SetWalk(walk, arguments.scenario, document);
+  if (!walk.serve.empty()) SetServed(arguments.scenario, document);
   return RunBlaming(document, [&] {
     QuadrupedScenario scenario = ReadScenario(document, customisation);
     if (arguments.duration) scenario.duration_s = *arguments.duration;
@@ -106,7 +121,7 @@ int RunCommand(YamlDocument document, const CommonArguments& arguments, const Wa
     for (const std::string& warning : Blame("robot", [&] { return QuadrupedWarnings(scenario.robot); }))
       Say(fmt::format("warning: {}\n", warning));
     if (walk.compare) return CompareObservers(options, scenario, customisation);
-    return PrintResult(RunQuadruped(scenario, options, customisation).summary, options);
+    return PrintResult(RunQuadruped(scenario, options, customisation, walk.serve).summary, options);
   });
 }
 

@@ -3,6 +3,7 @@
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/apps/quadruped/serving.h>
 #include <tenon/apps/quadruped/stand_figures.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
@@ -10,20 +11,25 @@
 
 #include <fmt/core.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <type_traits>
 #include <vector>
 
 namespace tenon::apps {
 
 namespace {
 
+constexpr double kLying = -1;  // least height of a served robot, which may lie down [m]
+
 /// Runs a scenario by a diagram of class Loop; `observer` is given for a walk. Figures are made of the
 /// diagram and `judging`.
 template <class Loop, class Figures>
 RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, const auto& params,
                   std::optional<ObserverKind> observer, const Customisation<Loop>& customisation,
-                  const auto&... judging) {
+                  const std::string& serve, const auto&... judging) {
   const double duration = Duration(scenario);
   DiagramBuilder builder;
   Outputs outputs(builder);
@@ -40,8 +46,13 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
     if constexpr (requires { loop.walk; }) walk = &loop.walk;
     Blame("forces", [&] { live.emplace(builder, loop.world, walk, scenario.live); });
   }
+  std::function<void(Summary&, const Simulator&)> served;
+  if constexpr (std::is_same_v<Loop, QuadrupedStand>)
+    if (!serve.empty()) served = Serve(serve, builder, loop);
   const auto diagram = builder.Build();
-  Simulator simulator(*diagram, MakeSimulatorOptions(scenario, loop.world.plant));
+  SimulatorOptions simulation = MakeSimulatorOptions(scenario, loop.world.plant);
+  if (served) simulation.real_time_rate = 1;
+  Simulator simulator(*diagram, simulation);
   const auto figures = std::make_shared<Figures>(loop, judging...);
   simulator.AddLog(Hz(1000), Figures::Judged(loop), {figures});
   const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
@@ -55,6 +66,7 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
       summary.Set("observer", IsReplaced(loop.observer) ? kMine : EnumName(*observer));
     figures->AddTo(summary);
     limits->AddTo(summary);
+    if (served) served(summary, simulator);
     summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
     outputs.AddTo(summary);
   };
@@ -92,13 +104,15 @@ void CheckQuadruped(const QuadrupedScenario& scenario, const Customisation<Quadr
 }
 
 RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options,
-                       const Customisation<QuadrupedWalk>& customisation) {
-  if (!scenario.walk)
-    return RunLoop<QuadrupedStand, StandFigures>(
-        options, scenario, Blame("", [&] { return MakeStandParams(scenario); }), std::nullopt, {});
+                       const Customisation<QuadrupedWalk>& customisation, const std::string& serve) {
+  if (!scenario.walk) {
+    QuadrupedStandParams params = Blame("", [&] { return MakeStandParams(scenario); });
+    if (!serve.empty()) params.world.min_height = kLying;
+    return RunLoop<QuadrupedStand, StandFigures>(options, scenario, params, std::nullopt, {}, serve);
+  }
   const QuadrupedWalkParams params = Blame("", [&] { return MakeWalkParams(scenario); });
   return RunLoop<QuadrupedWalk, WalkFigures>(
-      options, scenario, params, params.observer.kind, customisation, scenario.walk->judged_from_s,
+      options, scenario, params, params.observer.kind, customisation, serve, scenario.walk->judged_from_s,
       params.observer.kind != ObserverKind::kNone, MakePathVerdict(*scenario.walk, options.live != nullptr));
 }
 

@@ -21,9 +21,9 @@ void CheckObserver(const std::optional<ObserverKind>& observer, const QuadrupedW
 /// Checks whether a scenario can be run, without running it. Throws KeyError.
 void CheckQuadruped(const QuadrupedScenario& scenario, const Customisation<QuadrupedWalk>& customisation);
 
-/// Runs one scenario, in the diagram of a walk that `customisation` changes. Throws KeyError and the errors
-/// of the outputs.
+/// Runs one scenario, in the diagram of a walk that `customisation` changes. With `serve`, a standing robot
+/// is served in real time, see Serve. Throws KeyError and the errors of the outputs.
 RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options,
-                       const Customisation<QuadrupedWalk>& customisation = {});
+                       const Customisation<QuadrupedWalk>& customisation = {}, const std::string& serve = "");
 
 }  // namespace tenon::apps

@@ -8,7 +8,6 @@ namespace tenon::docs {
 namespace {
 
 namespace fs = std::filesystem;
-
 using Lines = std::vector<std::string>;
 
 /// The first sentence of a docstring; it ends at the latest before a formula, a list or a table.
@@ -59,6 +58,7 @@ std::map<std::string, Declaration> ReadHeaders(const fs::path& source) {
     for (const auto& entry : fs::recursive_directory_iterator(source / directory)) {
       const std::string header = fs::relative(entry.path(), source).generic_string();
       if (entry.path().extension() != ".h" || header.find("/internal/") != std::string::npos) continue;
+      if (std::regex_search(header, std::regex("/dds/|/unitree/"))) continue;  // optional components
       const Lines lines = ReadLines(entry.path());
       for (std::size_t i = 0; i < lines.size(); ++i) {
         std::smatch match;

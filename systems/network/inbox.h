@@ -5,12 +5,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <list>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace tenon {
 
@@ -43,14 +41,11 @@ class Inbox {
   bool Take(double time, void* value, RefusedMessages& refused);
 
  protected:
-  /// Maximal number of queued messages; beyond it, the oldest are dropped.
+  /// Maximal number of queued messages, and of messages that one tick reads.
   static constexpr std::size_t kMostMessages = 4096;
-  using Messages = std::list<std::vector<char>>;  ///< which allocates nothing while it is empty
 
-  /// Removes and returns all queued messages in order.
-  virtual Messages TakeAll() = 0;
-  /// Waits for the next message in lock-step; empty after `timeout_s`. The result is valid until the next
-  /// call.
+  /// Removes and returns the oldest message that was not yet returned; empty if none comes within
+  /// `timeout_s`. The result is valid until the next call.
   virtual std::optional<std::span<const char>> Receive(double timeout_s) = 0;
   /// Reads a message. Returns an empty text, or the reason of a refusal, which leaves `value` unchanged.
   virtual std::string Read(std::span<const char> message, double* timestamp, void* value) = 0;

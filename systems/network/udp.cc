@@ -5,9 +5,11 @@
 
 #include <fmt/core.h>
 
+#include <list>
 #include <mutex>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace tenon::internal {
 namespace {
@@ -49,13 +51,14 @@ class UdpInbox final : public Inbox {
       messages_.emplace_back(message->begin(), message->end());
     }
   }
-  Messages TakeAll() override {
+  std::optional<std::span<const char>> Receive(double timeout_s) override {
+    if (!watcher_) return socket_.Receive(timeout_s);
     Collect();
     const std::lock_guard lock(mutex_);
-    return std::exchange(messages_, {});
-  }
-  std::optional<std::span<const char>> Receive(double timeout_s) override {
-    return socket_.Receive(timeout_s);
+    if (messages_.empty()) return {};
+    message_ = std::move(messages_.front());
+    messages_.pop_front();
+    return message_;
   }
   std::string Read(std::span<const char> message, double* timestamp, void* value) override {
     return reader_.Read(message, timestamp, value);
@@ -67,8 +70,9 @@ class UdpInbox final : public Inbox {
   const std::string name_;
   JsonReader reader_;
   UdpSocket socket_;
-  std::mutex mutex_;  ///< protects messages_ and, without lock-step, the socket
-  Messages messages_;
+  std::mutex mutex_;                       ///< protects messages_ and, without lock-step, the socket
+  std::list<std::vector<char>> messages_;  ///< which allocates nothing while it is empty
+  std::vector<char> message_;              ///< last received message
   std::optional<Watcher> watcher_;
 };
 

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -123,6 +124,23 @@ TEST_F(TenonQuadrupedTest, TakesGaitSpeedAndObserver) {
   EXPECT_THAT(Read(out / "scenario.yaml"),
               AllOf(HasSubstr("gait: pace\n        forward_m_per_s: 0.1"), HasSubstr("observer: none")));
   ExpectRefused({{"stand --gait trot", "--gait"}, {"flat --gait canter", "gallop"}});
+}
+
+TEST_F(TenonQuadrupedTest, ServesAStandingRobotInRealTime) {
+  const std::string text = "stand --duration 0.1 --serve unitree";
+  if (!TENON_WITH_UNITREE) return ExpectRefused({{text, "cyclonedds-dev"}});
+  // A domain that tests running at the same time do not share.
+  Run(text + fmt::format(":lo,{}", 100 + getpid() % 100));
+  const nlohmann::json summary = nlohmann::json::parse(Summary());
+  EXPECT_EQ(summary.at("robot"), "go2");
+  EXPECT_EQ(summary.at("commands"), 0);
+  EXPECT_GE(summary.at("wall_s").get<double>(), 0.09);
+  EXPECT_NEAR(summary.at("height_end_m").get<double>(), summary.at("height_min_m").get<double>(), 0.01);
+  ExpectRefused({{"A1 --serve unitree", "'A1' walks"},
+                 {"stand --serve spot", "unitree:eth0,0"},
+                 {"stand --serve unitree:lo,x", "unitree:eth0,0"},
+                 {"stand --serve unitree:nix0", "'nix0'"},
+                 {"stand --serve unitree:lo,300", "domain = 300"}});
 }
 
 TEST_F(TenonQuadrupedTest, FiguresWithoutDataAreNull) {

@@ -381,7 +381,6 @@ class Flood final : public internal::Inbox {
   Flood() : Inbox({.lock_step = true, .timeout_s = 0.01}) {}
 
  private:
-  Messages TakeAll() override { return {}; }
   std::optional<std::span<const char>> Receive(double) override { return std::span<const char>("-1", 2); }
   std::string Read(std::span<const char>, double* timestamp, void*) override {
     if (++count_ == 10'000'000) throw std::logic_error("the timeout has passed");

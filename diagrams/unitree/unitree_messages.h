@@ -1,0 +1,69 @@
+#pragma once
+
+#include <tenon/plants/signals/imu_signals.h>
+#include <tenon/plants/signals/legged_signals.h>
+#include <tenon/systems/dds/dds.h>
+
+#include <cstdint>
+#include <span>
+
+namespace tenon {
+
+/// @file
+/// Signals of the low-level interface of Unitree's Go2 and B2, in Tenon's order of legs and joints. The
+/// messages are those of unitree_go.idl; their mapping is in unitree_messages.cc alone.
+
+/// Command of a client, topic "rt/lowcmd". Each motor applies
+///
+///     tau + kp (q - q_now) + kd (qd - qd_now).
+///
+/// A motor that is off, and a gain whose target is absent, have zeros.
+struct UnitreeCommand {
+  Vec<12> q = Vec<12>::Zero();       ///< [rad]
+  Vec<12> qd = Vec<12>::Zero();      ///< [rad/s]
+  Vec<12> torque = Vec<12>::Zero();  ///< [N m]
+  Vec<12> kp = Vec<12>::Zero();      ///< [N m/rad]
+  Vec<12> kd = Vec<12>::Zero();      ///< [N m s/rad]
+
+  static FieldList Fields() {
+    return {{"q", &UnitreeCommand::q, "rad", kJointElements},
+            {"qd", &UnitreeCommand::qd, "rad/s", kJointElements},
+            {"torque", &UnitreeCommand::torque, "N m", kJointElements},
+            {"kp", &UnitreeCommand::kp, "N m/rad", kJointElements},
+            {"kd", &UnitreeCommand::kd, "N m s/rad", kJointElements}};
+  }
+};
+
+/// State of a robot, topic "rt/lowstate".
+struct UnitreeState {
+  double time = 0;  ///< time of the robot, in whole milliseconds; begins anew after 49 days [s]
+  JointMotion joints;
+  Vec<12> torque = Vec<12>::Zero();  ///< estimate of the motors [N m]
+  ImuMeasurement inertial;
+  Vec<4> q_WB{1, 0, 0, 0};             ///< attitude of the inertial unit, (w, x, y, z)
+  Vec<4> foot_force = Vec<4>::Zero();  ///< magnitudes, in whole units of the robot's sensors [N]
+
+  static FieldList Fields() {
+    return {{"time", &UnitreeState::time, "s"},
+            {"joints", &UnitreeState::joints},
+            {"torque", &UnitreeState::torque, "N m", kJointElements},
+            {"inertial", &UnitreeState::inertial},
+            {"q_WB", &UnitreeState::q_WB, "", "w,x,y,z"},
+            {"foot_force", &UnitreeState::foot_force, "N", kLegElements}};
+  }
+};
+
+template <>
+struct DdsMessageOf<UnitreeCommand> {
+  static const DdsMessage& Get();
+};
+template <>
+struct DdsMessageOf<UnitreeState> {
+  static const DdsMessage& Get();
+};
+
+/// The checksum of the messages: CRC-32 with the polynomial 04C11DB7 and the initial value FFFFFFFF, most
+/// significant bit first, neither reflected nor inverted.
+std::uint32_t UnitreeCrc(std::span<const std::uint32_t> words);
+
+}  // namespace tenon

@@ -1,0 +1,63 @@
+#include <tenon/diagrams/unitree/unitree_server.h>
+#include <tenon/plants/model/gravity.h>
+#include <tenon/systems/primitives/unit_delay.h>
+
+namespace tenon {
+
+UnitreeCommand HoldStance(const JointPdParams& pd) {
+  UnitreeCommand command;
+  command.q = pd.robot.stance;
+  if (pd.gravity_compensation) command.torque = StandingTorque(pd.robot, pd.gravity);
+  command.kp.setConstant(pd.stiffness);
+  command.kd.setConstant(pd.damping);
+  return command;
+}
+
+UnitreeServer::UnitreeServer(const UnitreeServerParams& params)
+    : command(Add<DdsInput<UnitreeCommand>>(
+          "command", {.topic = "rt/lowcmd",
+                      .link = params.link,
+                      .initial = params.initial,
+                      .rate = params.lock_step ? params.state_rate : params.command_rate,
+                      .lock_step = params.lock_step,
+                      .timeout_s = params.timeout_s,
+                      .record = params.record,
+                      .replay = params.replay})),
+      to_client(Add<DdsPublisher<UnitreeState>>("to_client", {.topic = "rt/lowstate",
+                                                              .link = params.link,
+                                                              .rate = params.state_rate,
+                                                              .lock_step = params.lock_step})) {
+  const auto& motors =
+      AddFunction({"motors", "N m", kJointElements}, Sampled{params.command_rate}, Uses(command.y, joints),
+                  [](const UnitreeCommand& c, const JointMotion& now) -> Vec<12> {
+                    return c.torque + c.kp.cwiseProduct(c.q - now.q) + c.kd.cwiseProduct(c.qd - now.qd);
+                  });
+  Connect(motors, torque);
+  // Torque and acceleration depend on the command of the tick, which in lock-step is the answer to the state.
+  const auto delayed = [&]<class T>(const char* name, const InputPort<T>& from, const T& initial) -> auto& {
+    auto& delay = Add<UnitDelay<T>>(name, {.initial = initial, .rate = params.command_rate});
+    Connect(from, delay.u);
+    return delay.y;
+  };
+  const auto& torque_before = delayed("torque_before", measured_torque, Vec<12>(Vec<12>::Zero()));
+  const ImuMeasurement at_rest{Vec<3>::Zero(), Vec<3>(0, 0, kGravity)};
+  const auto& inertial_before = delayed("inertial_before", inertial, at_rest);
+  const auto& sensors =
+      AddFunction({"sensors"}, Uses(time, joints, torque_before, inertial_before, foot_forces, state),
+                  [](double time, const JointMotion& joints, const Vec<12>& torque,
+                     const ImuMeasurement& inertial, const FootForces& forces, const LeggedState& x) {
+                    UnitreeState state{time, joints, torque, inertial, x.q_WB};
+                    for (int leg = 0; leg < kNumLegs; ++leg) state.foot_force[leg] = forces[leg].norm();
+                    return state;
+                  });
+  Connect(sensors, to_client.u);
+}
+
+void UnitreeServer::ConnectSensors(DiagramBuilder& builder, const QuadrupedWorld& world) {
+  builder.Connect(world.measured_torque, measured_torque);
+  builder.Connect(world.inertial, inertial);
+  builder.Connect(world.foot_forces, foot_forces);
+  builder.Connect(world.state, state);
+}
+
+}  // namespace tenon

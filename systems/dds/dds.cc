@@ -1,0 +1,310 @@
+#include <tenon/systems/dds/dds.h>
+
+#include <dds/dds.h>
+#include <fmt/core.h>
+#include <net/if.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+
+namespace tenon::internal {
+namespace {
+
+constexpr int kHistory =
+    64;  // messages that wait for a tick, or for a receiver that starts later in lock-step
+constexpr dds_duration_t kPatience = DDS_SECS(10);  // of a sender in lock-step
+constexpr double kNanosecond = 1e-9;
+
+/// Reports of Cyclone DDS, some of them from its own threads. It drops messages that it cannot decode, which
+/// only its log tells.
+class Reports {
+ public:
+  /// Returns the number of messages of a topic and type that could not be decoded.
+  static std::atomic<int>& Undecodable(const std::string& topic, const char* type) {
+    const std::lock_guard lock(mutex_);
+    return undecodable_[topic + '/' + type];
+  }
+  /// Keeps the last report in `text`, until it is called with null.
+  static void Catch(std::string* text) {
+    dds_set_log_sink(Sink, nullptr);
+    const std::lock_guard lock(mutex_);
+    caught_ = text;
+  }
+
+ private:
+  static void Sink(void*, const dds_log_data_t* report) {
+    const std::string_view text(report->message, report->size);
+    constexpr std::string_view kCannotDecode = "deserialization ";
+    const std::lock_guard lock(mutex_);
+    if (const auto at = text.find(kCannotDecode); at != text.npos) {
+      for (auto& [name, count] : undecodable_)
+        if (text.substr(at + kCannotDecode.size()).starts_with(name + ' ')) ++count;
+    } else if (caught_ != nullptr) {
+      *caught_ = text.substr(0, text.find('\n'));
+    } else {
+      std::fwrite(text.data(), 1, text.size(), stderr);
+    }
+  }
+  inline static std::mutex mutex_;
+  inline static std::map<std::string, std::atomic<int>> undecodable_;
+  inline static std::string* caught_ = nullptr;
+};
+
+/// The loopback interface has no multicast, so participants there are found by their ports.
+std::string ConfigurationFor(const std::string& interface) {
+  const bool loopback = interface == "lo";
+  return fmt::format(
+      "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"{}\"{}/></Interfaces></General>{}"
+      "</Domain></CycloneDDS>",
+      interface, loopback ? " multicast=\"false\"" : "",
+      loopback ? "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32"
+                 "</MaxAutoParticipantIndex><Peers><Peer address=\"localhost\"/></Peers></Discovery>"
+               : "");
+}
+
+/// A share in the program's only participant of a domain. The last one leaves the domain.
+class Participant {
+ public:
+  explicit Participant(const DdsLink& link) : domain_(link.domain) {
+    Demand(domain_ >= 0 && domain_ <= 230, fmt::format("domain = {} must be 0 to 230", domain_));
+    Demand(link.interface.empty() || if_nametoindex(link.interface.c_str()) != 0,
+           fmt::format("interface = '{}': this machine has no such network interface; `ip link` lists them",
+                       link.interface));
+    const std::lock_guard lock(mutex_);
+    Joined& joined = Domains()[domain_];
+    Demand(
+        joined.shares == 0 || joined.interface == link.interface,
+        fmt::format("interface = '{}': this program uses domain {} at '{}'; give all of its blocks the same "
+                    "interface, or another domain",
+                    link.interface, domain_, joined.interface));
+    if (joined.shares == 0) joined = Join(link);
+    ++joined.shares;
+    participant_ = joined.participant;
+  }
+  ~Participant() {
+    const std::lock_guard lock(mutex_);
+    Joined& joined = Domains()[domain_];
+    if (--joined.shares > 0) return;
+    dds_delete(joined.participant);
+    if (joined.domain > 0) dds_delete(joined.domain);
+  }
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  dds_entity_t get() const { return participant_; }
+
+ private:
+  struct Joined {
+    int shares = 0;
+    std::string interface;
+    dds_entity_t domain = 0, participant = 0;
+  };
+
+  static Joined Join(const DdsLink& link) {
+    std::string report;
+    Reports::Catch(&report);
+    Joined joined{0, link.interface};
+    const auto id = static_cast<dds_domainid_t>(link.domain);
+    if (!link.interface.empty())
+      joined.domain = dds_create_domain(id, ConfigurationFor(link.interface).c_str());
+    if (joined.domain >= 0) joined.participant = dds_create_participant(id, nullptr, nullptr);
+    Reports::Catch(nullptr);
+    const dds_return_t error = std::min(joined.domain, joined.participant);
+    if (error >= 0) return joined;
+    if (joined.domain > 0) dds_delete(joined.domain);
+    throw ParameterError(fmt::format(
+        "cannot join domain {} at interface '{}': {} ({}); check that the interface is up and has an "
+        "address, and CYCLONEDDS_URI",
+        link.domain, link.interface, dds_strretcode(error), report));
+  }
+  static std::map<int, Joined>& Domains() {
+    static std::map<int, Joined> domains;
+    return domains;
+  }
+  inline static std::mutex mutex_;
+
+  const int domain_;
+  dds_entity_t participant_ = 0;
+};
+
+/// The defaults of DDS, or in lock-step a reader and a writer that lose nothing and may start in any order.
+class Quality {
+ public:
+  explicit Quality(bool lock_step) {
+    if (!lock_step) return;
+    dds_qset_reliability(get(), DDS_RELIABILITY_RELIABLE, kPatience);
+    dds_qset_history(get(), DDS_HISTORY_KEEP_ALL, 0);
+    dds_qset_durability(get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+    dds_qset_durability_service(get(), 0, DDS_HISTORY_KEEP_LAST, kHistory, DDS_LENGTH_UNLIMITED,
+                                DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
+  }
+  dds_qos_t* get() const { return quality_.get(); }
+
+ private:
+  std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)> quality_{dds_create_qos(), dds_delete_qos};
+};
+
+/// Owns a reader or a writer and what belongs to it.
+struct Deleted {
+  const dds_entity_t entity;
+  explicit Deleted(dds_entity_t made) : entity(made) {
+    if (made < 0)
+      throw RunError(fmt::format("Cyclone DDS refuses a reader or writer: {}", dds_strretcode(made)));
+  }
+  ~Deleted() { dds_delete(entity); }
+  Deleted(const Deleted&) = delete;
+  Deleted& operator=(const Deleted&) = delete;
+};
+
+/// The common part of readers and writers.
+struct End {
+  End(const DdsEnd& at, const DdsMessage& of)
+      : end(at), message(of), participant(at.link), topic(MakeTopic()) {}
+
+  dds_entity_t MakeTopic() const {
+    const auto* type = static_cast<const dds_topic_descriptor_t*>(message.descriptor);
+    Demand(!end.topic.empty(), "topic is empty: set the name of the topic, such as \"rt/lowcmd\"");
+    Demand((type->m_flagset & DDS_TOPIC_FIXED_SIZE) != 0 && type->m_size == message.size,
+           fmt::format(
+               "the type {} holds strings or sequences, or is not that of its descriptor: only structs of "
+               "numbers and arrays are supported",
+               type->m_typename));
+    const dds_entity_t made = dds_create_topic(participant.get(), type, end.topic.c_str(), nullptr, nullptr);
+    Demand(made > 0,
+           fmt::format("topic = '{}' cannot be made with the type {}: {}; it must be a name of letters, "
+                       "digits, '/' and '_' that has one type in this program",
+                       end.topic, type->m_typename, dds_strretcode(made)));
+    return made;
+  }
+  std::string Description() const {
+    return fmt::format("DDS topic '{}' of domain {}", end.topic, end.link.domain);
+  }
+
+  const DdsEnd end;
+  const DdsMessage message;
+  const Participant participant;
+  const Deleted topic;
+};
+
+class DdsInbox final : public Inbox {
+ public:
+  DdsInbox(const DdsEnd& end, const DdsMessage& message, double timeout_s)
+      : Inbox({end.lock_step, timeout_s}),
+        end_(end, message),
+        undecodable_(Reports::Undecodable(
+            end.topic, static_cast<const dds_topic_descriptor_t*>(message.descriptor)->m_typename)),
+        reader_(MakeReader()),
+        ready_(dds_create_readcondition(reader_.entity, DDS_ANY_STATE)),
+        waiting_(dds_create_waitset(end_.participant.get())),
+        memory_(message.size) {
+    undecodable_ = 0;
+    dds_waitset_attach(waiting_.entity, ready_.entity, 0);
+  }
+
+ private:
+  dds_entity_t MakeReader() const {
+    const Quality quality(end_.end.lock_step);
+    if (!end_.end.lock_step) dds_qset_history(quality.get(), DDS_HISTORY_KEEP_LAST, kHistory);
+    return dds_create_reader(end_.participant.get(), end_.topic.entity, quality.get(), nullptr);
+  }
+
+  /// Returns an empty message for each one that Cyclone DDS refused.
+  std::optional<std::span<const char>> Receive(double timeout_s) override {
+    const dds_time_t end = dds_time() + static_cast<dds_duration_t>(std::min(timeout_s, 1e9) / kNanosecond);
+    for (;;) {
+      void* sample = memory_.data();
+      const dds_return_t count = dds_take(reader_.entity, &sample, &info_, 1, 1);
+      if (count > 0 && info_.valid_data) return std::span<const char>(memory_);
+      if (count > 0) continue;  // a sender has left
+      if (undecodable_ > 0) {
+        --undecodable_;
+        return Refuse("a message has another size or layout");
+      }
+      dds_requested_incompatible_qos_status_t refused{};
+      dds_get_requested_incompatible_qos_status(reader_.entity, &refused);
+      if (refused.total_count_change > 0) {
+        return Refuse(refused.last_policy_id == DDS_TYPE_CONSISTENCY_ENFORCEMENT_QOS_POLICY_ID
+                          ? "a sender offers another type under this name"
+                          : "a sender offers the topic without lock_step");
+      }
+      const dds_duration_t left = end - dds_time();
+      if (left <= 0) return {};
+      dds_waitset_wait(waiting_.entity, nullptr, 0, left);
+    }
+  }
+  std::optional<std::span<const char>> Refuse(const char* reason) {
+    refusal_ = reason;
+    return std::span<const char>();
+  }
+
+  std::string Read(std::span<const char> message, double* timestamp, void* value) override {
+    std::string reason = refusal_;
+    if (!message.empty()) {
+      *timestamp = kNanosecond * static_cast<double>(info_.source_timestamp);
+      dds_time_t& last = last_.try_emplace(info_.publication_handle, INT64_MIN).first->second;
+      const bool late = !end_.end.lock_step && info_.source_timestamp < last;
+      reason = late ? "a message is older than the last one of its sender"
+                    : end_.message.read(message.data(), value);
+      if (reason.empty()) last = info_.source_timestamp;
+    }
+    return reason.empty() ? reason : fmt::format("{}: {}", Description(), reason);
+  }
+  std::string Description() const override { return end_.Description(); }
+
+  const End end_;
+  std::atomic<int>& undecodable_;
+  const Deleted reader_, ready_, waiting_;
+  std::vector<char> memory_;
+  dds_sample_info_t info_{};
+  const char* refusal_ = "";
+  std::map<dds_instance_handle_t, dds_time_t> last_;  ///< time of the last message of each sender
+};
+
+class DdsWriter final : public DdsSender {
+ public:
+  DdsWriter(const DdsEnd& end, const DdsMessage& message)
+      : end_(end, message),
+        writer_(dds_create_writer(end_.participant.get(), end_.topic.entity, Quality(end.lock_step).get(),
+                                  nullptr)) {}
+
+  bool Send(double time, const void* value, std::vector<char>& memory) const override {
+    memory.assign(end_.message.size, 0);
+    end_.message.write(value, memory.data());
+    const dds_time_t stamp = end_.end.lock_step ? std::llround(time / kNanosecond) : dds_time();
+    return dds_write_ts(writer_.entity, memory.data(), stamp) == DDS_RETCODE_OK;
+  }
+
+ private:
+  const End end_;
+  const Deleted writer_;
+};
+
+}  // namespace
+
+std::string NotFinite(const TypeInfo& type, const void* value) {
+  if (FinitenessOf(type, value) == Finiteness::kFinite) return "";
+  const std::vector<Element> elements = ListElements(type, value, "value");
+  std::vector<double> numbers(elements.size());
+  ToDoubles(type, value, numbers.data());
+  std::size_t i = 0;
+  while (i + 1 < numbers.size() && std::isfinite(numbers[i])) ++i;
+  return fmt::format("'{}' = {} is not finite", elements[i].name, numbers[i]);
+}
+
+std::unique_ptr<DdsSender> MakeDdsSender(const DdsEnd& end, const DdsMessage& message) {
+  return std::make_unique<DdsWriter>(end, message);
+}
+
+std::unique_ptr<Inbox> MakeDdsInbox(const DdsEnd& end, const DdsMessage& message, double timeout_s) {
+  return std::make_unique<DdsInbox>(end, message, timeout_s);
+}
+
+}  // namespace tenon::internal

@@ -1,0 +1,146 @@
+#pragma once
+
+#include <tenon/systems/block.h>
+#include <tenon/systems/dds/internal/dds_ends.h>
+#include <tenon/systems/io/recording.h>
+#include <tenon/systems/network/inbox.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tenon {
+
+/// Maps a signal of type T to a message of DDS. Specialise it for each signal that travels by DDS, with a
+/// function `static const DdsMessage& Get();`, and define this function in a .cc, which alone includes the
+/// header that `idlc` writes:
+///
+///     void Write(const CartState& x, demo_Cart& message) { message.position = x.position; }
+///     std::string Read(const demo_Cart& message, CartState& x) { return x.position = message.position, ""; }
+///     const DdsMessage& DdsMessageOf<CartState>::Get() {
+///       static const auto kMessage = MakeDdsMessage<demo_Cart, CartState, Write, Read>(&demo_Cart_desc);
+///       return kMessage;
+///     }
+template <class T>
+struct DdsMessageOf {
+  static_assert(internal::kFalse<T>, "This signal has no DDS message: specialise tenon::DdsMessageOf.");
+};
+
+/// Makes the mapping between a C struct of idlc and a signal. `write(signal, message)` fills a message whose
+/// bytes are zero, and `read(message, signal)` returns an empty text or the reason why it refuses the
+/// message. A signal with a number that is not finite is refused, too. `descriptor` points to the struct's
+/// dds_topic_descriptor_t. Messages with strings or sequences are not supported.
+template <class Message, class T, auto write, auto read>
+DdsMessage MakeDdsMessage(const void* descriptor) {
+  return {
+      .descriptor = descriptor,
+      .size = sizeof(Message),
+      .write = [](const void* signal,
+                  void* message) { write(*static_cast<const T*>(signal), *static_cast<Message*>(message)); },
+      .read = [](const void* message, void* signal) -> std::string {
+        T candidate = *static_cast<const T*>(signal);
+        std::string reason = read(*static_cast<const Message*>(message), candidate);
+        if (reason.empty()) reason = internal::NotFinite(internal::TypeInfoOf<T>(), &candidate);
+        if (reason.empty()) *static_cast<T*>(signal) = candidate;
+        return reason;
+      }};
+}
+
+struct DdsPublisherParams {
+  std::string topic = "";  ///< name of the topic, such as "rt/lowstate"
+  DdsLink link = {};
+  Rate rate = Hz(100);
+  bool lock_step =
+      false;  ///< the receiver has lock_step; messages carry the time of the run, and none is lost
+};
+
+template <class T>
+struct DdsInputParams {
+  std::string topic = "";  ///< name of the topic, such as "rt/lowcmd"
+  DdsLink link = {};
+  T initial = internal::Zeroed<T>();  ///< y until the first message
+  Rate rate = Hz(1000);               ///< rate at which y takes over messages
+  bool lock_step = false;             ///< each tick waits for the message with its time
+  double timeout_s = 10;              ///< timeout of lock-step [s of wall-clock time]
+  bool record = false;                ///< records the values and the times at which y took them over
+  Recording<T> replay = {};           ///< if not empty, y follows this recording and does not join DDS
+};
+
+/// Sends a signal by DDS as one message per sample. T needs a DdsMessageOf.
+///
+///     builder.Connect(robot.state, builder.Add<DdsPublisher<UnitreeState>>(
+///         "to_client", {.topic = "rt/lowstate", .link = {.domain = 1, .interface = "lo"}}).u);
+///
+///     | port | kind  | size |
+///     | u    | input | T    |
+///
+/// The writer is reliable and keeps the last message, as is the default of DDS; no receiver is required.
+/// `unsent` counts the messages that Cyclone DDS refused. Only the first message allocates, apart from
+/// Cyclone DDS itself. Throws ParameterError if the domain cannot be joined or the topic has another type.
+template <class T>
+class DdsPublisher final : public LeafSystem<DdsPublisherParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<T> u{this, "u"};
+  Scratch<std::uint64_t> unsent{this, "unsent"};
+  Workspace<std::vector<char>> message{this, "message"};
+  Publish send{this, "send", Sampled{params.rate}, Uses(time, u, unsent, message), &DdsPublisher::Send};
+
+ private:
+  void Send(double time, const T& value, std::uint64_t& unsent, std::vector<char>& message) const {
+    if (!sender_->Send(time, &value, message)) ++unsent;
+  }
+  std::unique_ptr<internal::DdsSender> sender_ =
+      internal::MakeDdsSender({params.topic, params.link, params.lock_step}, DdsMessageOf<T>::Get());
+};
+
+/// An input for values that DdsPublisher or another program sends by DDS. T needs a DdsMessageOf.
+///
+///     auto& command = builder.Add<DdsInput<UnitreeCommand>>("command", {.topic = "rt/lowcmd"});
+///
+/// At each tick, y takes over the last message and holds it until the next tick. The block has no thread:
+/// Cyclone DDS receives, and keeps the last 64 messages until the tick. With `lock_step`, a tick waits for
+/// the message with its own time, as UdpInput does; the two programs can start in any order. Recording and
+/// replay work as in ExternalInput.
+///
+///     | port | kind            | size |
+///     | y    | output, sampled | T    |
+///
+/// Received messages are not trusted. A refused one leaves y as it is; `context.Eval(command.refused)`
+/// returns the number of refusals and the last reason:
+/// - the mapping refuses a message, for example because of a wrong checksum;
+/// - a number is not finite;
+/// - the size or layout is not that of the type, or a sender offers another type under the topic's name;
+/// - a sender's clock goes back: a message is older than the last one of the same sender.
+///
+/// Throws ParameterError if the domain cannot be joined or the topic has another type. In lock-step, throws
+/// RunError if the message of a tick is late.
+template <class T>
+class DdsInput final : public LeafSystem<DdsInputParams<T>> {
+  using Base = LeafSystem<DdsInputParams<T>>;
+
+ public:
+  using Base::Base;
+  using Base::params;
+
+  Scratch<TakenOver<T>> taken{this, "taken", {params.initial, 0, {}}};
+  Scratch<RefusedMessages> refused{this, "refused"};
+  ExternalPort<T> y{
+      this, "y", params.initial, Sampled{params.rate}, Uses(this->time, taken, refused), &DdsInput::TakeOver};
+
+ private:
+  void TakeOver(double time, TakenOver<T>& taken, RefusedMessages& refused, T* y) const {
+    internal::TakeOver(params, inbox_.get(), time, taken, refused);
+    *y = taken.value;
+  }
+
+  std::unique_ptr<internal::Inbox> Open() {
+    if (!params.replay.empty()) return nullptr;
+    return internal::MakeDdsInbox({params.topic, params.link, params.lock_step}, DdsMessageOf<T>::Get(),
+                                  params.timeout_s);
+  }
+  std::unique_ptr<internal::Inbox> inbox_ = Open();
+};
+
+}  // namespace tenon

@@ -1,0 +1,225 @@
+#include <tenon/tests/systems/dds/dds_peer.h>
+#include <tenon/tests/systems/framework/test_blocks.h>
+#include <tenon/tests/testing/block_test.h>
+
+#include <cart.h>
+
+#include <cmath>
+
+namespace tenon {
+
+struct CartSignal {
+  double position = 0, speed = 0;
+  static FieldList Fields() {
+    return {{"position", &CartSignal::position, "m"}, {"speed", &CartSignal::speed, "m/s"}};
+  }
+  bool operator==(const CartSignal&) const = default;
+};
+
+namespace dds_test {
+
+void Write(const CartSignal& signal, tenon_test_Cart_& message) {
+  message = {signal.position, signal.speed};
+}
+std::string Read(const tenon_test_Cart_& message, CartSignal& signal) {
+  signal = {message.position, message.speed};
+  return message.speed > 100 ? "too fast" : "";
+}
+
+}  // namespace dds_test
+
+template <>
+struct DdsMessageOf<CartSignal> {
+  static const DdsMessage& Get() {
+    static const auto kMessage =
+        MakeDdsMessage<tenon_test_Cart_, CartSignal, dds_test::Write, dds_test::Read>(&tenon_test_Cart__desc);
+    return kMessage;
+  }
+};
+
+namespace dds_test {
+
+using Input = DdsInput<CartSignal>;
+using Publisher = DdsPublisher<CartSignal>;
+using test::DdsPeer;
+using test::kOwnLink;
+
+/// Not that of a test in the same domain, which the number of a process may repeat.
+const std::string kTopic = "rt/cart_" + std::to_string(getpid());
+const DdsInputParams<CartSignal> kInput{.topic = kTopic, .link = kOwnLink, .rate = Hz(10)};
+const DdsPublisherParams kPublisher{.topic = kTopic, .link = kOwnLink, .rate = Hz(10)};
+
+TEST(DdsTest, NumbersArriveAsTheyAreAndTheLastCounts) {
+  TestRig<Input> input(kInput);
+  TestRig<Publisher> publisher(kPublisher);
+  publisher.Fix(publisher->u, {1, 2}).Tick();
+  publisher.Fix(publisher->u, {0.1, -1e-300}).Tick();
+  EXPECT_EQ(input.Tick()[input->y], (CartSignal{0.1, -1e-300}));
+  EXPECT_EQ(input.Tick()[input->y], (CartSignal{0.1, -1e-300})) << "held";
+  EXPECT_EQ(input[input->taken].number, 1u);
+  EXPECT_EQ(input[input->refused].count, 0u);
+  EXPECT_EQ(publisher[publisher->unsent], 0u);
+}
+
+TEST(DdsInputTest, CountsAndNamesWhatItDoesNotTrust) {
+  TestRig<Input> rig(kInput);
+  const DdsPeer peer(kTopic, tenon_test_Cart__desc);
+  std::uint64_t count = 0;
+  const auto expect_refused = [&](const tenon_test_Cart_& message, double time, const char* reason) {
+    peer.Send(&message, time);
+    rig.Tick();
+    EXPECT_EQ(rig[rig->refused].count, ++count);
+    EXPECT_THAT(rig[rig->refused].reason,
+                testing::AllOf(testing::HasSubstr(kTopic), testing::HasSubstr(reason)));
+    EXPECT_EQ(rig[rig->y], (CartSignal{1, 2})) << reason;
+  };
+  const tenon_test_Cart_ good{1, 2};
+  peer.Send(&good, 5);
+  EXPECT_EQ(rig.Tick()[rig->y], (CartSignal{1, 2}));
+  expect_refused({test::kNan, 3}, 6, "'position' = nan is not finite");
+  expect_refused({3, -test::kInfinity}, 6, "'speed' = -inf is not finite");
+  expect_refused({3, 101}, 6, "too fast");
+  expect_refused({3, 3}, 4.5, "older than the last one");
+  // A refused message does not advance the sender's clock, and another sender has its own.
+  const DdsPeer restarted(kTopic, tenon_test_Cart__desc);
+  const tenon_test_Cart_ first{7, 8};
+  restarted.Send(&first, 0);
+  EXPECT_EQ(rig.Tick()[rig->y], (CartSignal{7, 8}));
+  peer.Send(&good, 5.5);
+  EXPECT_EQ(rig.Tick()[rig->y], (CartSignal{1, 2}));
+  EXPECT_EQ(rig[rig->refused].count, count);
+}
+
+/// Sends messages of another type under the name of Cart_ until the process is ended.
+void SendOtherType(bool with_type_information) {
+  const TestRig<Publisher> join({.topic = kTopic + "_other", .link = kOwnLink});
+  const dds_topic_descriptor_t& other = tenon_test_OtherCart__desc;
+  const std::uint32_t without = with_type_information ? 0 : DDS_TOPIC_XTYPES_METADATA;
+  const dds_topic_descriptor_t named{.m_size = other.m_size,
+                                     .m_align = other.m_align,
+                                     .m_flagset = other.m_flagset & ~without,
+                                     .m_nkeys = 0,
+                                     .m_typename = tenon_test_Cart__desc.m_typename,
+                                     .m_keys = nullptr,
+                                     .m_nops = other.m_nops,
+                                     .m_ops = other.m_ops,
+                                     .m_meta = other.m_meta,
+                                     .type_information = other.type_information,
+                                     .type_mapping = other.type_mapping,
+                                     .restrict_data_representation = other.restrict_data_representation};
+  const DdsPeer peer(kTopic, named);
+  for (;;) {
+    const tenon_test_OtherCart_ message{1};
+    peer.Send(&message, 1);
+    dds_sleepfor(DDS_MSECS(1));
+  }
+}
+
+void ExpectRefused(bool with_type_information, const char* reason) {
+  const test::SecondProcess sender([&] { SendOtherType(with_type_information); });
+  TestRig<Input> rig(kInput);
+  EXPECT_TRUE(test::Within10s([&] { return rig.Tick()[rig->refused].count > 0; }));
+  EXPECT_THAT(rig[rig->refused].reason, testing::HasSubstr(reason));
+  EXPECT_EQ(rig[rig->taken].number, 0u);
+}
+
+TEST(DdsInputTest, NamesASenderWhoseMessagesHaveAnotherLayout) {
+  ExpectRefused(false, "another size or layout");
+}
+
+TEST(DdsInputTest, NamesASenderOfAnotherType) {
+  ExpectRefused(true, "another type");
+}
+
+TEST(DdsInputTest, AFloodBetweenTwoTicksEndsInItsNewestMessage) {
+  TestRig<Input> rig(kInput);
+  const DdsPeer peer(kTopic, tenon_test_Cart__desc);
+  for (int i = 1; i <= 5000; ++i) {
+    const tenon_test_Cart_ message{1.0 * i, 0};
+    peer.Send(&message, i);
+  }
+  EXPECT_EQ(rig.Tick()[rig->y].position, 5000);
+}
+
+TEST(DdsTest, ATickDoesNotAllocate) {
+  TestRig<Input> input(kInput);
+  TestRig<Publisher> publisher(kPublisher);
+  publisher.Fix(publisher->u, {1, 2}).Tick().Tick();
+  input.Tick();
+  EXPECT_EQ(AllocationsOf([&] { input.Tick(); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { publisher.Tick(); }), 0);
+  EXPECT_EQ(AllocationsOf([&] { input.Tick(); }), 0);
+  EXPECT_EQ(input[input->taken].number, 2u);
+}
+
+TEST(DdsTest, RefusesWhatItCannotJoin) {
+  const auto with = [](auto params, const auto& change) {
+    change(params);
+    return params;
+  };
+  EXPECT_TRUE(Refuses<Input>(with(kInput, [](auto& p) { p.topic = ""; }), "topic"));
+  EXPECT_TRUE(Refuses<Input>(with(kInput, [](auto& p) { p.link.domain = 231; }), "domain = 231"));
+  EXPECT_TRUE(Refuses<Publisher>(with(kPublisher, [](auto& p) { p.link.interface = "nix0"; }), "'nix0'"));
+  EXPECT_TRUE(Refuses<Input>(with(kInput, [](auto& p) { p.timeout_s = 0; }), "timeout_s = 0"));
+  const TestRig<Input> first(kInput);
+  EXPECT_TRUE(Refuses<Publisher>(with(kPublisher, [](auto& p) { p.link.interface = ""; }), "'lo'"));
+}
+
+// ---- Two processes ----
+
+/// Doubles what it receives, tick by tick.
+void Echo(double end) {
+  DiagramBuilder builder;
+  auto& input = builder.Add<Input>(
+      "input", {.topic = kTopic + "_there", .link = kOwnLink, .rate = Hz(100), .lock_step = true});
+  auto& doubled = builder.AddFunction({"doubled"}, Uses(input.y), [](const CartSignal& x) {
+    return CartSignal{2 * x.position, x.speed};
+  });
+  builder.Connect(
+      doubled,
+      builder
+          .Add<Publisher>("publisher",
+                          {.topic = kTopic + "_back", .link = kOwnLink, .rate = Hz(100), .lock_step = true})
+          .u);
+  Simulator(builder.Build()).RunTo(end);
+}
+
+TEST(DdsInputTest, InLockStepTwoProcessesAreOneRunAndItsRecordingRepeatsIt) {
+  constexpr double kEnd = 1;
+  test::SecondProcess echo([] { Echo(kEnd); });
+  DdsInputParams<CartSignal> params{
+      .topic = kTopic + "_back", .link = kOwnLink, .rate = Hz(100), .lock_step = true, .record = true};
+  const auto run = [&] {
+    DiagramBuilder builder;
+    auto& signal = builder.AddFunction({"signal"}, Sampled{Hz(100)}, Uses(builder.time), [](double t) {
+      return CartSignal{std::sin(t), t};
+    });
+    builder.Connect(
+        signal, builder
+                    .Add<Publisher>(
+                        "publisher",
+                        {.topic = kTopic + "_there", .link = kOwnLink, .rate = Hz(100), .lock_step = true})
+                    .u);
+    auto& input = builder.Add<Input>("input", params);
+    Simulator simulator(builder.Build(), {.publish = params.replay.empty()});
+    const auto log = simulator.AddLog(Hz(100), {&signal, &input.y});
+    simulator.RunTo(kEnd);
+    for (std::size_t i = 0; i < log->rows(); ++i) EXPECT_EQ(log->row(i)[3], 2 * log->row(i)[1]) << i;
+    EXPECT_EQ(log->rows(), 101u);
+    return simulator.context().Eval(input.taken).recording;
+  };
+  const auto recording = run();
+  EXPECT_TRUE(echo.Succeeds());
+  EXPECT_EQ(recording.size(), 101u);
+  params.replay = recording;
+  run();
+}
+
+TEST(DdsInputTest, ALockStepThatIsLateEndsTheRun) {
+  TestRig<Input> rig(
+      {.topic = kTopic, .link = kOwnLink, .rate = Hz(10), .lock_step = true, .timeout_s = 1e-3});
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "'block.y'", kTopic, "t = 0 s"));
+}
+
+}  // namespace dds_test
+}  // namespace tenon
