@@ -75,8 +75,8 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
   Monitor statics{this, "statics", Sampled{params.rate}, Uses(plan, broken), &CdprMpc::CheckStatics};
 
  private:
-  CdprMpcCost CalcCost(const CdprMpcWeights& weights, const CdprMpcWeights& terminal_weights) const {
-    return CdprMpcSolver::Cost(params, weights, terminal_weights);
+  CdprMpcCost CalcCost(const CdprMpcWeights& weights_now, const CdprMpcWeights& terminal_weights_now) const {
+    return CdprMpcSolver::Cost(params, weights_now, terminal_weights_now);
   }
   void CalcPlan(const double& time, const PlatformEstimate& estimate, const LoadEstimate& load,
                 const CableVector& broken, const FollowedPath& path, const CdprMpcCost& cost,
@@ -84,7 +84,7 @@ class CdprMpc final : public LeafSystem<CdprMpcParams> {
   void CalcCommand(const double& time, const PlatformEstimate& estimate, const CdprPlan& plan,
                    const CableVector& broken, const FollowedPath& path, CdprReference& reference,
                    CableVector* command) const;
-  CdprMpcDiagnostics CalcDiagnostics(const CdprPlan& plan) const { return plan.diagnostics; }
+  CdprMpcDiagnostics CalcDiagnostics(const CdprPlan& plan_now) const { return plan_now.diagnostics; }
   Verdict CheckFallbacks(const CdprPlan& plan, int max_fallbacks_in_a_row) const;
   Verdict CheckStatics(const CdprPlan& plan, const CableVector& broken) const;
 };

@@ -38,12 +38,10 @@ class ReferenceGenerator final : public LeafSystem<ReferenceGeneratorParams> {
                                 &ReferenceGenerator::CalcGeometry};
 
  private:
-  void CalcReference(const double& time, const FollowedPath& path, CdprReference* reference) const {
-    (path.path ? *path.path : *params.path).At(time, reference);
+  void CalcReference(const double& t, const FollowedPath& followed, CdprReference* out) const {
+    (followed.path ? *followed.path : *params.path).At(t, out);
   }
-  void CalcGeometry(const CdprReference& reference, Geometry* out) const {
-    out->front().p_W = reference.position;
-  }
+  void CalcGeometry(const CdprReference& r, Geometry* out) const { out->front().p_W = r.position; }
 };
 
 }  // namespace tenon

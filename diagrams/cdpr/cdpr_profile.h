@@ -22,12 +22,11 @@ struct CdprMpcGains {
   CdprMpcWeights weights;
 
   static FieldList Fields() {
-    return {
-        Required("horizon_s", &CdprMpcGains::horizon)
-            .Positive()
-            .Scaled("horizon_t", [](double horizon, const Scale& scale) { return horizon * scale.Time(); }),
-        Required("num_steps", &CdprMpcGains::num_steps).Between(1, 1000),
-        Required("weights", &CdprMpcGains::weights)};
+    return {Required("horizon_s", &CdprMpcGains::horizon)
+                .Positive()
+                .Scaled("horizon_t", [](double value, const Scale& scale) { return value * scale.Time(); }),
+            Required("num_steps", &CdprMpcGains::num_steps).Between(1, 1000),
+            Required("weights", &CdprMpcGains::weights)};
   }
 };
 

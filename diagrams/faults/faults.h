@@ -70,7 +70,7 @@ class FaultError : public ParameterError {
 /// Adds fault blocks to a diagram, under the names fault_0, fault_1, ….
 class FaultInserter {
  public:
-  explicit FaultInserter(DiagramBuilder& builder) : builder(builder) {}
+  explicit FaultInserter(DiagramBuilder& target) : builder(target) {}
   DiagramBuilder& builder;
   std::vector<const Source*> signals;  ///< `acting` of each fault, and the signal that it changes
 

@@ -213,11 +213,11 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   TimeDerivative<Eigen::VectorXd> reel_acceleration{
       reel_speed, Uses(cable_forces, motor_tension, reel_speed, faults), &CdprPlant::CalcReelAcceleration};
   TimeDerivative<Eigen::VectorXd> added_q_rate{
-      added_q, Uses(rates), [](const PlatformRates& rates, Eigen::VectorXd* out) { *out = rates.q; }};
+      added_q, Uses(rates), [](const PlatformRates& rates_now, Eigen::VectorXd* out) { *out = rates_now.q; }};
   TimeDerivative<Eigen::VectorXd> added_u_rate{
-      added_u, Uses(rates), [](const PlatformRates& rates, Eigen::VectorXd* out) { *out = rates.u; }};
+      added_u, Uses(rates), [](const PlatformRates& rates_now, Eigen::VectorXd* out) { *out = rates_now.u; }};
   TimeDerivative<Eigen::VectorXd> added_z_rate{
-      added_z, Uses(rates), [](const PlatformRates& rates, Eigen::VectorXd* out) { *out = rates.z; }};
+      added_z, Uses(rates), [](const PlatformRates& rates_now, Eigen::VectorXd* out) { *out = rates_now.z; }};
 
  private:
   static PlatformState InitialPlatform(const CdprPlantParams& params);
@@ -239,8 +239,8 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
                  const Eigen::VectorXd& added_forces, PlatformRates* out) const;
   PlatformState CalcPlatform(const PlatformState& x) const;
   Vec<3> CalcEuler(const PlatformState& x) const;
-  PlatformAcceleration CalcAcceleration(const PlatformRates& rates) const { return rates.platform; }
-  void CalcCables(const CableForces& cables, CableSignals* out) const { *out = cables.signals; }
+  PlatformAcceleration CalcAcceleration(const PlatformRates& rates_now) const { return rates_now.platform; }
+  void CalcCables(const CableForces& cables_now, CableSignals* out) const { *out = cables_now.signals; }
   CdprEnergy CalcEnergy(const PlatformState& x, const CableForces& cables, const FreeRigidBody& body,
                         const Payload& payload, const ExtendedRobot& extended) const;
   Geometry MakeGeometry() const;

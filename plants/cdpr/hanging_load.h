@@ -64,7 +64,7 @@ class HangingLoad final : public LeafSystem<HangingLoadParams> {
   OutputPort<PlatformWrench> wrench{this, {"wrench"}, Uses(rope, others), &HangingLoad::CalcWrench};
   OutputPort<HangingLoadState> load{this, {"load"}, state};
   OutputPort<double> tension{
-      this, {"tension", "N"}, Uses(rope), [](const Rope& rope) { return rope.force_W.norm(); }};
+      this, {"tension", "N"}, Uses(rope), [](const Rope& rope_now) { return rope_now.force_W.norm(); }};
   OutputPort<Geometry> geometry{
       this, {"geometry"}, MakeGeometry(), Uses(platform, state, rope), &HangingLoad::CalcGeometry};
   TimeDerivative<HangingLoadState> rate{state, Uses(state, rope), &HangingLoad::CalcRate};

@@ -43,8 +43,8 @@ class SineForce final : public LeafSystem<SineForceParams> {
   Parameter<double> end{this, {"end", "s"}, params.end, "end of the force", Range().Finite().OrInfinite()};
   OutputPort<ExternalForce> force{
       this, {"force"}, Uses(time, amplitude, angular_frequency, start, end), &SineForce::CalcForce};
-  NextJump next_jump{this, "next_jump", Uses(time, start, end), [](double time, double start, double end) {
-                       return time < start ? start : time < end ? end : kNever;
+  NextJump next_jump{this, "next_jump", Uses(time, start, end), [](double t, double from, double to) {
+                       return t < from ? from : t < to ? to : kNever;
                      }};
 
  private:

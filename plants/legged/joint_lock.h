@@ -59,8 +59,8 @@ class JointLock final : public LeafSystem<JointLockParams> {
       this, {"locks"}, Sampled{params.rate}, Uses(state, others, acting, memory), &JointLock::CalcLocks};
 
  private:
-  bool CalcActing(double time, const FaultSchedule& schedule, bool active) const {
-    return active && schedule.Acts(time, params.rate);
+  bool CalcActing(double time_now, const FaultSchedule& schedule_now, bool active_now) const {
+    return active_now && schedule_now.Acts(time_now, params.rate);
   }
   JointLocks CalcLocks(const LeggedState& x, const JointLocks& others, bool acting, Memory& memory) const;
 };

@@ -194,11 +194,11 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
                                           &QuadrupedPlant::CalcMotionRate};
   TimeDerivative<FootBristles> bristle_rate{bristles, Uses(contacts), &QuadrupedPlant::CalcBristleRate};
   TimeDerivative<Eigen::VectorXd> added_q_rate{
-      added_q, Uses(rates), [](const ExtendedRates& rates, Eigen::VectorXd* out) { *out = rates.q; }};
+      added_q, Uses(rates), [](const ExtendedRates& rates_now, Eigen::VectorXd* out) { *out = rates_now.q; }};
   TimeDerivative<Eigen::VectorXd> added_u_rate{
-      added_u, Uses(rates), [](const ExtendedRates& rates, Eigen::VectorXd* out) { *out = rates.u; }};
+      added_u, Uses(rates), [](const ExtendedRates& rates_now, Eigen::VectorXd* out) { *out = rates_now.u; }};
   TimeDerivative<Eigen::VectorXd> added_z_rate{
-      added_z, Uses(rates), [](const ExtendedRates& rates, Eigen::VectorXd* out) { *out = rates.z; }};
+      added_z, Uses(rates), [](const ExtendedRates& rates_now, Eigen::VectorXd* out) { *out = rates_now.z; }};
 
  private:
   static QuadrupedDescription Without(QuadrupedDescription robot, const RigidInertia& part);
@@ -213,7 +213,7 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
                  const Vec<12>& joint_torque, const ExternalForces& external, const JointLocks& locks,
                  const ExtendedQuadruped& extended, const Eigen::VectorXd& added_forces,
                  ExtendedRates* out) const;
-  LeggedAcceleration CalcAcceleration(const ExtendedRates& rates) const { return rates.robot; }
+  LeggedAcceleration CalcAcceleration(const ExtendedRates& rates_now) const { return rates_now.robot; }
   FootForces CalcFootForces(const FootContacts& contacts) const;
   Vec<4> CalcFootDepths(const FootContacts& contacts) const;
   std::array<Vec<3>, kNumLegs> CalcFootSlips(const FootContacts& contacts) const;

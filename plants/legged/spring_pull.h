@@ -50,7 +50,7 @@ Vec<3> PointInBody(const QuadrupedDescription& robot, const LeggedState& x, int 
 /// with the point's velocity v in W. The force is 0 unless `on` is set.
 class SpringPull final : public LeafSystem<SpringPullParams> {
  public:
-  explicit SpringPull(const SpringPullParams& params) : LeafSystem(Complete(params)) {}
+  explicit SpringPull(const SpringPullParams& given) : LeafSystem(Complete(given)) {}
 
   InputPort<LeggedState> state{this, {"state"}};
   Parameter<SpringGrip> grip{

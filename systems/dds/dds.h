@@ -88,8 +88,8 @@ class DdsPublisher final : public LeafSystem<DdsPublisherParams> {
   Publish send{this, "send", Sampled{params.rate}, Uses(time, u, unsent, message), &DdsPublisher::Send};
 
  private:
-  void Send(double time, const T& value, std::uint64_t& unsent, std::vector<char>& message) const {
-    if (!sender_->Send(time, &value, message)) ++unsent;
+  void Send(double t, const T& value, std::uint64_t& lost, std::vector<char>& bytes) const {
+    if (!sender_->Send(t, &value, bytes)) ++lost;
   }
   std::unique_ptr<internal::DdsSender> sender_ =
       internal::MakeDdsSender({params.topic, params.link, params.lock_step}, DdsMessageOf<T>::Get());
@@ -130,9 +130,9 @@ class DdsInput final : public LeafSystem<DdsInputParams<T>> {
       this, "y", params.initial, Sampled{params.rate}, Uses(this->time, taken, refused), &DdsInput::TakeOver};
 
  private:
-  void TakeOver(double time, TakenOver<T>& taken, RefusedMessages& refused, T* y) const {
-    internal::TakeOver(params, inbox_.get(), time, taken, refused);
-    *y = taken.value;
+  void TakeOver(double t, TakenOver<T>& taken_now, RefusedMessages& refused_now, T* y_out) const {
+    internal::TakeOver(params, inbox_.get(), t, taken_now, refused_now);
+    *y_out = taken_now.value;
   }
 
   std::unique_ptr<internal::Inbox> Open() {

@@ -56,17 +56,17 @@ class ExternalInput final : public LeafSystem<ExternalInputParams<T>> {
   }
 
  private:
-  T TakeOver(double time, TakenOver<T>& taken) const {
+  T TakeOver(double t, TakenOver<T>& taken_now) const {
     if (!params.replay.empty()) {
-      taken.Replay(params.replay, time);
-      return taken.value;
+      taken_now.Replay(params.replay, t);
+      return taken_now.value;
     }
     const std::lock_guard lock(mutex_);
-    if (number_ != taken.number) {
-      taken.Take(time, latest_, params.record);
-      taken.number = number_;
+    if (number_ != taken_now.number) {
+      taken_now.Take(t, latest_, params.record);
+      taken_now.number = number_;
     }
-    return taken.value;
+    return taken_now.value;
   }
 
   mutable std::mutex mutex_;

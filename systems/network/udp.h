@@ -59,8 +59,8 @@ class UdpPublisher final : public LeafSystem<UdpPublisherParams> {
   Publish send{this, "send", Sampled{params.rate}, Uses(time, u, unsent, writer), &UdpPublisher::Send};
 
  private:
-  void Send(double time, const T& value, std::uint64_t& unsent, internal::JsonWriter& writer) const {
-    if (!sender_.Send(time, u, &value, writer)) ++unsent;
+  void Send(double t, const T& value, std::uint64_t& lost, internal::JsonWriter& json) const {
+    if (!sender_.Send(t, u, &value, json)) ++lost;
   }
   internal::UdpSender sender_{params.name, params.address, params.port, internal::TypeInfoOf<T>()};
 };
@@ -104,9 +104,9 @@ class UdpInput final : public LeafSystem<UdpInputParams<T>> {
   int port() const { return port_; }
 
  private:
-  void TakeOver(double time, TakenOver<T>& taken, RefusedMessages& refused, T* y) const {
-    internal::TakeOver(params, inbox_.get(), time, taken, refused);
-    *y = taken.value;
+  void TakeOver(double t, TakenOver<T>& taken_now, RefusedMessages& refused_now, T* y_out) const {
+    internal::TakeOver(params, inbox_.get(), t, taken_now, refused_now);
+    *y_out = taken_now.value;
   }
 
   std::unique_ptr<internal::Inbox> Open() {

@@ -34,14 +34,14 @@ class Adder final : public LeafSystem<AdderParams> {
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},
                   Uses(weights, u),
-                  [](const internal::Weights& weights, const Inputs<T>& u) -> T {
-                    if (weights.size() != u.size()) {
-                      throw RunError("there are " + std::to_string(weights.size()) + " weights, but " +
-                                     std::to_string(u.size()) + " inputs: set one weight per input");
+                  [](const internal::Weights& weights_now, const Inputs<T>& u_now) -> T {
+                    if (weights_now.size() != u_now.size()) {
+                      throw RunError("there are " + std::to_string(weights_now.size()) + " weights, but " +
+                                     std::to_string(u_now.size()) + " inputs: set one weight per input");
                     }
-                    const double* weight = weights.data();
-                    T sum = weight[0] * u[0];
-                    for (std::size_t i = 1; i < u.size(); ++i) sum += weight[i] * u[i];
+                    const double* weight = weights_now.data();
+                    T sum = weight[0] * u_now[0];
+                    for (std::size_t i = 1; i < u_now.size(); ++i) sum += weight[i] * u_now[i];
                     return sum;
                   }};
 };

@@ -87,8 +87,8 @@ class Concatenate final : public LeafSystem<ConcatenateParams> {
  public:
   OutputPort<Eigen::VectorXd> y{this, joined_, Eigen::VectorXd::Zero(internal::TotalSize<Ts...>()),
                                 std::apply([](const auto&... port) { return Uses(*port...); }, ports_),
-                                [](const Ts&... values, Eigen::VectorXd* y) {
-                                  double* out = y->data();
+                                [](const Ts&... values, Eigen::VectorXd* y_out) {
+                                  double* out = y_out->data();
                                   ((out = internal::ToDoubles(internal::TypeInfoOf<Ts>(), &values, out)),
                                    ...);
                                 }};
@@ -114,12 +114,12 @@ class Split final : public LeafSystem<ConcatenateParams> {
  private:
   template <class T>
   std::unique_ptr<OutputPort<T>> MakePort(std::size_t i, Eigen::Index& begin) {
-    const auto take = [begin](const Eigen::VectorXd& u, T* part) {
-      if (u.size() != internal::TotalSize<Ts...>()) {
-        throw RunError("u has " + std::to_string(u.size()) + " elements, but the parts have a total of " +
+    const auto take = [begin](const Eigen::VectorXd& u_now, T* part) {
+      if (u_now.size() != internal::TotalSize<Ts...>()) {
+        throw RunError("u has " + std::to_string(u_now.size()) + " elements, but the parts have a total of " +
                        std::to_string(internal::TotalSize<Ts...>()) + ": make them equal");
       }
-      internal::FromDoubles(internal::TypeInfoOf<T>(), part, u.data() + begin);
+      internal::FromDoubles(internal::TypeInfoOf<T>(), part, u_now.data() + begin);
     };
     begin += internal::TotalSize<T>();
     return std::make_unique<OutputPort<T>>(this, internal::PortOf<T>(params.ports, sizeof...(Ts), "y", i),
@@ -148,10 +148,10 @@ class Mux final : public LeafSystem<MuxParams> {
   using LeafSystem::LeafSystem;
   InputPorts<double> u{this, "u", N};
   OutputPort<Vec<N>> y{
-      this, {"y", params.units, params.elements}, Uses(u), [](const Inputs<double>& u) -> Vec<N> {
-        Vec<N> y;
-        for (int i = 0; i < N; ++i) y[i] = u[i];
-        return y;
+      this, {"y", params.units, params.elements}, Uses(u), [](const Inputs<double>& u_now) -> Vec<N> {
+        Vec<N> all;
+        for (int i = 0; i < N; ++i) all[i] = u_now[i];
+        return all;
       }};
 };
 
@@ -164,7 +164,7 @@ class Demux final : public LeafSystem<MuxParams> {
   explicit Demux(MuxParams p = {}) : LeafSystem(std::move(p)) {
     for (int i = 0; i < N; ++i) {
       y.emplace_back(this, Spec("y_" + std::to_string(i), internal::ElementUnit(u.spec(), i)), Uses(u),
-                     [i](const Vec<N>& u) -> double { return u[i]; });
+                     [i](const Vec<N>& u_now) -> double { return u_now[i]; });
     }
   }
   InputPort<Vec<N>> u{this, {"u", params.units, params.elements}};

@@ -24,8 +24,8 @@ class ConstantSource final : public LeafSystem<ConstantParams<T>> {
   using LeafSystem<ConstantParams<T>>::params;
   Parameter<T> value{this, {"value", params.unit, params.elements}, params.value, "value of the output"};
   OutputPort<T> y{
-      this, {"y", params.unit, params.elements}, params.value, Uses(value), [](const T& value) -> const T& {
-        return value;
+      this, {"y", params.unit, params.elements}, params.value, Uses(value), [](const T& v) -> const T& {
+        return v;
       }};
 };
 

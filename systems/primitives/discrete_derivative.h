@@ -36,8 +36,8 @@ class DiscreteDerivative final : public LeafSystem<DiscreteDerivativeParams> {
 
  private:
   Shared<Difference> next_{this, "next", Uses(x, u, time_constant),
-                           [this](const Difference& x, const T& u, double time_constant) {
-                             return x.Next(u, time_constant, params.rate.period());
+                           [this](const Difference& x_now, const T& u_now, double tau) {
+                             return x_now.Next(u_now, tau, params.rate.period());
                            }};
 
  public:

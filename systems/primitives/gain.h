@@ -28,8 +28,8 @@ class Gain final : public LeafSystem<GainParams> {
   Parameter<double> gain{this, "gain", params.gain, "factor in unit of y / unit of u", Range().Finite()};
   InputPort<T> u{this, {"u", params.u_unit, params.elements}};
   OutputPort<T> y{
-      this, {"y", params.y_unit, params.elements}, Uses(gain, u), [](double gain, const T& u) -> T {
-        return gain * u;
+      this, {"y", params.y_unit, params.elements}, Uses(gain, u), [](double gain_now, const T& u_now) -> T {
+        return gain_now * u_now;
       }};
 };
 
@@ -69,8 +69,8 @@ class MatrixGain final : public LeafSystem<MatrixGainParams<Rows, Cols>> {
                           {"y", params.y_unit, params.y_elements},
                           Vec<Rows>::Zero(params.gain.rows()),
                           Uses(gain, u),
-                          [](const Matrix& gain, const Vec<Cols>& u, Vec<Rows>* y) {
-                            internal::Multiply("gain", gain, "u", u, y);
+                          [](const Matrix& gain_now, const Vec<Cols>& u_now, Vec<Rows>* y_out) {
+                            internal::Multiply("gain", gain_now, "u", u_now, y_out);
                           }};
 };
 

@@ -64,14 +64,14 @@ class HeldLag final : public LeafSystem<HeldLagParams<T>> {
                   {"y", params.unit, params.elements},
                   params.initial,
                   Uses(this->time, part, time_constant),
-                  [](double time, const Part& part, double time_constant, T* y) {
-                    *y = part.to + std::exp((part.since - time) / time_constant) * (part.from - part.to);
+                  [](double t, const Part& p, double tau, T* y_out) {
+                    *y_out = p.to + std::exp((p.since - t) / tau) * (p.from - p.to);
                   }};
   Update<Part> next{part, Sampled{params.rate}, Uses(this->time, y, u),
-                    [](double time, const T& y, const T& u, Part* next) {
-                      next->since = time;
-                      next->from = y;
-                      next->to = u;
+                    [](double t, const T& y_now, const T& u_now, Part* next_out) {
+                      next_out->since = t;
+                      next_out->from = y_now;
+                      next_out->to = u_now;
                     }};
 };
 

@@ -90,26 +90,26 @@ class JitteredDelay final : public LeafSystem<JitteredDelayParams<T>> {
   static std::size_t Length(const JitteredDelayParams<T>& params) {
     return static_cast<std::size_t>(std::ceil((params.delay + params.jitter) / params.rate.period())) + 1;
   }
-  void CalcY(const T& u, RandomStream& random, Line& line, T* y) const {
+  void CalcY(const T& u_now, RandomStream& stream, Line& line_now, T* y_out) const {
     const double h = params.rate.period();
-    line.known = std::min(line.known + 1, line.values.size());
-    for (std::size_t i = line.known - 1; i > 0; --i) {
-      line.values[i] = line.values[i - 1];
-      line.left[i] = line.left[i - 1] - h;
+    line_now.known = std::min(line_now.known + 1, line_now.values.size());
+    for (std::size_t i = line_now.known - 1; i > 0; --i) {
+      line_now.values[i] = line_now.values[i - 1];
+      line_now.left[i] = line_now.left[i - 1] - h;
     }
-    line.values[0] = u;
-    line.left[0] = params.delay + (params.jitter > 0 ? params.jitter * random.Uniform(-1, 1) : 0);
+    line_now.values[0] = u_now;
+    line_now.left[0] = params.delay + (params.jitter > 0 ? params.jitter * stream.Uniform(-1, 1) : 0);
     // Go backwards through the tick: the last message to arrive holds until the end, each earlier one until
     // the next.
     double open = 1;  // fraction of the tick, from its beginning, that is not yet assigned
-    *y = 0 * u;
-    for (std::size_t i = 0; i < line.known && open > 0; ++i) {
-      const double from = std::max(line.left[i] / h, 0.0);
+    *y_out = 0 * u_now;
+    for (std::size_t i = 0; i < line_now.known && open > 0; ++i) {
+      const double from = std::max(line_now.left[i] / h, 0.0);
       if (from >= open) continue;
-      *y += (open - from) * line.values[i];
+      *y_out += (open - from) * line_now.values[i];
       open = from;
     }
-    if (open > 0) *y += open * params.initial;
+    if (open > 0) *y_out += open * params.initial;
   }
 };
 

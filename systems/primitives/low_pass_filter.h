@@ -37,8 +37,8 @@ class LowPassFilter final : public LeafSystem<LowPassFilterParams<T>> {
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   ContinuousState<T> x{this, {"y", params.unit, params.elements}, params.initial};
   OutputPort<T> y{this, x};
-  TimeDerivative<T> dx{x, Uses(x, u, time_constant), [](const T& x, const T& u, double time_constant) -> T {
-                         return (1 / time_constant) * (u - x);
+  TimeDerivative<T> dx{x, Uses(x, u, time_constant), [](const T& x_now, const T& u_now, double tau) -> T {
+                         return (1 / tau) * (u_now - x_now);
                        }};
 };
 
@@ -72,18 +72,18 @@ class DiscreteLowPass final : public LeafSystem<DiscreteLowPassParams<T>> {
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}, params.initial};
   OutputPort<T> y{
-      this, {"y", params.unit, params.elements}, Sampled{params.rate}, Uses(x), [](const T& x) -> const T& {
-        return x;
+      this, {"y", params.unit, params.elements}, Sampled{params.rate}, Uses(x), [](const T& v) -> const T& {
+        return v;
       }};
 
  private:
-  Shared<double> blend_{this, "blend", Uses(time_constant), [this](double time_constant) {
-                          return -std::expm1(-params.rate.period() / time_constant);
-                        }};
+  Shared<double> blend_{this, "blend", Uses(time_constant),
+                        [this](double tau) { return -std::expm1(-params.rate.period() / tau); }};
 
  public:
-  Update<T> next{x, Sampled{params.rate}, Uses(x, u, blend_),
-                 [](const T& x, const T& u, double blend) -> T { return x + blend * (u - x); }};
+  Update<T> next{
+      x, Sampled{params.rate}, Uses(x, u, blend_),
+      [](const T& x_now, const T& u_now, double blend) -> T { return x_now + blend * (u_now - x_now); }};
 };
 
 }  // namespace tenon

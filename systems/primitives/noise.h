@@ -46,10 +46,10 @@ class WhiteNoise final : public LeafSystem<NoiseParams<T>> {
                   {"y", params.unit, params.elements},
                   Sampled{params.rate},
                   Uses(standard_deviation, random),
-                  [](const T& standard_deviation, RandomStream& random, T* y) {
+                  [](const T& sigma, RandomStream& stream, T* y_out) {
                     internal::ForEachDouble(
-                        [&](double& y, double deviation) { y = deviation * random.Normal(); }, *y,
-                        standard_deviation);
+                        [&](double& y_i, double deviation) { y_i = deviation * stream.Normal(); }, *y_out,
+                        sigma);
                   }};
 };
 
@@ -73,11 +73,11 @@ class AddNoise final : public LeafSystem<NoiseParams<T>> {
                   {"y", params.unit, params.elements},
                   Sampled{params.rate},
                   Uses(u, standard_deviation, random),
-                  [](const T& u, const T& standard_deviation, RandomStream& random, T* y) {
-                    *y = u;
+                  [](const T& u_now, const T& sigma, RandomStream& stream, T* y_out) {
+                    *y_out = u_now;
                     internal::ForEachDouble(
-                        [&](double& y, double deviation) { y += deviation * random.Normal(); }, *y,
-                        standard_deviation);
+                        [&](double& y_i, double deviation) { y_i += deviation * stream.Normal(); }, *y_out,
+                        sigma);
                   }};
 };
 
@@ -115,11 +115,11 @@ class UniformNoise final : public LeafSystem<UniformNoiseParams<T>> {
                   {"y", params.unit, params.elements},
                   Sampled{params.rate},
                   Uses(lower, upper, random),
-                  [](const T& lower, const T& upper, RandomStream& random) -> T {
-                    const auto draw = [&random](double low, double high) {
-                      return random.Uniform(low, high);
+                  [](const T& low, const T& high, RandomStream& stream) -> T {
+                    const auto draw = [&stream](double least, double most) {
+                      return stream.Uniform(least, most);
                     };
-                    return internal::Elementwise(draw, lower, upper);
+                    return internal::Elementwise(draw, low, high);
                   }};
 };
 

@@ -90,40 +90,41 @@ class Pid final : public LeafSystem<PidParams<T>> {
  private:
   Shared<internal::FilteredDifference<T>> derivative_{
       this, "derivative", Uses(memory, ref, y, ref_weight, filter_time),
-      [this](const Memory& memory, const T& ref, const T& y, double ref_weight, double filter_time) {
-        return memory.derivative.Next(ref_weight * ref - y, filter_time, params.rate.period());
+      [this](const Memory& m, const T& r, const T& y_now, double b, double tau) {
+        return m.derivative.Next(b * r - y_now, tau, params.rate.period());
       }};
-  Shared<T> unlimited_{this, "unlimited", Uses(memory, ref, y, derivative_, kp, kd),
-                       [](const Memory& memory, const T& ref, const T& y,
-                          const internal::FilteredDifference<T>& derivative, const T& kp, const T& kd) -> T {
-                         const auto sum = [](double integral, double ref, double y, double d, double kp,
-                                             double kd) { return kp * (ref - y) + integral + kd * d; };
-                         return internal::Elementwise(sum, memory.integral, ref, y, derivative.d, kp, kd);
-                       }};
+  Shared<T> unlimited_{
+      this, "unlimited", Uses(memory, ref, y, derivative_, kp, kd),
+      [](const Memory& m, const T& r, const T& y_now, const internal::FilteredDifference<T>& derivative,
+         const T& kp_now, const T& kd_now) -> T {
+        const auto sum = [](double integral, double r_i, double y_i, double d, double kp_i, double kd_i) {
+          return kp_i * (r_i - y_i) + integral + kd_i * d;
+        };
+        return internal::Elementwise(sum, m.integral, r, y_now, derivative.d, kp_now, kd_now);
+      }};
 
  public:
   OutputPort<T> u{this,
                   {"u", params.u_unit, params.elements},
                   Sampled{params.rate},
                   Uses(unlimited_, lower, upper),
-                  [](const T& v, const T& lower, const T& upper) -> T {
-                    const auto limit = [](double v, double low, double high) {
-                      return std::clamp(v, low, high);
+                  [](const T& v, const T& low, const T& high) -> T {
+                    const auto limit = [](double v_i, double least, double most) {
+                      return std::clamp(v_i, least, most);
                     };
-                    return internal::Elementwise(limit, v, lower, upper);
+                    return internal::Elementwise(limit, v, low, high);
                   }};
   Update<Memory> next{
       memory, Sampled{params.rate}, Uses(memory, ref, y, derivative_, unlimited_, ki, lower, upper),
-      [this](const Memory& memory, const T& ref, const T& y,
-             const internal::FilteredDifference<T>& derivative, const T& unlimited, const T& ki,
-             const T& lower, const T& upper) -> Memory {
-        const auto integrate = [h = params.rate.period()](double integral, double ref, double y, double v,
-                                                          double ki, double low, double high) {
-          const double rise = ki * (ref - y);
-          const bool winds_up = (v > high && rise > 0) || (v < low && rise < 0);
+      [this](const Memory& m, const T& r, const T& y_now, const internal::FilteredDifference<T>& derivative,
+             const T& unlimited, const T& ki_now, const T& low, const T& high) -> Memory {
+        const auto integrate = [h = params.rate.period()](double integral, double r_i, double y_i, double v,
+                                                          double ki_i, double least, double most) {
+          const double rise = ki_i * (r_i - y_i);
+          const bool winds_up = (v > most && rise > 0) || (v < least && rise < 0);
           return winds_up ? integral : integral + h * rise;
         };
-        return {internal::Elementwise(integrate, memory.integral, ref, y, unlimited, ki, lower, upper),
+        return {internal::Elementwise(integrate, m.integral, r, y_now, unlimited, ki_now, low, high),
                 derivative};
       }};
 };

@@ -36,16 +36,16 @@ class Quantizer final : public LeafSystem<QuantizerParams<T>> {
                     Range().Positive()};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   OutputPort<T> y{
-      this, {"y", params.unit, params.elements}, Uses(u, step), [](const T& u, const T& step) -> T {
-        return internal::Elementwise([](double u, double step) { return step * std::round(u / step); }, u,
-                                     step);
+      this, {"y", params.unit, params.elements}, Uses(u, step), [](const T& u_now, const T& step_now) -> T {
+        return internal::Elementwise(
+            [](double u_i, double step_i) { return step_i * std::round(u_i / step_i); }, u_now, step_now);
       }};
-  Kink kink{this, "kink", Uses(u, step), [](const T& u, const T& step) {
+  Kink kink{this, "kink", Uses(u, step), [](const T& u_now, const T& step_now) {
               return internal::PieceOf(
-                  [](double u, double step) {
-                    return std::isfinite(u) ? std::clamp(std::round(u / step), -1e15, 1e15) : 0.0;
+                  [](double u_i, double step_i) {
+                    return std::isfinite(u_i) ? std::clamp(std::round(u_i / step_i), -1e15, 1e15) : 0.0;
                   },
-                  u, step);
+                  u_now, step_now);
             }};
 };
 

@@ -44,21 +44,20 @@ class RandomWalk final : public LeafSystem<RandomWalkParams<T>> {
   Random random{this, "random"};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}};
   OutputPort<T> y{
-      this, {"y", params.unit, params.elements}, Sampled{params.rate}, Uses(x), [](const T& x) -> const T& {
-        return x;
+      this, {"y", params.unit, params.elements}, Sampled{params.rate}, Uses(x), [](const T& v) -> const T& {
+        return v;
       }};
-  Update<T> start{x, AtStart{}, Uses(start_deviation, random),
-                  [](const T& start_deviation, RandomStream& random) -> T {
-                    const auto draw = [&random](double deviation) { return deviation * random.Normal(); };
-                    return internal::Elementwise(draw, start_deviation);
+  Update<T> start{x, AtStart{}, Uses(start_deviation, random), [](const T& sigma, RandomStream& stream) -> T {
+                    const auto draw = [&stream](double deviation) { return deviation * stream.Normal(); };
+                    return internal::Elementwise(draw, sigma);
                   }};
   Update<T> next{x, Sampled{params.rate}, Uses(x, density, random),
-                 [this](const T& x, const T& density, RandomStream& random) -> T {
-                   const auto step = [&random, root = std::sqrt(params.rate.period())](double x,
-                                                                                       double density) {
-                     return x + density * root * random.Normal();
+                 [this](const T& x_now, const T& sigma, RandomStream& stream) -> T {
+                   const auto step = [&stream, root = std::sqrt(params.rate.period())](double x_i,
+                                                                                       double density_i) {
+                     return x_i + density_i * root * stream.Normal();
                    };
-                   return internal::Elementwise(step, x, density);
+                   return internal::Elementwise(step, x_now, sigma);
                  }};
 };
 
@@ -95,22 +94,23 @@ class GaussMarkov final : public LeafSystem<GaussMarkovParams<T>> {
   Random random{this, "random"};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}};
   OutputPort<T> y{
-      this, {"y", params.unit, params.elements}, Sampled{params.rate}, Uses(x), [](const T& x) -> const T& {
-        return x;
+      this, {"y", params.unit, params.elements}, Sampled{params.rate}, Uses(x), [](const T& v) -> const T& {
+        return v;
       }};
   Update<T> start{x, AtStart{}, Uses(standard_deviation, random),
-                  [](const T& standard_deviation, RandomStream& random) -> T {
-                    const auto draw = [&random](double deviation) { return deviation * random.Normal(); };
-                    return internal::Elementwise(draw, standard_deviation);
+                  [](const T& sigma, RandomStream& stream) -> T {
+                    const auto draw = [&stream](double deviation) { return deviation * stream.Normal(); };
+                    return internal::Elementwise(draw, sigma);
                   }};
-  Update<T> next{
-      x, Sampled{params.rate}, Uses(x, standard_deviation, time_constant, random),
-      [this](const T& x, const T& standard_deviation, double time_constant, RandomStream& random) -> T {
-        const double h = params.rate.period();
-        const double a = std::exp(-h / time_constant), b = std::sqrt(-std::expm1(-2 * h / time_constant));
-        const auto step = [&](double x, double deviation) { return a * x + b * deviation * random.Normal(); };
-        return internal::Elementwise(step, x, standard_deviation);
-      }};
+  Update<T> next{x, Sampled{params.rate}, Uses(x, standard_deviation, time_constant, random),
+                 [this](const T& x_now, const T& sigma, double tau, RandomStream& stream) -> T {
+                   const double h = params.rate.period();
+                   const double a = std::exp(-h / tau), b = std::sqrt(-std::expm1(-2 * h / tau));
+                   const auto step = [&](double x_i, double deviation) {
+                     return a * x_i + b * deviation * stream.Normal();
+                   };
+                   return internal::Elementwise(step, x_now, sigma);
+                 }};
 };
 
 }  // namespace tenon

@@ -45,19 +45,19 @@ class RateLimiter final : public LeafSystem<RateLimiterParams<T>> {
                       Range().AtLeast(0).OrInfinite()};
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   DiscreteState<T> last{this, {"last", params.unit, params.elements}, params.initial};
-  OutputPort<T> y{
-      this,
-      {"y", params.unit, params.elements},
-      Sampled{params.rate},
-      Uses(last, u, falling, rising),
-      [this](const T& last, const T& u, const T& falling, const T& rising) -> T {
-        const auto limit = [h = params.rate.period()](double last, double u, double falling, double rising) {
-          const double step = u - last;
-          return step > h * rising ? last + h * rising : step < h * falling ? last + h * falling : u;
-        };
-        return internal::Elementwise(limit, last, u, falling, rising);
-      }};
-  Update<T> next{last, Sampled{params.rate}, Uses(y), [](const T& y) -> const T& { return y; }};
+  OutputPort<T> y{this,
+                  {"y", params.unit, params.elements},
+                  Sampled{params.rate},
+                  Uses(last, u, falling, rising),
+                  [this](const T& old, const T& u_now, const T& down, const T& up) -> T {
+                    const auto limit = [h = params.rate.period()](double a, double b, double least,
+                                                                  double most) {
+                      const double step = b - a;
+                      return step > h * most ? a + h * most : step < h * least ? a + h * least : b;
+                    };
+                    return internal::Elementwise(limit, old, u_now, down, up);
+                  }};
+  Update<T> next{last, Sampled{params.rate}, Uses(y), [](const T& v) -> const T& { return v; }};
 };
 
 }  // namespace tenon

@@ -42,11 +42,12 @@ class SampleDelay final : public LeafSystem<SampleDelayParams<T>> {
       this, {"line", params.unit, params.elements}, Line(params.samples, params.initial)};
   OutputPort<T> y{this,           {"y", params.unit, params.elements},
                   params.initial, Sampled{params.rate},
-                  Uses(line),     [](const Line& line) -> const T& { return line.front(); }};
-  Update<Line> next{line, Sampled{params.rate}, Uses(line, u), [](const Line& line, const T& u, Line* next) {
-                      next->resize(line.size());
-                      std::copy(line.begin() + 1, line.end(), next->begin());
-                      next->back() = u;
+                  Uses(line),     [](const Line& old) -> const T& { return old.front(); }};
+  Update<Line> next{line, Sampled{params.rate}, Uses(line, u),
+                    [](const Line& old, const T& u_now, Line* out) {
+                      out->resize(old.size());
+                      std::copy(old.begin() + 1, old.end(), out->begin());
+                      out->back() = u_now;
                     }};
 };
 

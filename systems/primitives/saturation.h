@@ -39,17 +39,17 @@ class Saturation final : public LeafSystem<SaturationParams<T>> {
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},
                   Uses(u, lower, upper),
-                  [](const T& u, const T& lower, const T& upper) -> T {
-                    const auto limit = [](double u, double low, double high) {
-                      return std::clamp(u, low, high);
+                  [](const T& u_now, const T& low, const T& high) -> T {
+                    const auto limit = [](double u_i, double least, double most) {
+                      return std::clamp(u_i, least, most);
                     };
-                    return internal::Elementwise(limit, u, lower, upper);
+                    return internal::Elementwise(limit, u_now, low, high);
                   }};
-  Kink kink{this, "kink", Uses(u, lower, upper), [](const T& u, const T& lower, const T& upper) {
-              const auto piece = [](double u, double low, double high) {
-                return u < low ? -1 : u > high ? 1 : 0;
+  Kink kink{this, "kink", Uses(u, lower, upper), [](const T& u_now, const T& low, const T& high) {
+              const auto piece = [](double u_i, double least, double most) {
+                return u_i < least ? -1 : u_i > most ? 1 : 0;
               };
-              return internal::PieceOf(piece, u, lower, upper);
+              return internal::PieceOf(piece, u_now, low, high);
             }};
 };
 

@@ -115,8 +115,8 @@ class SignalFault final : public LeafSystem<SignalFaultParams<T>> {
                           {"acting"},
                           Sampled{params.rate},
                           Uses(time, schedule, active),
-                          [this](double time, const FaultSchedule& schedule, bool active) {
-                            return active && schedule.Acts(time, params.rate);
+                          [this](double time_now, const FaultSchedule& schedule_now, bool active_now) {
+                            return active_now && schedule_now.Acts(time_now, params.rate);
                           }};
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},
@@ -143,25 +143,25 @@ class SignalFault final : public LeafSystem<SignalFaultParams<T>> {
     return numbers;
   }
 
-  void CalcY(const T& u, bool acting, double size, RandomStream& random, Memory& memory,
-             std::vector<double>& numbers, std::vector<double>& held_numbers, T* y) const {
-    if (!memory.started) std::fill(memory.values.begin(), memory.values.end(), Held{u});
-    memory.started = true;
-    memory.ticks = acting ? memory.ticks + 1 : -1;
-    const bool lost = params.kind == Kind::kLost && random.Uniform() < params.probability;
-    T& held = memory.values[static_cast<std::size_t>(memory.next)].value;
+  void CalcY(const T& u_now, bool acting_now, double size_now, RandomStream& stream, Memory& memory_now,
+             std::vector<double>& numbers_now, std::vector<double>& held_numbers_now, T* y_out) const {
+    if (!memory_now.started) std::fill(memory_now.values.begin(), memory_now.values.end(), Held{u_now});
+    memory_now.started = true;
+    memory_now.ticks = acting_now ? memory_now.ticks + 1 : -1;
+    const bool lost = params.kind == Kind::kLost && stream.Uniform() < params.probability;
+    T& held = memory_now.values[static_cast<std::size_t>(memory_now.next)].value;
 
-    const auto change = [&](auto to) { internal::ChangeElements(*y, chosen_, numbers, to); };
+    const auto change = [&](auto to) { internal::ChangeElements(*y_out, chosen_, numbers_now, to); };
     const auto hold = [&] {
       if (chosen_.empty()) {
-        *y = held;
+        *y_out = held;
         return;
       }
-      internal::CopyElements(held, held_numbers);
-      change([&](double& x, std::size_t i) { x = held_numbers[i]; });
+      internal::CopyElements(held, held_numbers_now);
+      change([&](double& x, std::size_t i) { x = held_numbers_now[i]; });
     };
-    *y = u;
-    if (acting) {
+    *y_out = u_now;
+    if (acting_now) {
       switch (params.kind) {
         case Kind::kDropOut:
           change([](double& x, std::size_t) { x = 0; });
@@ -170,14 +170,14 @@ class SignalFault final : public LeafSystem<SignalFaultParams<T>> {
           change([](double& x, std::size_t) { x = std::numeric_limits<double>::quiet_NaN(); });
           break;
         case Kind::kSpike:
-          if (memory.ticks == 0 || (params.period > 0 && memory.ticks % spacing_ == 0))
-            change([size](double& x, std::size_t) { x += size; });
+          if (memory_now.ticks == 0 || (params.period > 0 && memory_now.ticks % spacing_ == 0))
+            change([size_now](double& x, std::size_t) { x += size_now; });
           break;
         case Kind::kOffset:
-          change([size](double& x, std::size_t) { x += size; });
+          change([size_now](double& x, std::size_t) { x += size_now; });
           break;
         case Kind::kLoss:
-          change([size](double& x, std::size_t) { x *= 1 - size; });
+          change([size_now](double& x, std::size_t) { x *= 1 - size_now; });
           break;
         case Kind::kLost:
           if (lost) hold();
@@ -187,9 +187,9 @@ class SignalFault final : public LeafSystem<SignalFaultParams<T>> {
           hold();
       }
     }
-    if (params.kind == Kind::kLate || (params.kind == Kind::kStuck && !acting)) held = u;
-    if (params.kind == Kind::kLost) held = *y;
-    if (++memory.next == static_cast<int>(memory.values.size())) memory.next = 0;
+    if (params.kind == Kind::kLate || (params.kind == Kind::kStuck && !acting_now)) held = u_now;
+    if (params.kind == Kind::kLost) held = *y_out;
+    if (++memory_now.next == static_cast<int>(memory_now.values.size())) memory_now.next = 0;
   }
 };
 

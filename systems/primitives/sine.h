@@ -48,24 +48,24 @@ class Sine final : public LeafSystem<SineParams<T>> {
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},
                   Uses(this->time, amplitude, angular_frequency, phase, offset),
-                  [](double t, const T& a, const T& w, const T& phase, const T& offset) -> T {
-                    return offset + Derivative(t, a, w, phase, 0);
+                  [](double t, const T& a, const T& w, const T& phi, const T& offset_now) -> T {
+                    return offset_now + Derivative(t, a, w, phi, 0);
                   }};
   OutputPort<T> dy{
       this,
       {"dy", internal::Per(params.unit, "s"), params.elements},
       Uses(this->time, amplitude, angular_frequency, phase),
-      [](double t, const T& a, const T& w, const T& phase) -> T { return Derivative(t, a, w, phase, 1); }};
+      [](double t, const T& a, const T& w, const T& phi) -> T { return Derivative(t, a, w, phi, 1); }};
   OutputPort<T> ddy{
       this,
       {"ddy", internal::Per(params.unit, "s^2"), params.elements},
       Uses(this->time, amplitude, angular_frequency, phase),
-      [](double t, const T& a, const T& w, const T& phase) -> T { return Derivative(t, a, w, phase, 2); }};
+      [](double t, const T& a, const T& w, const T& phi) -> T { return Derivative(t, a, w, phi, 2); }};
 
  private:
   static T Derivative(double t, const T& amplitude, const T& angular_frequency, const T& phase, int order) {
-    const auto value = [t, order](double a, double w, double phase) {
-      const double angle = w * t + phase;
+    const auto value = [t, order](double a, double w, double phi_i) {
+      const double angle = w * t + phi_i;
       return order == 0   ? a * std::sin(angle)
              : order == 1 ? a * w * std::cos(angle)
                           : -a * w * w * std::sin(angle);

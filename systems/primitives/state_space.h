@@ -85,7 +85,7 @@ class StateSpace final : public LeafSystem<StateSpaceParams> {
       {"y", params.y_unit, params.y_elements},
       Eigen::VectorXd::Zero(params.C.rows()),
       UsesAtRunTime(internal::OutputUses(*this, params)),
-      [this](const Reads& read, Eigen::VectorXd* y) { internal::CalcOutput(*this, read, y); }};
+      [this](const Reads& read, Eigen::VectorXd* y_out) { internal::CalcOutput(*this, read, y_out); }};
   TimeDerivative<Eigen::VectorXd> dx{x, Uses(A, B, x, u), &internal::CalcNextState};
 };
 
@@ -115,7 +115,7 @@ class DiscreteStateSpace final : public LeafSystem<DiscreteStateSpaceParams> {
       Eigen::VectorXd::Zero(params.model.C.rows()),
       Sampled{params.rate},
       UsesAtRunTime(internal::OutputUses(*this, params.model)),
-      [this](const Reads& read, Eigen::VectorXd* y) { internal::CalcOutput(*this, read, y); }};
+      [this](const Reads& read, Eigen::VectorXd* y_out) { internal::CalcOutput(*this, read, y_out); }};
   Update<Eigen::VectorXd> next{x, Sampled{params.rate}, Uses(A, B, x, u), &internal::CalcNextState};
 };
 

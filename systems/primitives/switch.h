@@ -28,8 +28,8 @@ class Switch final : public LeafSystem<SwitchParams> {
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},
                   Uses(select, on, off),
-                  [](bool select, const T& on, const T& off) -> const T& { return select ? on : off; }};
-  Kink kink{this, "kink", Uses(select), [](bool select) { return std::int64_t{select}; }};
+                  [](bool first, const T& a, const T& b) -> const T& { return first ? a : b; }};
+  Kink kink{this, "kink", Uses(select), [](bool first) { return std::int64_t{first}; }};
 };
 
 struct ThresholdSwitchParams {
@@ -54,14 +54,13 @@ class ThresholdSwitch final : public LeafSystem<ThresholdSwitchParams> {
   InputPort<double> control{this, {"control", params.control_unit}};
   InputPort<T> on{this, {"on", params.unit, params.elements}};
   InputPort<T> off{this, {"off", params.unit, params.elements}};
-  OutputPort<T> y{this,
-                  {"y", params.unit, params.elements},
-                  Uses(control, threshold, on, off),
-                  [](double control, double threshold, const T& on, const T& off) -> const T& {
-                    return control >= threshold ? on : off;
-                  }};
+  OutputPort<T> y{
+      this,
+      {"y", params.unit, params.elements},
+      Uses(control, threshold, on, off),
+      [](double c, double level, const T& a, const T& b) -> const T& { return c >= level ? a : b; }};
   Kink kink{this, "kink", Uses(control, threshold),
-            [](double control, double threshold) { return std::int64_t{control >= threshold}; }};
+            [](double c, double level) { return std::int64_t{c >= level}; }};
 };
 
 struct MultiportSwitchParams {
@@ -89,17 +88,17 @@ class MultiportSwitch final : public LeafSystem<MultiportSwitchParams> {
   OutputPort<T> y{this,
                   {"y", params.unit, params.elements},
                   Uses(select, u),
-                  [](const Index& select, const Inputs<T>& u) -> const T& {
-                    const auto i = static_cast<long long>(select);
-                    if (i < 0 || static_cast<std::size_t>(i) >= u.size()) {
+                  [](const Index& select_now, const Inputs<T>& u_now) -> const T& {
+                    const auto i = static_cast<long long>(select_now);
+                    if (i < 0 || static_cast<std::size_t>(i) >= u_now.size()) {
                       throw RunError("select is " + std::to_string(i) + ", but the " +
-                                     std::to_string(u.size()) + " signals are numbered from 0 to " +
-                                     std::to_string(u.size() - 1));
+                                     std::to_string(u_now.size()) + " signals are numbered from 0 to " +
+                                     std::to_string(u_now.size() - 1));
                     }
-                    return u[static_cast<std::size_t>(i)];
+                    return u_now[static_cast<std::size_t>(i)];
                   }};
   Kink kink{this, "kink", Uses(select),
-            [](const Index& select) { return static_cast<std::int64_t>(select); }};
+            [](const Index& select_now) { return static_cast<std::int64_t>(select_now); }};
 };
 
 }  // namespace tenon

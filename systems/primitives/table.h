@@ -37,17 +37,18 @@ class Table final : public LeafSystem<TableParams<T>> {
   using LeafSystem<TableParams<T>>::LeafSystem;
   using LeafSystem<TableParams<T>>::params;
   InputPort<double> u{this, {"u", params.u_unit}};
-  OutputPort<T> y{this, {"y", params.y_unit, params.elements}, Uses(u), [this](double u) -> T {
+  OutputPort<T> y{this, {"y", params.y_unit, params.elements}, Uses(u), [this](double u_now) -> T {
                     const auto& points = params.u;
-                    const double inside = std::clamp(u, points.front(), points.back());
+                    const double inside = std::clamp(u_now, points.front(), points.back());
                     const auto next = std::upper_bound(points.begin() + 1, points.end() - 1, inside);
                     const auto i = next - points.begin();
                     const double w = (inside - points[i - 1]) / (points[i] - points[i - 1]);
                     return (1 - w) * params.y[i - 1] + w * params.y[i];
                   }};
-  Kink kink{this, "kink", Uses(u), [this](double u) {
-              return std::int64_t{std::upper_bound(params.u.begin(), params.u.end(), u) - params.u.begin()};
-            }};
+  Kink kink{
+      this, "kink", Uses(u), [this](double u_now) {
+        return std::int64_t{std::upper_bound(params.u.begin(), params.u.end(), u_now) - params.u.begin()};
+      }};
 };
 
 }  // namespace tenon

@@ -72,11 +72,11 @@ class Trajectory final : public LeafSystem<TrajectoryParams<T>> {
                     Uses(point_),
                     [](const Point& p) -> const T& { return p.ddy; }};
   NextJump next_bend{this, "next_bend", Uses(this->time),
-                     [this](double time) { return NextOf(params.times, time); }};
+                     [this](double t) { return NextOf(params.times, t); }};
 
  private:
   static std::vector<T> SolveVelocities(const TrajectoryParams<T>& p);
-  Point Evaluate(double time) const;
+  Point Evaluate(double t) const;
 };
 
 /// Equal accelerations on both sides of every inner time give a tridiagonal system for the velocities.
@@ -100,13 +100,13 @@ std::vector<T> Trajectory<T>::SolveVelocities(const TrajectoryParams<T>& p) {
 }
 
 template <internal::DoubleOrMatrix T>
-TrajectoryPoint<T> Trajectory<T>::Evaluate(double time) const {
+TrajectoryPoint<T> Trajectory<T>::Evaluate(double t) const {
   const std::vector<double>& times = params.times;
   const T zero = internal::Filled<T>(0);
-  if (time < times.front()) return {params.values.front(), zero, zero};
-  if (time > times.back()) return {params.values.back(), zero, zero};
-  const auto i = std::upper_bound(times.begin() + 1, times.end() - 1, time) - times.begin() - 1;
-  const double h = times[i + 1] - times[i], s = time - times[i];
+  if (t < times.front()) return {params.values.front(), zero, zero};
+  if (t > times.back()) return {params.values.back(), zero, zero};
+  const auto i = std::upper_bound(times.begin() + 1, times.end() - 1, t) - times.begin() - 1;
+  const double h = times[i + 1] - times[i], s = t - times[i];
   const T slope = (1 / h) * (params.values[i + 1] - params.values[i]);
   const T &v0 = velocities_[i], &v1 = velocities_[i + 1];
   const T c2 = (1 / h) * (3 * slope - 2 * v0 - v1);

@@ -68,11 +68,11 @@ class TransferFunction final : public LeafSystem<TransferFunctionParams> {
         const double direct = form_.d == 0 ? 0 : form_.d * read[u];
         return form_.c.dot(read[x]) + direct;
       }};
-  TimeDerivative<Vec<Order>> dx{x, Uses(x, u), [this](const Vec<Order>& x, double u) -> Vec<Order> {
-                                  Vec<Order> dx;
-                                  for (int i = 0; i + 1 < Order; ++i) dx[i] = form_.w * x[i + 1];
-                                  dx[Order - 1] = form_.w * (u - form_.a.dot(x));
-                                  return dx;
+  TimeDerivative<Vec<Order>> dx{x, Uses(x, u), [this](const Vec<Order>& x_now, double u_now) -> Vec<Order> {
+                                  Vec<Order> rate;
+                                  for (int i = 0; i + 1 < Order; ++i) rate[i] = form_.w * x_now[i + 1];
+                                  rate[Order - 1] = form_.w * (u_now - form_.a.dot(x_now));
+                                  return rate;
                                 }};
 };
 
@@ -136,7 +136,7 @@ class DiscreteTransferFunction final : public LeafSystem<DiscreteTransferFunctio
     return coefficients;
   }
   const Eigen::VectorXd b_ = Divided(params.numerator), a_ = Divided(params.denominator);
-  double CalcY(const Eigen::VectorXd& x, double u) const { return b_[0] * u + x[0]; }
+  double CalcY(const Eigen::VectorXd& x_now, double u_now) const { return b_[0] * u_now + x_now[0]; }
 
  public:
   using LeafSystem::LeafSystem;
@@ -149,10 +149,10 @@ class DiscreteTransferFunction final : public LeafSystem<DiscreteTransferFunctio
       UsesAtRunTime(b_[0] == 0 ? std::vector<const Source*>{&x} : std::vector<const Source*>{&x, &u}),
       [this](const Reads& read) -> double { return CalcY(read[x], b_[0] == 0 ? 0 : read[u]); }};
   Update<Eigen::VectorXd> next{x, Sampled{params.rate}, Uses(x, u),
-                               [this](const Eigen::VectorXd& x, double u, Eigen::VectorXd* next) {
-                                 const Eigen::Index n = x.size();
-                                 *next = b_.tail(n) * u - a_.tail(n) * CalcY(x, u);
-                                 next->head(n - 1) += x.tail(n - 1);
+                               [this](const Eigen::VectorXd& x_now, double u_now, Eigen::VectorXd* next_out) {
+                                 const Eigen::Index n = x_now.size();
+                                 *next_out = b_.tail(n) * u_now - a_.tail(n) * CalcY(x_now, u_now);
+                                 next_out->head(n - 1) += x_now.tail(n - 1);
                                }};
 };
 

@@ -62,24 +62,24 @@ class TransportDelay final : public LeafSystem<TransportDelayParams<T>> {
   DiscreteState<Line> line{this, "line", Line{.samples = std::vector<T>(Length(params), params.initial)}};
   OutputPort<T> y{this, {"y", params.unit, params.elements}, Uses(this->time, line), &TransportDelay::CalcY};
   Update<Line> next{line, Sampled{params.rate}, Uses(this->time, line, u),
-                    [](double time, const Line& line, const T& u, Line* next) {
-                      next->samples.resize(line.samples.size());
-                      next->samples.front() = u;
-                      std::copy(line.samples.begin(), line.samples.end() - 1, next->samples.begin() + 1);
-                      next->known = std::min(line.known + 1, line.samples.size());
-                      next->newest = time;
+                    [](double t, const Line& old, const T& u_now, Line* out) {
+                      out->samples.resize(old.samples.size());
+                      out->samples.front() = u_now;
+                      std::copy(old.samples.begin(), old.samples.end() - 1, out->samples.begin() + 1);
+                      out->known = std::min(old.known + 1, old.samples.size());
+                      out->newest = t;
                     }};
 
  private:
   static std::size_t Length(const TransportDelayParams<T>& params) {
     return static_cast<std::size_t>(std::ceil(params.delay / params.rate.period())) + 1;
   }
-  T CalcY(double time, const Line& line) const {
-    const double periods = std::max((line.newest - time + params.delay) / params.rate.period(), 0.0);
-    if (line.known == 0 || periods > static_cast<double>(line.known - 1)) return params.initial;
+  T CalcY(double t, const Line& old) const {
+    const double periods = std::max((old.newest - t + params.delay) / params.rate.period(), 0.0);
+    if (old.known == 0 || periods > static_cast<double>(old.known - 1)) return params.initial;
     const auto i = static_cast<std::size_t>(periods);
     const double w = periods - static_cast<double>(i);
-    return (1 - w) * line.samples[i] + w * line.samples[std::min(i + 1, line.known - 1)];
+    return (1 - w) * old.samples[i] + w * old.samples[std::min(i + 1, old.known - 1)];
   }
 };
 

@@ -27,8 +27,8 @@ class UnitDelay final : public LeafSystem<UnitDelayParams<T>> {
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   DiscreteState<T> x{this, {"x", params.unit, params.elements}, params.initial};
   OutputPort<T> y{this,    {"y", params.unit, params.elements},     params.initial, Sampled{params.rate},
-                  Uses(x), [](const T& x) -> const T& { return x; }};
-  Update<T> next{x, Sampled{params.rate}, Uses(u), [](const T& u) -> const T& { return u; }};
+                  Uses(x), [](const T& v) -> const T& { return v; }};
+  Update<T> next{x, Sampled{params.rate}, Uses(u), [](const T& v) -> const T& { return v; }};
 };
 
 }  // namespace tenon

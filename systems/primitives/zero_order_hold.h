@@ -23,8 +23,8 @@ class ZeroOrderHold final : public LeafSystem<ZeroOrderHoldParams> {
   using LeafSystem::LeafSystem;
   InputPort<T> u{this, {"u", params.unit, params.elements}};
   OutputPort<T> y{
-      this, {"y", params.unit, params.elements}, Sampled{params.rate}, Uses(u), [](const T& u) -> const T& {
-        return u;
+      this, {"y", params.unit, params.elements}, Sampled{params.rate}, Uses(u), [](const T& v) -> const T& {
+        return v;
       }};
 };
 

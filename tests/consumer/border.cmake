@@ -18,8 +18,19 @@ function(build code text)
 endfunction()
 
 file(READ /proc/cpuinfo processor)
-# The headers have no warnings. With -mavx512f, headers of GCC 12 have some.
-set(options "-Wall -Wextra -Wshadow -Wconversion -Werror" "-march=native" "-fsanitize=address" "-march=native -fsanitize=address" "-std=c++2b" "-DNDEBUG"
+# All public headers together have no warnings, also where they are no system headers.
+file(GLOB_RECURSE headers RELATIVE ${PREFIX}/include ${PREFIX}/include/*.h)
+list(FILTER headers EXCLUDE REGEX "/internal/")
+list(TRANSFORM headers REPLACE ".+" "#include <\\0>\n")
+file(WRITE ${WORK}/headers.cc ${headers})
+set(others ${package})
+list(FILTER others INCLUDE REGEX "^-I")
+list(TRANSFORM others REPLACE "^-I" "-isystem")
+execute_process(COMMAND ${COMPILER} -std=c++20 -fsyntax-only -Wall -Wextra -Wshadow -Wconversion -Werror ${WORK}/headers.cc
+  ${SOURCE}/tests/consumer/border.cc -I${PREFIX}/include ${others} -isystem${SIMBODY}/ COMMAND_ERROR_IS_FATAL ANY)
+
+# With -mavx512f, headers of GCC 12 have some.
+set(options "-march=native" "-fsanitize=address" "-march=native -fsanitize=address" "-std=c++2b" "-DNDEBUG"
   "-DEIGEN_MAX_ALIGN_BYTES=32" "-DEIGEN_INITIALIZE_MATRICES_BY_NAN")
 foreach(vectors avx2 avx512f)
   if(processor MATCHES "${vectors}")

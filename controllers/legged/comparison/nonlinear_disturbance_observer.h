@@ -90,7 +90,7 @@ class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanc
   DiscreteState<Vec<12>> held_torque{
       this, {"held_torque", "N m", kJointElements}};  ///< torque of the last interval
   Update<Vec<12>> next_torque{held_torque, Sampled{params.rate}, Uses(torque),
-                              [](const Vec<12>& torque) -> const Vec<12>& { return torque; }};
+                              [](const Vec<12>& torque_now) -> const Vec<12>& { return torque_now; }};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<LegForceEstimate> estimate{
       this,

@@ -129,10 +129,9 @@ class ComObserver final : public LeafSystem<ComObserverParams> {
 
   DiscreteState<Vec<3>> specific_force_W{this,
                                          {"specific_force_W", "m/s^2"}};  ///< at the start of the interval
-  Update<Vec<3>> next_specific_force{specific_force_W, Sampled{params.rate}, Uses(state, imu),
-                                     [](const LeggedState& state, const ImuMeasurement& imu) -> Vec<3> {
-                                       return state.R_WB() * imu.specific_force_B;
-                                     }};
+  Update<Vec<3>> next_specific_force{
+      specific_force_W, Sampled{params.rate}, Uses(state, imu),
+      [](const LeggedState& x, const ImuMeasurement& u) -> Vec<3> { return x.R_WB() * u.specific_force_B; }};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<WrenchEstimate> estimate{
       this,

@@ -33,7 +33,7 @@ class FootForceEstimate final : public LeafSystem<FootForceEstimateParams> {
  private:
   DiscreteState<Vec<4>> q_WB_{this, {"q_WB", "", "w,x,y,z"}, params.initial_q_WB};
   Update<Vec<4>> next_{q_WB_, Sampled{params.rate}, Uses(state),
-                       [](const LeggedState& state) -> const Vec<4>& { return state.q_WB; }};
+                       [](const LeggedState& state_now) -> const Vec<4>& { return state_now.q_WB; }};
 
  public:
   OutputPort<FootForces> forces{this, {"forces"}, Uses(shank, joints, q_WB_), &FootForceEstimate::CalcForces};

@@ -125,7 +125,7 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
   QuadrupedModel model_{params.robot, params.gravity};
   DiscreteState<ImuMeasurement> last_imu_{this, {"last_imu"}};
   Update<ImuMeasurement> next_imu_{last_imu_, Sampled{params.rate}, Uses(imu),
-                                   [](const ImuMeasurement& imu) -> const ImuMeasurement& { return imu; }};
+                                   [](const ImuMeasurement& now) -> const ImuMeasurement& { return now; }};
   Shared<QuadrupedDynamics> legs_{this, "legs", Uses(joints), &LeggedStateEstimator::CalcLegs};
 
  public:
@@ -136,10 +136,10 @@ class LeggedStateEstimator final : public LeafSystem<LeggedStateEstimatorParams>
       Uses(last_imu_, legs_, joints, schedule, ground, noise, settle_time, outlier, memory),
       &LeggedStateEstimator::CalcEstimate};
   OutputPort<LeggedState> state{
-      this, {"state"}, Uses(estimate), [](const LeggedEstimate& estimate) { return estimate.state; }};
+      this, {"state"}, Uses(estimate), [](const LeggedEstimate& estimate_now) { return estimate_now.state; }};
   OutputPort<LeggedEstimatorDiagnostics> diagnostics{
-      this, {"diagnostics"}, Uses(estimate), [](const LeggedEstimate& estimate) {
-        return estimate.diagnostics;
+      this, {"diagnostics"}, Uses(estimate), [](const LeggedEstimate& estimate_now) {
+        return estimate_now.diagnostics;
       }};
   OutputPort<ImuMeasurement> inertial{
       this, {"inertial"}, Uses(imu, diagnostics), &LeggedStateEstimator::CalcInertial};

@@ -285,9 +285,9 @@ class CentroidalMpc final : public LeafSystem<CentroidalMpcParams> {
                                       Uses(time, plan, schedule),
                                       &CentroidalMpc::CalcReference};
   OutputPort<FootholdPlan> footholds{
-      this, {"footholds"}, Uses(plan), [](const CentroidalPlan& plan) { return plan.footholds; }};
+      this, {"footholds"}, Uses(plan), [](const CentroidalPlan& plan_now) { return plan_now.footholds; }};
   OutputPort<CentroidalMpcDiagnostics> diagnostics{
-      this, {"diagnostics"}, Uses(plan), [](const CentroidalPlan& plan) { return plan.diagnostics; }};
+      this, {"diagnostics"}, Uses(plan), [](const CentroidalPlan& plan_now) { return plan_now.diagnostics; }};
 
  private:
   using Problem = CentroidalWalkProblem;

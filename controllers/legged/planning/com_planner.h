@@ -110,7 +110,7 @@ class ComPlanner final : public LeafSystem<ComPlannerParams> {
       this, {"reference"}, Sampled{params.rate}, Uses(time, plan, command), &ComPlanner::CalcReference};
   OutputPort<PlanarPath> path{this, {"path"}, Sampled{params.rate}, Uses(time, plan), &ComPlanner::CalcPath};
   OutputPort<ComDiagnostics> diagnostics{
-      this, {"diagnostics"}, Uses(plan), [](const ComPlan& plan) { return plan.diagnostics; }};
+      this, {"diagnostics"}, Uses(plan), [](const ComPlan& plan_now) { return plan_now.diagnostics; }};
 
  private:
   void CalcPlan(const double& time, const ContactSchedule& schedule, const WalkCommand& command,

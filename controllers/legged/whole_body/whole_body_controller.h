@@ -226,7 +226,7 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
                              Uses(dynamics_, plan, free_of_stops_, gains, last_torque_),
                              &WholeBodyController::CalcTorque};
   OutputPort<WholeBodyDiagnostics> diagnostics{
-      this, {"diagnostics"}, Uses(plan), [](const WholeBodyPlan& plan) { return plan.diagnostics; }};
+      this, {"diagnostics"}, Uses(plan), [](const WholeBodyPlan& plan_now) { return plan_now.diagnostics; }};
 
   Monitor solves{this, "solves", Sampled{params.qp_rate}, Uses(plan, max_failures_in_a_row),
                  &WholeBodyController::CheckSolves};

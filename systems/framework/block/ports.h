@@ -19,7 +19,7 @@ class Subdiagram;
 /// The size of a vector or matrix that an input must have, where the type leaves it to the run time:
 /// `InputPort<Eigen::VectorXd> u{this, "u", OfSize{6}}`.
 struct OfSize {
-  explicit OfSize(Eigen::Index rows, Eigen::Index cols = 1) : rows(rows), cols(cols) {}
+  explicit OfSize(Eigen::Index r, Eigen::Index c = 1) : rows(r), cols(c) {}
   Eigen::Index rows, cols;
 };
 

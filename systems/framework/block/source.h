@@ -122,10 +122,10 @@ struct AtStart {};
 struct Trigger {
   enum class When { kAlways, kSampled, kEachStep, kAtStart, kWitness };
   Trigger() = default;
-  Trigger(Sampled sampled) : when(When::kSampled), sampled(sampled) {}
+  Trigger(Sampled when_due) : when(When::kSampled), sampled(when_due) {}
   Trigger(EachStep) : when(When::kEachStep) {}
   Trigger(AtStart) : when(When::kAtStart) {}
-  Trigger(const Witness& witness);
+  Trigger(const Witness& crossed);
 
   When when = When::kAlways;
   Sampled sampled{Rate::FromPeriod(1, 1)};

@@ -54,7 +54,7 @@ class TimeDerivative : public Calculated<T> {
   }
   /// Uses the value of an input as the derivative.
   TimeDerivative(const ContinuousState<T>& state, const InputPort<T>& rate)
-      : TimeDerivative(state, Uses(rate), [](const T& rate) -> const T& { return rate; }) {
+      : TimeDerivative(state, Uses(rate), [](const T& value) -> const T& { return value; }) {
     this->SetIsCopy();
   }
 };
@@ -113,8 +113,8 @@ class Witness : public Calculated<double> {
   Crossing crossing_;
 };
 
-inline Trigger::Trigger(const Witness& witness)
-    : when(When::kWitness), witness(&internal::CheckDeclared(witness, "a trigger")) {}
+inline Trigger::Trigger(const Witness& crossed)
+    : when(When::kWitness), witness(&internal::CheckDeclared(crossed, "a trigger")) {}
 
 /// The index of the smooth piece on which the block's calculations are: -1 below a saturation, 0 inside it, 1
 /// above; the segment of a table; the multiple of a quantizer. Where a derivative depends on this block, the

@@ -145,7 +145,7 @@ class Assembly {
   auto& AddFunction(Spec spec, JumpsAt jumps, UsesList<A...> uses, F function) {
     auto& block = MakeFunctionBlock(std::move(spec), uses, std::move(function));
     block.next_jump.emplace(&block, "next_jump", Uses(block.time),
-                            [jumps = std::move(jumps)](double time) { return jumps.Next(time); });
+                            [jumps = std::move(jumps)](double time_now) { return jumps.Next(time_now); });
     return block.output;
   }
   /// Adds a function that is sampled.

@@ -101,10 +101,10 @@ struct BytesOf {
 class Field {
  public:
   template <class Struct, class Member>
-  Field(const char* name, Member Struct::*member, const char* units = "", const char* elements = "")
-      : name(name),
-        units(units),
-        elements(elements),
+  Field(const char* label, Member Struct::*member, const char* unit = "", const char* parts = "")
+      : name(label),
+        units(unit),
+        elements(parts),
         offset(internal::OffsetOf(member)),
         size(sizeof(Member)),
         whole(offset),
@@ -116,8 +116,9 @@ class Field {
   }
   /// A member of a member of the struct.
   template <class Struct, class Member, class Part, class Inner>
-  requires std::is_base_of_v<Part, Member> Field(const char* name, Member Struct::*member, Inner Part::*inner)
-      : Field(name, static_cast<Inner Member::*>(inner)) {
+  requires std::is_base_of_v<Part, Member> Field(const char* label, Member Struct::*member,
+                                                 Inner Part::*inner)
+      : Field(label, static_cast<Inner Member::*>(inner)) {
     MoveInto(member);
     owner = &typeid(Struct);
   }

@@ -164,8 +164,8 @@ TEST_F(QuadrupedProposalTest, RefusesOtherRobots) {
   EXPECT_TRUE(refused(Replaced(Replaced(ReadUrdf("a1"), "<origin xyz=\"0 0 -0.2\"/>", ""),
                                "xyz=\"0 0.0838 0\"", "xyz=\"0 0.0838 -0.1\""),
                       "FL_hip_joint - FL_thigh_joint - FL_calf_joint"));
-  EXPECT_TRUE(
-      refused("<robot name=\"x\" xmlns:xacro=\"http://x\"><xacro:leg name=\"a\"/></robot>", "xacro ", "robot_2.urdf"));
+  EXPECT_TRUE(refused("<robot name=\"x\" xmlns:xacro=\"http://x\"><xacro:leg name=\"a\"/></robot>", "xacro ",
+                      "robot_2.urdf"));
 }
 
 /// A1 with another root link, to which its trunk is fixed by `joint`.
