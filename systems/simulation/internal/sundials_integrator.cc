@@ -32,9 +32,8 @@ constexpr double kStays = 0.2;
 constexpr double kJumps = 3;
 /// Error of a step, in tolerances, that a jump must be able to cause to be considered.
 constexpr double kShows = 0.1;
-/// Error of the step across a jump, in tolerances, at most; with kDirk, whose stages err by the residual of
-/// Newton's method, which must not undo the step.
-constexpr double kCrosses = 0.01, kDirkCrosses = 0.05;
+/// Error of the step across a jump, in tolerances, at most.
+constexpr double kCrosses = 0.01;
 /// Error of a step with a kink, over the change of the derivative's rate times the step squared.
 constexpr double kKinkWeight = 0.02;
 /// First step over the largest one, without further information; the error test corrects it.
@@ -148,7 +147,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   void BeginMotion();
   void EndMotion();
   bool JumpsAt(double event);
-  void KeepSlope(double t, const double* xdot);
+  double Change(const double* a, const double* b, const double* x) const;
   void KeepStage(double t, const double* xdot);
   std::size_t SortStages(std::array<std::size_t, 16>* order) const;
   bool StagesJump() const;
@@ -224,7 +223,6 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   const bool checks_ends =  // see EndBends
       seeks_jumps && options.fixed_step == 0 && options.order <= 3 &&
       (options.method == Method::kStabilized || (internal::IsExplicit(options.method) && options.order == 3));
-  const bool keeps_slopes = checks_stages || solver.multistep();
   const bool goes_back = seeks_jumps || !program.witness_plans.empty();  // to the beginning of a step
   std::array<const double*, 3> recent{};  // the last three derivatives, in memory of the solver
   // Of a multistep method: the last derivatives, those at the end of the step before, the rate at which they
@@ -404,7 +402,7 @@ bool SundialsIntegrator::Run::TakeStepAgain() {
 }
 
 void SundialsIntegrator::Run::Advance(bool one_step) {
-  thrown = nullptr;
+  if (thrown) thrown = nullptr;
   not_finite.clear();
   if (one_step) {
     begin = finish;
@@ -464,9 +462,14 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
   if (one_step) interpolant.SetStep(begin, before.data(), finish, solver.states());
 }
 
-void SundialsIntegrator::Run::KeepSlope(double t, const double* xdot) {
-  if (checks_stages) KeepStage(t, xdot);
-  if (solver.multistep()) std::copy_n(xdot, slope.size(), slope.data());
+/// The largest change from `a` to `b`, in tolerances of the states `x`.
+double SundialsIntegrator::Run::Change(const double* a, const double* b, const double* x) const {
+  double largest = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double tolerance = options.rtol * std::abs(x[i]) + tolerances[i];
+    largest = std::max(largest, std::abs(b[i] - a[i]) / tolerance);
+  }
+  return largest;
 }
 
 /// Keeps a derivative of the present step. With null, a new attempt begins at `t`; the last derivative of the
@@ -521,11 +524,7 @@ bool SundialsIntegrator::Run::StagesJump() const {
   for (std::size_t k = 0; k + 1 < count; ++k) {
     const double* const a = stages.slopes.data() + order[k] * n;
     const double* const b = stages.slopes.data() + order[k + 1] * n;
-    double change = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
-      change = std::max(change, std::abs(b[i] - a[i]) / tolerance);
-    }
+    const double change = Change(a, b, step_states.data());
     largest_change = std::max(largest_change, change);
     rates[k] = change / (stages.times[order[k + 1]] - stages.times[order[k]]);
   }
@@ -540,11 +539,7 @@ bool SundialsIntegrator::Run::StagesJump() const {
 /// Returns whether the derivatives change much faster in the last step, of size `h`, of a multistep method
 /// than in the step before. The method errs by more than it estimates if they jump.
 bool SundialsIntegrator::Run::SlopesJump(double h) {
-  double change = 0;
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
-    change = std::max(change, std::abs(slope[i] - slope_before[i]) / tolerance);
-  }
+  const double change = Change(slope_before.data(), slope.data(), step_states.data());
   const double last =
       std::exchange(rate, num_slopes < 1 ? std::numeric_limits<double>::infinity() : change / h);
   slope_before = slope;
@@ -611,11 +606,7 @@ void SundialsIntegrator::Run::Retake(double time) {
 /// Returns whether the states move by more than a small part of a tolerance until `event` in the last step.
 bool SundialsIntegrator::Run::MovesUntil(double event) {
   LoadInside(event);
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
-    if (std::abs(context.continuous_data()[i] - step_states[i]) > kCrosses * tolerance) return true;
-  }
-  return false;
+  return Change(step_states.data(), context.continuous_data(), step_states.data()) > kCrosses;
 }
 
 /// Handles a kink, or a witness at which the derivatives jump, inside the last step, which has used
@@ -663,10 +654,7 @@ void SundialsIntegrator::Run::CheckProgress(double from, double to) {
   // The way from the beginning of the window: an explicit method at the limit of its stability moves to and
   // fro.
   if (to - from > internal::kTimeResolution * std::abs(Global(to))) {
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      const double tolerance = options.rtol * std::abs(watched[i]) + tolerances[i];
-      context.movement_ = std::max(context.movement_, std::abs(solver.states()[i] - watched[i]) / tolerance);
-    }
+    context.movement_ = std::max(context.movement_, Change(watched.data(), solver.states(), watched.data()));
   }
   if (context.num_steps_ < limit + kWatched) return;
   if (context.movement_ < kWatched) {
@@ -804,11 +792,7 @@ bool SundialsIntegrator::Run::JumpsAt(double event) {
   const double step = finish - begin, width = 16 * internal::kTimeResolution * std::abs(Global(event));
   derivatives(std::max(begin, event - width), low);
   derivatives(std::min(finish, event + width), high);
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double tolerance = options.rtol * std::abs(x[i]) + tolerances[i];
-    if (std::abs(high[i] - low[i]) * step > kShows * tolerance) return true;
-  }
-  return false;
+  return Change(low.data(), high.data(), x.data()) * step > kShows;
 }
 
 void SundialsIntegrator::Run::EvaluateForInterpolant(double t, const double* x, double* xdot) {
@@ -859,7 +843,8 @@ int SundialsIntegrator::Run::Derivatives(double t, const double* y, double* ydot
   }
   if (internal::AllFinite(ydot, before.size())) {
     recent = {recent[1], recent[2], ydot};
-    if (keeps_slopes) KeepSlope(t, ydot);
+    if (checks_stages) KeepStage(t, ydot);
+    if (!slope.empty()) std::copy_n(ydot, size, slope.data());
     not_finite.clear();
     return 0;
   }
@@ -886,7 +871,7 @@ int SundialsIntegrator::Run::Jacobian(double t, double* y, const double* f, doub
     }
     return std::sqrt(sum / static_cast<double>(n));
   };
-  const std::vector<double> kept = slope;
+  std::copy(slope.begin(), slope.end(), jump_work[2].begin());
   const double size = norm(nullptr, f), longest = std::min(LargestStep(t), end - t);
   const double least = size == 0 ? 1 : kLeast * step * kEpsilon * static_cast<double>(n) * size;
   for (std::size_t j = 0; j < n; ++j) {
@@ -905,7 +890,7 @@ int SundialsIntegrator::Run::Jacobian(double t, double* y, const double* f, doub
       columns[j][i] = change / increment;
     }
   }
-  slope = kept;
+  std::copy_n(jump_work[2].begin(), slope.size(), slope.begin());
   return 0;
 }
 
@@ -1082,20 +1067,14 @@ void SundialsIntegrator::Run::EvaluateAlong(double t, const double* y, double at
 /// `y` at `t` along the derivatives there, by halving the interval with the largest change. Stores it in
 /// `jump`. Ignores jumps that could not cause an error of `shows` tolerances.
 bool SundialsIntegrator::Run::FindJump(double t, const double* y, double from, double to, double shows) {
-  const auto n = static_cast<std::size_t>(program.num_continuous);
-  if (n == 0) return false;
+  if (before.empty()) return false;
   std::vector<double>&low = jump_work[2], &high = jump_work[3], &middle = jump_work[4];
   context.CalcRunDerivatives(Instant(t), y, jump_work[0].data());
   const auto evaluate = [&](double at, std::vector<double>& f) { EvaluateAlong(t, y, at, f.data()); };
   evaluate(from, low);
   evaluate(to, high);
   const auto change = [&](const std::vector<double>& a, const std::vector<double>& b) {
-    double largest = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double tolerance = options.rtol * std::abs(y[i]) + tolerances[i];
-      largest = std::max(largest, std::abs(b[i] - a[i]) / tolerance);
-    }
-    return largest;
+    return Change(a.data(), b.data(), y);
   };
   const double first = change(low, high);
   // A jump too small for the error test is ignored; it may be rounding.
@@ -1112,8 +1091,7 @@ bool SundialsIntegrator::Run::FindJump(double t, const double* y, double from, d
   }
   jump.from = from;
   // The states may need longer than the time to move by their rounding.
-  const double crosses = options.method == Method::kDirk ? kDirkCrosses : kCrosses;
-  jump.to = shows > 0 ? std::max(to, from + crosses / first) : to;
+  jump.to = shows > 0 ? std::max(to, from + kCrosses / first) : to;
   return jump.known;
 }
 

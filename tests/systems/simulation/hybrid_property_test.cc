@@ -25,6 +25,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <sstream>
 #include <string>
@@ -275,30 +276,15 @@ std::string Describe(const P& p) {
       text += fmt::format(" {} {:.17g}", name, value);
     }
   };
-#define TENON_ADD(member) \
-  if constexpr (requires { p.member; }) add(#member, p.member)
-  TENON_ADD(x);
-  TENON_ADD(v);
-  TENON_ADD(gravity);
-  TENON_ADD(floor);
-  TENON_ADD(restitution);
-  TENON_ADD(rest_below);
-  TENON_ADD(drag);
-  TENON_ADD(center);
-  TENON_ADD(gain);
-  TENON_ADD(slope);
-  TENON_ADD(low);
-  TENON_ADD(high);
-  TENON_ADD(low_restitution);
-  TENON_ADD(high_restitution);
-  TENON_ADD(moves);
-  TENON_ADD(nodes);
-  TENON_ADD(values);
-  TENON_ADD(gains);
-  TENON_ADD(levels);
-  TENON_ADD(level);
-  TENON_ADD(at);
-  TENON_ADD(u);
+#define TENON_ADD(member)                                         \
+  [&] {                                                           \
+    if constexpr (requires { p.member; }) add(#member, p.member); \
+  }()
+  TENON_ADD(x), TENON_ADD(v), TENON_ADD(gravity), TENON_ADD(floor), TENON_ADD(restitution),
+      TENON_ADD(rest_below), TENON_ADD(drag), TENON_ADD(center), TENON_ADD(gain), TENON_ADD(slope),
+      TENON_ADD(low), TENON_ADD(high), TENON_ADD(low_restitution), TENON_ADD(high_restitution),
+      TENON_ADD(moves), TENON_ADD(nodes), TENON_ADD(values), TENON_ADD(gains), TENON_ADD(levels),
+      TENON_ADD(level), TENON_ADD(at), TENON_ADD(u);
 #undef TENON_ADD
   return text;
 }
@@ -637,10 +623,9 @@ void Expect(System* system, Random& random) {
                   0,
                   0,
                   &random};
-    if (multistep) {
-      errors.first_x = x_tolerance / 10 * (restarts - exact.events);
-      errors.first_v = v_tolerance / 10 * (restarts - exact.events);
-    }
+    const Real beside = multistep ? restarts - exact.events : 0;
+    errors.first_x = beside / 10 * x_tolerance;
+    errors.first_v = beside / 10 * v_tolerance;
     Expected expected{.end = exact.end, .resolved = exact.resolved, .accumulates = exact.accumulates};
     std::vector<Solution> others;
     for (errors.pattern = 0; errors.pattern < Errors::kPatterns; ++errors.pattern) {
@@ -1027,6 +1012,10 @@ Judgement RunAndJudge(const System& system) {
 
 // ---- Tests ----
 
+/// Of the first 10,000 systems, those with jumps that the error estimate of their method misses.
+constexpr std::uint64_t kHard[] = {596,  1997, 3881, 4033, 6217, 6264, 6443, 6737, 6810, 7034, 7105, 7185,
+                                   7464, 7682, 7969, 7978, 8436, 8521, 8577, 8653, 9240, 9513, 9940};
+
 TEST(HybridPropertyTest, RandomSystemsAgreeWithTheExactSolution) {
   const auto number = [](const char* name, std::uint64_t otherwise) {
     const char* const text = std::getenv(name);
@@ -1034,8 +1023,13 @@ TEST(HybridPropertyTest, RandomSystemsAgreeWithTheExactSolution) {
   };
   const std::uint64_t one = number("TENON_HYBRID_SYSTEM", 0);
   const std::uint64_t from = one != 0 ? one : 1, to = one != 0 ? one : number("TENON_HYBRID_SYSTEMS", 300);
+  std::vector<std::uint64_t> numbers(to - from + 1);
+  std::iota(numbers.begin(), numbers.end(), from);
+  for (const std::uint64_t hard : kHard) {
+    if (one == 0 && hard > to) numbers.push_back(hard);
+  }
   std::map<std::string, std::array<int, kVerdicts.size()>> counts;  // by a property of the systems
-  for (std::uint64_t i = from; i <= to; ++i) {
+  for (const std::uint64_t i : numbers) {
     const System system = MakeSystem(i);
     if (one != 0) (fmt::print("{}", system.Report()), std::fflush(stdout));
     const Judgement judgement = RunAndJudge(system);
