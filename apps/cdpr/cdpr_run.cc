@@ -46,13 +46,13 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   const auto figures =
       std::make_shared<CdprFigures>(loop, scenario.payload.attach_s, scenario.payload.release_s,
                                     MakePathVerdict(scenario, options.live != nullptr));
-  simulator.AddLog(Hz(scenario.pd.rate_hz), signals, {figures});
+  simulator.AddLog(scenario.pd.rate, signals, {figures});
   const auto limits = std::make_shared<CdprLimits>(loop, scenario.cable_diameter_m);
-  simulator.AddLog(Hz(scenario.pd.rate_hz), CdprLimits::Signals(loop), {limits});
+  simulator.AddLog(scenario.pd.rate, CdprLimits::Signals(loop), {limits});
   std::shared_ptr<MpcFigures> solves;
   if (const CdprMpc* mpc = loop.control.mpc) {
     solves = std::make_shared<MpcFigures>(*mpc);
-    simulator.AddLog(Hz(scenario.mpc.rate_hz), MpcFigures::Signals(*mpc), {solves});
+    simulator.AddLog(scenario.mpc.params.rate, MpcFigures::Signals(*mpc), {solves});
   }
   outputs.AddTo(simulator);
   signals.insert(signals.end(), faults.begin(), faults.end());

@@ -174,8 +174,9 @@ CdprProfile GainsOf(const CdprScenario& scenario, const CdprDescription& robot,
     gains = Blame("profile", [&] { return LoadCdprProfile(scenario.profile, ScaleOf(robot, start)); });
   // A horizon of the profile is a multiple of the period and has a period per step at least.
   auto& [horizon, num_steps, weights] = gains.mpc;
-  horizon = mpc.horizon_s.value_or(PeriodsIn(horizon, mpc.rate_hz) / mpc.rate_hz);
-  num_steps = mpc.num_steps.value_or(std::min(num_steps, PeriodsIn(horizon, mpc.rate_hz)));
+  const double rate_hz = mpc.params.rate.hz();
+  horizon = mpc.horizon_s.value_or(PeriodsIn(horizon, rate_hz) / rate_hz);
+  num_steps = mpc.num_steps.value_or(std::min(num_steps, PeriodsIn(horizon, rate_hz)));
   weights = mpc.weights.value_or(weights);
   gains.pd.stiffness = pd.stiffness_N_per_m.value_or(gains.pd.stiffness);
   gains.pd.damping = pd.damping_N_s_per_m.value_or(gains.pd.damping);
@@ -184,29 +185,22 @@ CdprProfile GainsOf(const CdprScenario& scenario, const CdprDescription& robot,
 
 CdprMpcParams MakeMpcParams(const CdprScenario& scenario, const CdprMpcGains& gains,
                             const std::shared_ptr<const EquilibriumPath>& path) {
-  const MpcScenario& mpc = scenario.mpc;
-  CdprMpcParams params;
+  CdprMpcParams params = scenario.mpc.params;
   params.path = path;
   params.equilibrium_input = scenario.controller != CdprController::kMpcZero;
   params.horizon = gains.horizon;
   params.num_steps = gains.num_steps;
-  params.weights = gains.weights;
-  params.terminal = mpc.final_weight;
-  params.terminal_weights = gains.weights;
-  params.slq.method = mpc.method;
-  params.slq.bounds = mpc.bounds;
-  params.rate = Hz(mpc.rate_hz);
-  params.command_rate = Hz(mpc.command_rate_hz);
-  params.max_fallbacks_in_a_row = mpc.max_fallbacks_in_a_row;
+  params.weights = params.terminal_weights = gains.weights;
+  params.slq = scenario.mpc.slq;
   if (scenario.controller == CdprController::kMpcThesis) {
-    params.num_steps = PeriodsIn(gains.horizon, mpc.rate_hz);
+    params.num_steps = PeriodsIn(gains.horizon, params.rate.hz());
     params.terminal = TerminalCost::kGiven;
     params.slq.bounds = SlqBounds::kRollOutProjection;
     params.command_rate = params.rate;
   }
   if (scenario.controller == CdprController::kLqr) {
     params.num_steps = 2;
-    params.horizon = 2 / mpc.rate_hz;
+    params.horizon = 2 / params.rate.hz();
   }
   return params;
 }
@@ -257,7 +251,7 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   if (*params.offset_free) Blame("load", [&] { load.Validate(); });
   params.start_offset = scenario.start_offset_m;
   params.start_turn = scenario.start_turn_rad;
-  params.control_rate = Hz(scenario.pd.rate_hz);
+  params.control_rate = scenario.pd.rate;
   params.pd_stiffness_N_per_m = gains.pd.stiffness;
   params.pd_damping_N_s_per_m = gains.pd.damping;
   params.payload = scenario.payload;

@@ -101,50 +101,42 @@ struct PathScenario {
 
 /// PD control of the cable lengths, see CablePd. Empty gains are those of the profile.
 struct PdScenario {
-  std::optional<double> stiffness_N_per_m;              ///< K_p of the cable lengths
-  std::optional<double> damping_N_s_per_m;              ///< K_d of the rates of the cable lengths
-  double rate_hz = CdprLoopParams().control_rate.hz();  ///< sample rate of the controller
+  std::optional<double> stiffness_N_per_m;    ///< K_p of the cable lengths
+  std::optional<double> damping_N_s_per_m;    ///< K_d of the rates of the cable lengths
+  Rate rate = CdprLoopParams().control_rate;  ///< sample rate of the controller
 
   static FieldList Fields() {
     return {Field("stiffness_N_per_m", &PdScenario::stiffness_N_per_m).Positive(),
             Field("damping_N_s_per_m", &PdScenario::damping_N_s_per_m).AtLeast(0),
-            Field("rate_hz", &PdScenario::rate_hz).In(Rates())};
+            {"rate_hz", &PdScenario::rate}};
   }
 };
 
 /// Model predictive control of the platform, see CdprMpc. Empty horizon, steps and weights are those of the
 /// profile.
 struct MpcScenario {
-  std::optional<double> horizon_s;                             ///< length of the horizon
-  std::optional<int> num_steps;                                ///< number of steps of the horizon
-  double rate_hz = CdprMpcParams().rate.hz();                  ///< rate of the solves
-  double command_rate_hz = CdprMpcParams().command_rate.hz();  ///< rate of the feedback along the plan
-  std::optional<CdprMpcWeights> weights;    ///< weights of the squared errors, per second of the horizon
-  StepMethod method = SlqOptions().method;  ///< integration method of the model
-  SlqBounds bounds = SlqOptions().bounds;   ///< handling of the tension bounds in the solver
-  /// Weight of the state at the end of the horizon; `diagonal` is `weights` times one second.
-  TerminalCost final_weight = CdprMpcParams().terminal;
+  std::optional<double> horizon_s;        ///< length of the horizon
+  std::optional<int> num_steps;           ///< number of steps of the horizon
+  std::optional<CdprMpcWeights> weights;  ///< weights of the squared errors, per second of the horizon
+  CdprMpcParams params;                   // but for horizon, steps, weights and path
+  SlqOptions slq;
   double mass_error = 0;  ///< relative error of the mass in the model: 0.3 is 30 % too heavy
-  /// Largest number of consecutive failed solves; one more ends the run.
-  int max_fallbacks_in_a_row = CdprMpcParams().max_fallbacks_in_a_row;
   /// Whether mpc_equilibrium estimates the load and uses it in its model and its reference.
   bool offset_free = true;
 
   static FieldList Fields() {
-    return {Field("horizon_s", &MpcScenario::horizon_s).Between(1e-3, 100),
-            Field("num_steps", &MpcScenario::num_steps).Between(1, 1000),
-            Field("rate_hz", &MpcScenario::rate_hz).In(Rates()),
-            Field("command_rate_hz", &MpcScenario::command_rate_hz).In(Rates()),
-            {"weights", &MpcScenario::weights},
-            {"method", &MpcScenario::method},
-            {"bounds", &MpcScenario::bounds},
-            {"final_weight", &MpcScenario::final_weight},
-            Field("mass_error", &MpcScenario::mass_error)
-                .Above(-1)
-                .AtMost(100)
-                .Because("at -1 the model has no mass"),
-            Field("max_fallbacks_in_a_row", &MpcScenario::max_fallbacks_in_a_row).AtLeast(0),
-            {"offset_free", &MpcScenario::offset_free}};
+    using S = MpcScenario;
+    return {Field("horizon_s", &S::horizon_s).Between(1e-3, 100),
+            Field("num_steps", &S::num_steps).Between(1, 1000),
+            {"rate_hz", &S::params, &CdprMpcParams::rate},
+            {"command_rate_hz", &S::params, &CdprMpcParams::command_rate},
+            {"weights", &S::weights},
+            {"method", &S::slq, &SlqOptions::method},
+            {"bounds", &S::slq, &SlqOptions::bounds},
+            {"final_weight", &S::params, &CdprMpcParams::terminal},
+            Field("mass_error", &S::mass_error).Above(-1).AtMost(100).Because("at -1 the model has no mass"),
+            Field("max_fallbacks_in_a_row", &S::params, &CdprMpcParams::max_fallbacks_in_a_row).AtLeast(0),
+            {"offset_free", &S::offset_free}};
   }
 };
 

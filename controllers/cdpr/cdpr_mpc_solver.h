@@ -69,13 +69,14 @@ struct CdprMpcParams {
   /// Steps of the horizon: the first is one period, the others grow geometrically, rounded to periods.
   int num_steps = 25;
   CdprMpcWeights weights;
+  /// Weight of the state at the end of the horizon; `diagonal` is `terminal_weights`.
   TerminalCost terminal = TerminalCost::kRiccati;
   CdprMpcWeights terminal_weights;  ///< times one second; its `tension` is not used
   SlqOptions slq;
-  Rate rate = Hz(100);
-  Rate command_rate = Hz(1000);
-  int max_fallbacks_in_a_row = 50;
-  double unheld_time = 0.2;  ///< time for which the intact cables may fail to hold the platform [s]
+  Rate rate = Hz(100);              ///< rate of the solves
+  Rate command_rate = Hz(1000);     ///< rate of the feedback along the plan
+  int max_fallbacks_in_a_row = 50;  ///< number of consecutive failed solves above which the run ends
+  double unheld_time = 0.2;         ///< time for which the intact cables may fail to hold the platform [s]
 
   void Validate() const;  ///< throws ParameterError, also if the Riccati equation has no solution
 };

@@ -27,8 +27,8 @@ constexpr auto EnumNames(SlqBounds) {
 }
 
 struct SlqOptions {
-  StepMethod method = StepMethod::kRungeKutta4;
-  SlqBounds bounds = SlqBounds::kProjectedNewton;
+  StepMethod method = StepMethod::kRungeKutta4;    ///< integration method of the model
+  SlqBounds bounds = SlqBounds::kProjectedNewton;  ///< handling of the bounds of the input
   int max_iterations = 1;   ///< maximum number of iterations per Solve(); 1 is the real-time iteration
   double tolerance = 1e-9;  ///< tolerance of the expected decrease of the cost, relative to 1 + cost
 };

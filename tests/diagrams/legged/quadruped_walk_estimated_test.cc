@@ -15,8 +15,9 @@ namespace {
 /// DogBot trots from a stand, with noise on all sensors that its controller uses.
 QuadrupedWalkParams Trot() {
   QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
-  params.world.encoders = {Hz(1000), {.absolute = 1e-4}, {.absolute = 0.02}};
-  params.world.foot_sensor = {Hz(1000), {.relative = 0.1}};
+  params.world.encoders.angle.absolute = 1e-4;
+  params.world.encoders.speed.absolute = 0.02;
+  params.world.foot_sensor.error.relative = 0.1;
   params.walk.segments = {{.duration = 0.3}, {.gait = Gait::kTrot, .forward = 0.12, .duration = 10}};
   params.estimator.emplace();
   params.estimator->robot = params.world.plant.robot;
