@@ -164,8 +164,8 @@ TEST_F(QuadrupedProposalTest, RefusesOtherRobots) {
   EXPECT_TRUE(refused(Replaced(Replaced(ReadUrdf("a1"), "<origin xyz=\"0 0 -0.2\"/>", ""),
                                "xyz=\"0 0.0838 0\"", "xyz=\"0 0.0838 -0.1\""),
                       "FL_hip_joint - FL_thigh_joint - FL_calf_joint"));
-  EXPECT_TRUE(
-      refused("<robot name=\"x\" xmlns:xacro=\"http://x\"><xacro:leg name=\"a\"/></robot>", "xacro ", "robot_2.urdf"));
+  EXPECT_TRUE(refused("<robot name=\"x\" xmlns:xacro=\"http://x\"><xacro:leg name=\"a\"/></robot>", "xacro ",
+                      "robot_2.urdf"));
 }
 
 /// A1 with another root link, to which its trunk is fixed by `joint`.
@@ -379,6 +379,11 @@ TEST_F(QuadrupedProposalTest, LocksSpinesAndGrippers) {
   EXPECT_THAT(robot.trunk.mass * robot.trunk.com - a1.trunk.mass * a1.trunk.com,
               IsNear(Eigen::Vector3d(0, 0.1, 0), 1e-12));
   EXPECT_EQ(robot.stance, a1.stance);
+}
+
+TEST_F(QuadrupedProposalTest, NotesATrunkBelowTheHips) {
+  EXPECT_THAT(Propose(Replaced(ReadUrdf("a1"), "0 0.0041 -0.0005", "0 0.0041 -0.5")).notes,
+              Contains(AllOf(HasSubstr("'trunk'"), HasSubstr("0.5 m below the hips"))));
 }
 
 TEST_F(QuadrupedProposalTest, ChecksTheAxesThatAreGiven) {
