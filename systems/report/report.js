@@ -140,10 +140,7 @@ function showReport(report, runs, live, bar) {
         show();
         place(time);
       });
-      const show = () => {
-        entry.classList.toggle('off', replay.hiddenRoles.has(role));
-        entry.setAttribute('aria-pressed', String(!replay.hiddenRoles.has(role)));
-      };
+      const show = () => entry.setAttribute('aria-pressed', String(!entry.classList.toggle('off', replay.hiddenRoles.has(role))));
       const swatch = element('span', 'swatch');
       swatch.style.background = replay.colorOf(role) || 'linear-gradient(90deg, #3b528b, #21918c, #fdc825)';
       entry.append(swatch, document.createTextNode(role));
