@@ -40,14 +40,21 @@ enum class ShapeRole {
   kForce,
   kDisturbance,
   kEstimate,
-  kReference
+  kReference,
+  kCollision  ///< what contact is judged by, where it is not what is drawn; a page hides it at first
 };
 constexpr auto EnumNames(ShapeRole) {
-  return std::array{Named{ShapeRole::kBody, "bodies"},        Named{ShapeRole::kLine, "lines"},
-                    Named{ShapeRole::kLoad, "loads"},         Named{ShapeRole::kOther, "others"},
-                    Named{ShapeRole::kGround, "ground"},      Named{ShapeRole::kFixture, "fixtures"},
-                    Named{ShapeRole::kForce, "forces"},       Named{ShapeRole::kDisturbance, "disturbances"},
-                    Named{ShapeRole::kEstimate, "estimates"}, Named{ShapeRole::kReference, "reference"}};
+  return std::array{Named{ShapeRole::kBody, "bodies"},
+                    Named{ShapeRole::kLine, "lines"},
+                    Named{ShapeRole::kLoad, "loads"},
+                    Named{ShapeRole::kOther, "others"},
+                    Named{ShapeRole::kGround, "ground"},
+                    Named{ShapeRole::kFixture, "fixtures"},
+                    Named{ShapeRole::kForce, "forces"},
+                    Named{ShapeRole::kDisturbance, "disturbances"},
+                    Named{ShapeRole::kEstimate, "estimates"},
+                    Named{ShapeRole::kReference, "reference"},
+                    Named{ShapeRole::kCollision, "collision shapes"}};
 }
 
 /// A surface of triangles with shared corners.

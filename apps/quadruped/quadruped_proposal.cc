@@ -244,13 +244,27 @@ class Proposal {
     }
   }
 
+  /// Notes the first link of the trunk whose CoM is far below the hips.
   void NoteTrunk() {
     double hips = 0;
     for (const LegDescription& leg : robot_.legs) hips += leg.joints[0].p_PJ.z() / kNumLegs;
-    const double below = hips - robot_.trunk.com.z();
-    if (below > length_ / 2)
-      Note("the CoM of the trunk is {:.2g} m below the hips; check the <origin> of the inertias of its links",
-           below);
+    const auto visit = [&](const auto& self, const UrdfLink& link) -> bool {
+      if (link.inertia && link.inertia->mass > 0) {
+        const double below = hips - (found_.poses.at(link.name) * link.inertia->com).z();
+        if (below > length_ / 2) {
+          Note(
+              "the CoM of link '{}' of the trunk is {:.2g} m below the hips; check the <origin> of its "
+              "<inertial>",
+              link.name, below);
+          return true;
+        }
+      }
+      return std::ranges::any_of(link.joints, [&](const UrdfJoint* joint) {
+        const bool is_leg = std::ranges::any_of(legs_, [&](const UrdfChain& leg) { return leg[0] == joint; });
+        return !is_leg && self(self, LinkOf(*joint));
+      });
+    };
+    visit(visit, file_.FloatingLink());
   }
 
   /// The angle plus a whole number of turns that lies within a joint's range.

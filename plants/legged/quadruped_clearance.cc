@@ -13,19 +13,15 @@ static constexpr double kRounding = 1e-9;  // [m], above rounding errors
 static constexpr double kAbove = 1e-3;     // [m]
 
 QuadrupedClearance::QuadrupedClearance(const QuadrupedDescription& robot, const TerrainParams& terrain)
-    : robot_(robot), terrain_(terrain), radius_(LinkRadius(robot)) {
-  Eigen::Vector3d low = robot.legs[0].joints[0].p_PJ, high = low;
-  for (const LegDescription& leg : robot.legs) {
-    low = low.cwiseMin(leg.joints[0].p_PJ);
-    high = high.cwiseMax(leg.joints[0].p_PJ);
-  }
-  middle_ = (low + high) / 2;
-  half_ = (high - low) / 2;
-  middle_[2] = robot.trunk.com[2];
-  half_[2] = UniformBox(robot.trunk)[2] / 2;
-
+    : robot_(robot),
+      terrain_(terrain),
+      radius_(LinkRadius(robot)),
+      between_hips_(BoxBetweenHips(robot)),
+      trunk_(robot.trunk_shapes) {
+  if (trunk_.empty()) trunk_ = {between_hips_};
   const Points stance = PointsAt(robot.stance);
-  reach_ = middle_.norm() + half_.norm();
+  for (const RoundedBox& box : trunk_)
+    reach_ = std::max(reach_, box.p_B.norm() + box.half.norm() + box.radius);
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
     double reach = stance[leg][0].norm() + radius_;
     for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
@@ -61,9 +57,17 @@ double QuadrupedClearance::Distance(const Points& points, Link a, Link b) const 
          2 * radius_;
 }
 
+/// The distance of the segment [p, p + u] from a box that is reduced by `less` on all sides.
+static double BoxDistance(const Eigen::Vector3d& p_B, const Eigen::Vector3d& u_B, const RoundedBox& box,
+                          double less = 0) {
+  const Eigen::Matrix3d R_SB = box.R_BS.transpose();
+  const Eigen::Vector3d half = (box.half.array() - less).max(0);
+  return SegmentBoxDistance(R_SB * (p_B - box.p_B), R_SB * u_B, half) - box.radius;
+}
+
 double QuadrupedClearance::TrunkDistance(const Points& points, Link link) const {
   const auto& p = points[link.leg];
-  return SegmentBoxDistance(p[link.index] - middle_, p[link.index + 1] - p[link.index], half_) - radius_;
+  return BoxDistance(p[link.index], p[link.index + 1] - p[link.index], between_hips_) - radius_;
 }
 
 QuadrupedClearances::Gap QuadrupedClearance::Ground(const LeggedState& x, const Points& points) const {
@@ -78,7 +82,8 @@ QuadrupedClearances::Gap QuadrupedClearance::Ground(const LeggedState& x, const 
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3d sides((corner & 1) == 0 ? -1 : 1, (corner & 2) == 0 ? -1 : 1,
                                 (corner & 4) == 0 ? -1 : 1);
-    add(middle_ + half_.cwiseProduct(sides), 0, -1);
+    for (const RoundedBox& box : trunk_)
+      add(box.p_B + box.R_BS * box.half.cwiseProduct(sides), box.radius, -1);
   }
   for (std::size_t leg = 0; leg < kNumLegs; ++leg)
     for (std::size_t i = 1; i < kJointsPerLeg; ++i) add(points[leg][i], radius_, static_cast<int>(leg));
@@ -103,8 +108,8 @@ QuadrupedClearances QuadrupedClearance::At(const LeggedState& x) const {
       clear.legs = {distance, static_cast<int>(a.leg), static_cast<int>(b.leg)};
   }
   for (const Link& link : beside_trunk_) {
-    const Eigen::Vector3d p = middle(link) - middle_;
-    const Eigen::Vector3d way = p - p.cwiseMax(-half_).cwiseMin(half_);
+    const Eigen::Vector3d &half = between_hips_.half, p = middle(link) - between_hips_.p_B;
+    const Eigen::Vector3d way = p - p.cwiseMax(-half).cwiseMin(half);
     if (is_beyond(way, clear.trunk.distance + reach(link))) continue;
     const double distance = TrunkDistance(points, link);
     if (distance < clear.trunk.distance) clear.trunk = {distance, static_cast<int>(link.leg)};
@@ -115,8 +120,9 @@ QuadrupedClearances QuadrupedClearance::At(const LeggedState& x) const {
 
 QuadrupedClearances::Gap QuadrupedClearance::To(const Vec<kNumJoints>& q, const Eigen::Vector3d& p_B,
                                                 const Eigen::Vector3d& u_B, double less) const {
-  const Eigen::Vector3d half = (half_.array() - less).max(0);
-  QuadrupedClearances::Gap gap{SegmentBoxDistance(p_B - middle_, u_B, half)};
+  QuadrupedClearances::Gap gap;
+  for (const RoundedBox& box : trunk_)
+    gap.distance = std::min(gap.distance, std::max(0.0, BoxDistance(p_B, u_B, box, less)));
   const Points points = PointsAt(q);
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
     for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
@@ -129,8 +135,11 @@ QuadrupedClearances::Gap QuadrupedClearance::To(const Vec<kNumJoints>& q, const 
 }
 
 Eigen::Vector3d QuadrupedClearance::OnTrunk(const Eigen::Vector3d& p_B) const {
-  if (((p_B - middle_).cwiseAbs().array() > half_.array()).any()) return p_B;
-  return {p_B[0], p_B[1], middle_[2] + half_[2] + kAbove};
+  Eigen::Vector3d p = p_B;
+  for (const RoundedBox& box : trunk_)
+    if (BoxDistance(p_B, Eigen::Vector3d::Zero(), box) <= 0)
+      p[2] = std::max(p[2], box.p_B[2] + box.R_BS.row(2).cwiseAbs() * box.half + box.radius + kAbove);
+  return p;
 }
 
 }  // namespace tenon

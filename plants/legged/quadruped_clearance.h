@@ -25,11 +25,12 @@ struct QuadrupedClearances {
 /// Computes clearances of a quadruped by simple shapes; QuadrupedPlant has no forces that prevent their
 /// overlap.
 ///
-/// Links are capsules as in MakeQuadrupedGeometry, from joint to joint and to the foot. The trunk is a box
-/// that spans the first joints of the legs, with the height of the uniform box of its mass and moments of
-/// inertia. Pairs that overlap in the nominal stance are excluded, since they are adjacent or approximated
-/// too coarsely. The collision geometry of a URDF is not read. Only the ends of the links, without the feet,
-/// are compared with the ground: the middle of a shank may cut the edge of a box unnoticed.
+/// Links are capsules as in MakeQuadrupedGeometry, from joint to joint and to the foot. For the ground and
+/// for other bodies, the trunk consists of QuadrupedDescription::trunk_shapes, or without them of
+/// BoxBetweenHips. For the legs it is BoxBetweenHips, since their capsules do not follow the housings at the
+/// hips. Pairs that overlap in the nominal stance are excluded, since they are adjacent or approximated too
+/// coarsely. Only the ends of the links, without the feet, are compared with the ground: the middle of a
+/// shank may cut the edge of a box unnoticed.
 class QuadrupedClearance {
  public:
   QuadrupedClearance(const QuadrupedDescription& robot, const TerrainParams& terrain);
@@ -38,11 +39,11 @@ class QuadrupedClearance {
   QuadrupedClearances At(const LeggedState& x) const;
 
   /// The distance between a robot with the joint angles q and the segment [p, p + u] in B, with the nearest
-  /// leg or -1 for the trunk; 0 if the segment reaches into the trunk, whose box is reduced by `less` on all
-  /// sides.
+  /// leg or -1 for the trunk; 0 if the segment reaches into the trunk, whose boxes are reduced by `less` on
+  /// all sides.
   QuadrupedClearances::Gap To(const Vec<kNumJoints>& q, const Eigen::Vector3d& p_B,
                               const Eigen::Vector3d& u_B, double less = 0) const;
-  /// The point p in B, lifted just above the trunk's box if it lies inside.
+  /// The point p in B, lifted just above a box of the trunk if it lies inside.
   Eigen::Vector3d OnTrunk(const Eigen::Vector3d& p_B) const;
   /// The largest distance of any part of the robot from B's origin [m].
   double reach() const { return reach_; }
@@ -61,9 +62,10 @@ class QuadrupedClearance {
 
   QuadrupedDescription robot_;
   Terrain terrain_;
-  double radius_;                  // of the links [m]
-  double reach_ = 0;               // [m]
-  Eigen::Vector3d middle_, half_;  // centre and half edges of the trunk's box in B [m]
+  double radius_;     // of the links [m]
+  double reach_ = 0;  // [m]
+  RoundedBox between_hips_;
+  std::vector<RoundedBox> trunk_;
   std::array<std::array<double, kJointsPerLeg>, kNumLegs> half_lengths_;  // of the links [m]
   std::vector<std::pair<Link, Link>> pairs_;
   std::vector<Link> beside_trunk_;

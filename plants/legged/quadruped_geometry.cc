@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -38,6 +39,24 @@ Vec<3> TrunkEdges(const QuadrupedDescription& robot) {
   for (const LegDescription& leg : robot.legs)
     edges = edges.cwiseMax(2 * (leg.joints[0].p_PJ - robot.trunk.com).cwiseAbs());
   return edges;
+}
+
+/// The shape of a collision shape, and its pose.
+Shape ShapeOf(const RoundedBox& box, int number) {
+  const std::string name = "collision shape " + std::to_string(number) + " of the trunk";
+  const bool is_round = box.radius > 0 && box.half.head<2>().isZero(0);
+  if (is_round && box.half[2] == 0) return Shape::Sphere(ShapeRole::kCollision, name, box.radius);
+  if (is_round) return Shape::Capsule(ShapeRole::kCollision, name, box.radius, 2 * box.half[2]);
+  return Shape::Box(ShapeRole::kCollision, name, 2 * (box.half + Vec<3>::Constant(box.radius)));
+}
+void Move(const RoundedBox& box, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB, Shape* shape) {
+  shape->p_W = p_WB + R_WB * box.p_B;
+  shape->q_W = QuaternionFromRotation(R_WB * box.R_BS);
+}
+
+/// Whether contact of the trunk is judged by other shapes than the one that is drawn.
+bool JudgesTrunkByOthers(const QuadrupedDescription& robot) {
+  return !robot.trunk_shapes.empty() || robot.meshes[0] != nullptr;
 }
 
 /// End of a link in its joint's frame: the next joint, or the foot [m].
@@ -75,6 +94,29 @@ Eigen::Vector3d UniformBox(const RigidInertia& body) {
   return squares.cwiseMax(0.0).cwiseSqrt();
 }
 
+RoundedBox BoxBetweenHips(const QuadrupedDescription& robot) {
+  Eigen::Vector3d low = robot.legs[0].joints[0].p_PJ, high = low;
+  for (const LegDescription& leg : robot.legs) {
+    low = low.cwiseMin(leg.joints[0].p_PJ);
+    high = high.cwiseMax(leg.joints[0].p_PJ);
+  }
+  RoundedBox box;
+  box.p_B = (low + high) / 2;
+  box.half = (high - low) / 2;
+  box.p_B[2] = robot.trunk.com[2];
+  box.half[2] = UniformBox(robot.trunk)[2] / 2;
+  if (robot.trunk_shapes.empty()) return box;
+  double lowest = HUGE_VAL, highest = -HUGE_VAL;
+  for (const RoundedBox& shape : robot.trunk_shapes) {
+    const double up = shape.R_BS.row(2).cwiseAbs() * shape.half + shape.radius;
+    lowest = std::min(lowest, shape.p_B[2] - up);
+    highest = std::max(highest, shape.p_B[2] + up);
+  }
+  box.p_B[2] = (lowest + highest) / 2;
+  box.half[2] = (highest - lowest) / 2;
+  return box;
+}
+
 double LinkRadius(const QuadrupedDescription& robot) {
   return 0.8 * robot.foot_radius;
 }
@@ -91,10 +133,11 @@ Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const RigidIne
   shapes[kPayload] = Shape::Box(ShapeRole::kLoad, "payload", UniformBox(payload));
   shapes[kPayload].visible = payload.mass > 0;
   shapes[kPath] = Shape::Trace(ShapeRole::kBody, "path of the trunk");
+  const auto capsule = [&](ShapeRole role, const std::string& name, int j) {
+    return Shape::Capsule(role, name + robot.joint(j).name, LinkRadius(robot), LinkEnd(robot, j).norm());
+  };
   for (int j = 0; j < kNumJoints; ++j)
-    shapes[At(kFirstLink + j)] = with_mesh(Shape::Capsule(ShapeRole::kBody, "link of " + robot.joint(j).name,
-                                                          LinkRadius(robot), LinkEnd(robot, j).norm()),
-                                           j + 1);
+    shapes[At(kFirstLink + j)] = with_mesh(capsule(ShapeRole::kBody, "link of ", j), j + 1);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const std::string name = kLegNames[At(leg)];
     shapes[At(kFirstFoot + leg)] = Shape::Sphere(ShapeRole::kBody, "foot " + name, robot.foot_radius);
@@ -104,6 +147,13 @@ Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const RigidIne
     shapes[At(kFirstExternal + i)] =
         Shape::Arrow(ShapeRole::kDisturbance, "external force " + std::to_string(i), force_scale);
   AddTerrain(terrain, &shapes);
+  for (int j = 0; j < kNumJoints; ++j)
+    if (robot.meshes[At(j + 1)] != nullptr)
+      shapes.push_back(capsule(ShapeRole::kCollision, "collision shape of ", j));
+  if (!JudgesTrunkByOthers(robot)) return shapes;
+  for (const RoundedBox& box : robot.trunk_shapes)
+    shapes.push_back(ShapeOf(box, static_cast<int>(shapes.size())));
+  shapes.push_back(ShapeOf(BoxBetweenHips(robot), 0));
   return shapes;
 }
 
@@ -119,6 +169,14 @@ void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia
   shapes[kTrunk].q_W = shapes[kPayload].q_W = x.q_WB.normalized();
   shapes[kPath].p_W = x.p_WB;
 
+  std::size_t judged = shapes.size();
+  if (JudgesTrunkByOthers(robot)) {
+    const std::size_t n = robot.trunk_shapes.size();
+    judged -= n + 1;
+    for (std::size_t i = 0; i < n; ++i) Move(robot.trunk_shapes[i], p_W[0], R_W[0], &shapes[judged + i]);
+    Move(BoxBetweenHips(robot), p_W[0], R_W[0], &shapes[judged + n]);
+  }
+  for (std::size_t body = 1; body < kNumBodies; ++body) judged -= robot.meshes[body] != nullptr ? 1 : 0;
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const LegPose pose = robot.PoseOfLeg(leg, x.q);
     for (int i = 0; i < kJointsPerLeg; ++i) {
@@ -127,15 +185,16 @@ void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia
       p_W[body] = x.p_WB + R_W[0] * pose.p_BJ[At(i)];
       R_W[body] = R_W[0] * pose.R_BJ[At(i)];
       Shape& link = shapes[At(kFirstLink + joint)];
-      if (robot.meshes[body] != nullptr) {
+      const bool has_mesh = robot.meshes[body] != nullptr;
+      if (has_mesh) {
         link.p_W = p_W[body];
         link.q_W = QuaternionFromRotation(R_W[body]);
-        continue;
       }
+      Shape& capsule = has_mesh ? shapes[judged++] : link;
       const Eigen::Vector3d along_W = R_W[body] * LinkEnd(robot, joint);
       const auto turn = RotationBetween(Eigen::Vector3d::UnitZ(), along_W);
-      link.p_W = p_W[body] + along_W / 2;
-      link.q_W = {turn.w(), turn.x(), turn.y(), turn.z()};
+      capsule.p_W = p_W[body] + along_W / 2;
+      capsule.q_W = {turn.w(), turn.x(), turn.y(), turn.z()};
     }
     Shape& force = shapes[At(kFirstFootForce + leg)];
     force.p_W = shapes[At(kFirstFoot + leg)].p_W = x.p_WB + R_W[0] * pose.foot_B;

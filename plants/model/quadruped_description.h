@@ -11,6 +11,7 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace tenon {
 
@@ -38,6 +39,14 @@ struct LegPose {
   std::array<Eigen::Matrix3d, kJointsPerLeg> R_BJ;  ///< axes of the bodies
   std::array<Eigen::Vector3d, kJointsPerLeg> p_BJ;  ///< origins of the joints [m]
   Eigen::Vector3d foot_B;                           ///< centre of the foot's sphere [m]
+};
+
+/// A collision shape: a box whose surface is moved outwards by a radius. Spheres and capsules are such boxes.
+struct RoundedBox {
+  Eigen::Vector3d p_B = Eigen::Vector3d::Zero();       ///< its centre [m]
+  Eigen::Matrix3d R_BS = Eigen::Matrix3d::Identity();  ///< its axes
+  Eigen::Vector3d half = Eigen::Vector3d::Zero();      ///< half edges of the box [m]
+  double radius = 0;                                   ///< [m]
 };
 
 /// Motor, gear and end stops, equal for all joints.
@@ -111,6 +120,8 @@ struct QuadrupedDescription {
   Vec<kNumJoints> stance = Vec<12>::Zero();         ///< joint angles of the nominal stance [rad]
   DriveProperties drive;
   ContactProperties contact;
+  /// Collision shapes of the trunk in the URDF; empty if the main link of the trunk has none.
+  std::vector<RoundedBox> trunk_shapes;
   /// Visual meshes of trunk and links, each in its body's frame; null if the URDF has no readable mesh.
   std::array<std::shared_ptr<const TriangleMesh>, 1 + kNumJoints> meshes;
 

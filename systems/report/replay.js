@@ -29,7 +29,7 @@ class Replay {
     this.afterRender = [];
     this.shown = 0;
     this.ghosts = false;
-    this.hiddenRoles = new Set();
+    this.hiddenRoles = new Set(['collision shapes']);
     this.measure();
     this.addSurroundings();
     this.controls = new THREE.OrbitControls(this.camera, canvas);

@@ -137,15 +137,15 @@ function showReport(report, runs, live, bar) {
     for (const role of replay.roles) {
       const entry = button('', 'show or hide', () => {
         if (!replay.hiddenRoles.delete(role)) replay.hiddenRoles.add(role);
-        entry.classList.toggle('off', replay.hiddenRoles.has(role));
-        entry.setAttribute('aria-pressed', String(!replay.hiddenRoles.has(role)));
+        show();
         place(time);
       });
+      const show = () => entry.setAttribute('aria-pressed', String(!entry.classList.toggle('off', replay.hiddenRoles.has(role))));
       const swatch = element('span', 'swatch');
       swatch.style.background = replay.colorOf(role) || 'linear-gradient(90deg, #3b528b, #21918c, #fdc825)';
       entry.append(swatch, document.createTextNode(role));
       entry.setAttribute('aria-label', `show ${role}`);
-      entry.setAttribute('aria-pressed', 'true');
+      show();
       find('#legend').append(entry);
     }
     const [unit, range] = Object.entries(replay.ranges)[0] || [];

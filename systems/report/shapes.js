@@ -2,7 +2,7 @@
 
 const ROLE_COLORS = {
   bodies: 0x3d5a80, lines: 0x777777, loads: 0xb5651d, others: 0x7a6c5d, ground: 0xc9c2b4, fixtures: 0x9aa3af,
-  forces: 0x2a9d5c, disturbances: 0xd62828, estimates: 0xf08c00, reference: 0x1aa6a6,
+  forces: 0x2a9d5c, disturbances: 0xd62828, estimates: 0xf08c00, reference: 0x1aa6a6, 'collision shapes': 0x8e44ad,
 };
 // Columns of a shape in a frame, in the order of Shape::Fields().
 const WIDTH = 12, P = 0, Q = 3, VECTOR = 7, VALUE = 10, VISIBLE = 11;

@@ -49,6 +49,7 @@ class Reader {
     Add(file_.FloatingLink(), 0, PoseOfRoot());
     MeasureExtents();
     CheckMasses();
+    KeepTrunkShapes();
     for (const auto& [body, link] : missing_at_)
       if (IsMain(link, parts_[body])) looks_[body] = {};
     for (int leg = 0; leg < kNumLegs; ++leg) FinishLeg(leg);
@@ -190,6 +191,8 @@ class Reader {
           {link.name, link.inertia->In(T_BL.linear(), T_BL.translation())});
     for (const UrdfShape& visual : link.visuals)
       if (visual.kind == UrdfShape::Kind::kMesh) AddMesh(link.name, visual, body, T_BL * visual.pose);
+    for (const UrdfShape& collision : link.collisions)
+      if (body == 0) AddCollision(collision, T_BL * collision.pose);
     for (const UrdfJoint* joint : link.joints) {
       Eigen::Isometry3d T_BJ = T_BL * joint->pose;
       int child = body;
@@ -205,6 +208,42 @@ class Reader {
       }
       Add(file_.ChildOf(*joint), child, T_BJ);
     }
+  }
+
+  /// Adds a collision shape to those of the trunk. A cylinder becomes the capsule that it contains, or if it
+  /// is flat, a rounded box; a mesh becomes the box about it.
+  void AddCollision(const UrdfShape& shape, const Eigen::Isometry3d& T_BS) {
+    using Kind = UrdfShape::Kind;
+    RoundedBox box{T_BS.translation(), T_BS.linear(), shape.edges / 2, 0};
+    if (shape.kind == Kind::kMesh) {
+      const std::optional<std::filesystem::path> file = FindMesh(shape.mesh, file_.name);
+      if (!file) return;
+      try {
+        Eigen::AlignedBox3d around;
+        for (const auto& [x, y, z] : ReadMesh(*file)->corners)
+          around.extend(Eigen::Vector3d(x, y, z).cwiseProduct(shape.scale));
+        box.p_B = T_BS * around.center();
+        box.half = around.sizes() / 2;
+      } catch (const ParameterError&) {
+        return;
+      }
+    } else if (shape.kind != Kind::kBox) {
+      box.radius = shape.kind == Kind::kSphere ? shape.radius : std::min(shape.radius, shape.length / 2);
+      const double flat = shape.radius - box.radius;
+      if (shape.kind == Kind::kCylinder) box.half << flat, flat, shape.length / 2 - box.radius;
+    }
+    robot_.trunk_shapes.push_back(box);
+  }
+
+  /// Removes the collision shapes of the trunk if they are only those of small parts of it.
+  void KeepTrunkShapes() {
+    Eigen::AlignedBox3d shapes, hips;
+    for (const RoundedBox& box : robot_.trunk_shapes) {
+      const Eigen::Vector3d half = box.R_BS.cwiseAbs() * box.half + Eigen::Vector3d::Constant(box.radius);
+      shapes.extend(Eigen::AlignedBox3d(box.p_B - half, box.p_B + half));
+    }
+    for (int leg = 0; leg < kNumLegs; ++leg) hips.extend(JointOf(kJointsPerLeg * leg).p_PJ);
+    if (shapes.isEmpty() || shapes.sizes().x() < hips.sizes().x() / 3) robot_.trunk_shapes.clear();
   }
 
   /// The mesh to be drawn, without colours if none is given.

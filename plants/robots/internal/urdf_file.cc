@@ -230,8 +230,10 @@ class UrdfReader {
     } else if (what.name == "sphere" || what.name == "cylinder") {
       shape.kind = what.name == "sphere" ? Kind::kSphere : Kind::kCylinder;
       shape.radius = Read(&what, "radius");
+      shape.length = Read(&what, "length");
     } else if (what.name == "box") {
       shape.kind = Kind::kBox;
+      shape.edges = Vector(what, "size", 0);
     } else {
       return {};
     }

@@ -22,7 +22,9 @@ struct UrdfShape {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< in the link
   std::string mesh;                                        ///< its file, as in the URDF
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();         ///< of a mesh
+  Eigen::Vector3d edges = Eigen::Vector3d::Zero();         ///< of a box [m]
   double radius = 0;                                       ///< of a sphere or cylinder [m]
+  double length = 0;                                       ///< of a cylinder [m]
   std::optional<std::array<float, 3>> colour;              ///< red, green, blue; none if it is a texture
 };
 

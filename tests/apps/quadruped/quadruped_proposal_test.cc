@@ -381,6 +381,11 @@ TEST_F(QuadrupedProposalTest, LocksSpinesAndGrippers) {
   EXPECT_EQ(robot.stance, a1.stance);
 }
 
+TEST_F(QuadrupedProposalTest, NotesATrunkBelowTheHips) {
+  EXPECT_THAT(Propose(Replaced(ReadUrdf("a1"), "0 0.0041 -0.0005", "0 0.0041 -0.5")).notes,
+              Contains(AllOf(HasSubstr("'trunk'"), HasSubstr("0.5 m below the hips"))));
+}
+
 TEST_F(QuadrupedProposalTest, ChecksTheAxesThatAreGiven) {
   const auto refused = [&](const UrdfLegsOptions& options, auto... parts) {
     return Throws<ParameterError>([&] { Propose(ReadUrdf("a1"), options); }, "robot.urdf", parts...);

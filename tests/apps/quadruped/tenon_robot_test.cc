@@ -79,10 +79,30 @@ TEST_F(TenonRobotTest, WritesIntoNoDirectoryOfAnotherRun) {
   EXPECT_FALSE(fs::exists(out / "a1.yaml"));
 }
 
+// A program of this name on the PATH stands for xacro, which Debian has not. The file is not overwritten.
+TEST_F(TenonRobotTest, ExpandsXacroWhereItIsInstalled) {
+  const fs::path home = TemporaryPath("xacro_home");
+  fs::create_directories(home);
+  const std::string urdf = Read(TENON_ROBOTS_DIR "/a1.urdf"),
+                    xacro = Read(TENON_ROBOTS_DIR "/a1.urdf").insert(urdf.find("</robot>"), "<xacro:leg/>");
+  std::ofstream(home / "dog.urdf") << xacro;
+  std::ofstream(home / "xacro") << "#!/bin/sh\n[ $2 = -o ] && sed 's|<xacro:leg/>||' \"$1\" > \"$3\"\n";
+  fs::permissions(home / "xacro", fs::perms::owner_all);
+  const std::string run =
+      TENON_ROBOT " " + (home / "dog.urdf").string() + " --strict --up x --out " + home.string();
+  EXPECT_THAT(RunCommand(run).text, AllOf(HasSubstr("xacro file"), HasSubstr("dog_2.urdf")));
+  EXPECT_THAT(RunCommand("env PATH=" + home.string() + ":$PATH " + run).text,
+              HasSubstr("dog_expanded.urdf:"));
+  EXPECT_EQ(Read(home / "dog.urdf"), xacro);
+  EXPECT_EQ(Read(home / "dog_expanded.urdf"), urdf);
+  fs::remove_all(home);
+}
+
 TEST_F(TenonRobotTest, RefusesBadUsage) {
   const std::string a1 = TENON_ROBOTS_DIR "/a1.urdf";
   ExpectRefused({{"nowhere.urdf", "nowhere.urdf"},
                  {a1 + " --lock FL_hip_joint=up", "--lock FL_hip_joint=up: "},
+                 {a1 + " --forward x --up x", "--up x: "},
                  {a1 + " --lock FL_hip_joint=0", "FL_thigh_joint - FL_calf_joint (2)"}});
   EXPECT_FALSE(fs::exists(out / "a1.yaml"));
 }

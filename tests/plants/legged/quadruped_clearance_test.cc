@@ -3,6 +3,8 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <random>
 
@@ -55,6 +57,35 @@ TEST_F(QuadrupedClearanceTest, AStandingRobotIsClear) {
     EXPECT_GT(clear.trunk.distance, 0.005) << other.name;
     EXPECT_GT(clear.ground.distance, 0.05) << other.name;
   }
+}
+
+// A box of the file and a capsule across the trunk take the place of the box by the inertia.
+TEST_F(QuadrupedClearanceTest, JudgesTheTrunkByItsCollisionShapes) {
+  QuadrupedDescription other = robot;
+  other.trunk.inertia *= 100;
+  const LeggedState x = Standing();
+  EXPECT_LT(QuadrupedClearance(other, {}).At(x).ground.distance, 0);
+  RoundedBox box, capsule;
+  box.half = {0.2, 0.1, 0.05};
+  box.R_BS = Eigen::AngleAxisd(0.5, Vector3d::UnitX()).toRotationMatrix();
+  capsule.p_B = {0.3, 0, -0.15};
+  capsule.half = {0, 0, 0.1};
+  capsule.radius = 0.02;
+  other.trunk_shapes = {box, capsule};
+  const QuadrupedClearance shaped(other, {});
+  const QuadrupedClearances::Gap ground = shaped.At(x).ground;
+  EXPECT_EQ(ground.leg, -1);
+  EXPECT_NEAR(ground.distance, x.p_WB[2] - 0.15 - 0.1 - 0.02, 1e-12);
+  EXPECT_NEAR(shaped.To(x.q, {0.6, 0, -0.15}, {0.1, 0, 0}).distance, 0.3 - 0.02, 1e-9);
+  EXPECT_EQ(shaped.To(x.q, {0, 0, 0}, {0.1, 0, 0}).distance, 0);
+  EXPECT_GT(shaped.OnTrunk({0, 0, 0})[2], 0.05 * std::cos(0.5));
+  Geometry shapes = MakeQuadrupedGeometry(other, {}, {});
+  MoveQuadrupedGeometry(other, {}, x, {}, {}, &shapes);
+  const Shape &drawn = shapes[shapes.size() - 2], &between_hips = shapes.back();
+  EXPECT_EQ(drawn.role, ShapeRole::kCollision);
+  EXPECT_EQ(drawn.kind, ShapeKind::kCapsule);
+  EXPECT_TRUE(drawn.p_W.isApprox(x.p_WB + capsule.p_B, 1e-12));
+  EXPECT_NEAR(between_hips.p_W[2] - between_hips.size[2] / 2, x.p_WB[2] - 0.15 - 0.1 - 0.02, 1e-12);
 }
 
 // The front left shank swings backwards and meets the rear leg; the distance is that of the drawn capsules.

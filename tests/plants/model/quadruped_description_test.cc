@@ -380,6 +380,29 @@ TEST(QuadrupedDescriptionTest, DrawsABodyByItsShapeIfTheMeshOfItsMainLinkIsMissi
               ElementsAre(HasSubstr("'no.stl' is not found"), HasSubstr("can be read")));
 }
 
+// The shapes of a frame alone are not those of the trunk.
+TEST(QuadrupedDescriptionTest, ReadsTheCollisionShapesOfTheTrunk) {
+  const auto with = [](const std::string& link, const std::string& shape) {
+    RobotFiles files("a1");
+    const std::string collision =
+        "<collision><origin xyz=\"0 0 0.1\" rpy=\"0 1.5707963267948966 0\"/><geometry>" + shape +
+        "</geometry></collision>";
+    files.Change(&RobotFiles::urdf, "<link name=\"trunk\">",
+                 "<link name=\"trunk\">" + (link == "trunk" ? collision : ""));
+    files.Change(&RobotFiles::urdf, "<link name=\"base\"/>",
+                 "<link name=\"base\">" + (link == "base" ? collision : "") + "</link>");
+    return files.Load().trunk_shapes;
+  };
+  EXPECT_TRUE(with("base", "<sphere radius=\"0.01\"/>").empty());
+  const RoundedBox box = with("trunk", "<box size=\"0.1 0.2 0.3\"/>").at(0);
+  EXPECT_THAT(box.half, IsNear(Eigen::Vector3d(0.05, 0.1, 0.15), 1e-15));
+  EXPECT_THAT(box.p_B, IsNear(Eigen::Vector3d(0, 0, 0.1), 1e-15));
+  EXPECT_THAT(box.R_BS.col(2), IsNear(Eigen::Vector3d::UnitX(), 1e-15));
+  const RoundedBox capsule = with("trunk", "<cylinder radius=\"0.1\" length=\"0.6\"/>").at(0);
+  EXPECT_EQ(capsule.radius, 0.1);
+  EXPECT_THAT(capsule.half, IsNear(Eigen::Vector3d(0, 0, 0.2), 1e-15));
+}
+
 // Links that only mark a frame: impossible inertias are corrected, inertias without mass ignored, each with a
 // warning.
 TEST(QuadrupedDescriptionTest, CorrectsTheInertiaOfFrames) {
