@@ -27,9 +27,15 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kNull = "null";  // cell of a figure without a value
 
+/// Numbers of runs in which a figure has no number.
+struct WithoutNumber {
+  std::size_t none = 0, nan = 0;  ///< null, and NaN or infinite
+};
+
 /// The numeric columns of a table: drawn values and figures.
 struct Columns {
   std::vector<std::string> drawn, figures;
+  std::map<std::string, WithoutNumber> without;  ///< of the columns that some runs lack
 };
 
 Columns SortColumns(const fs::path& table, const CampaignPlan& plan) {
@@ -44,7 +50,14 @@ Columns SortColumns(const fs::path& table, const CampaignPlan& plan) {
     for (const auto& [name, text] : row) {
       before = before && name != "case";
       if (known.contains(name) || !ran) continue;
-      if (text != kNull && !internal::NumberIn<double>(text)) no_number.insert(name);
+      const auto number = internal::NumberIn<double>(text);
+      if (text == kNull) {
+        ++columns.without[name].none;
+      } else if (!number) {
+        no_number.insert(name);
+      } else if (!std::isfinite(*number)) {
+        ++columns.without[name].nan;
+      }
       if (!varied.emplace(name, before).second) continue;
       (before ? columns.drawn : columns.figures).push_back(name);
     }
@@ -104,8 +117,7 @@ void AddPicks(CampaignReport& report, const std::string& worst_by, const std::st
     pick(*order[i], fmt::format("{} = {:.4g}", worst_by, order[i]->figures[column]));
 }
 
-CampaignReport MakeReport(const CampaignPlan& plan, const fs::path& table) {
-  const Columns columns = SortColumns(table, plan);
+CampaignReport MakeReport(const CampaignPlan& plan, const fs::path& table, const Columns& columns) {
   const CampaignFile& file = plan.file();
   CampaignReport report{
       .title = file.description.empty() ? "Campaign of " + file.scenario : file.description,
@@ -138,35 +150,12 @@ CampaignReport MakeReport(const CampaignPlan& plan, const fs::path& table) {
   return report;
 }
 
-/// Numbers of runs in which a figure has no number.
-struct WithoutNumber {
-  std::size_t none = 0, nan = 0;  ///< null, and NaN or infinite
-};
-
-/// Counts the runs in which figures have no number, without figures that all runs have.
-std::map<std::string, WithoutNumber> CountWithoutNumber(const CampaignPlan& plan, const fs::path& table,
-                                                        const std::vector<std::string>& figures) {
-  const std::set<std::string_view> counted(figures.begin(), figures.end());
-  std::map<std::string, WithoutNumber> without;
-  CampaignTable::Read(table, plan, [&](std::size_t, const CampaignRow& row) {
-    for (const auto& [name, text] : row) {
-      if (!counted.contains(name)) continue;
-      if (text == kNull) {
-        ++without[name].none;
-      } else if (!std::isfinite(internal::NumberIn<double>(text).value_or(NAN))) {
-        ++without[name].nan;
-      }
-    }
-  });
-  return without;
-}
-
-/// Prints these numbers and adds them to the summary.
-void ReportWithoutNumber(const std::map<std::string, WithoutNumber>& without, std::size_t runs,
-                         nlohmann::ordered_json* summary) {
+/// Prints in how many runs figures have no number, and adds it to the summary.
+void ReportWithoutNumber(const Columns& columns, std::size_t runs, nlohmann::ordered_json* summary) {
   constexpr std::size_t kPrinted = 10;
   auto& json = (*summary)["without_number"] = nlohmann::ordered_json::object();
-  for (const auto& [figure, count] : without) {
+  for (const auto& [figure, count] : columns.without) {
+    if (std::ranges::count(columns.figures, figure) == 0) continue;
     json[figure] = {{"null", count.none}, {"nan", count.nan}};
     if (json.size() <= kPrinted)
       fmt::print("{} has no number in {} of {} runs ({} null, {} NaN)\n", figure, count.none + count.nan,
@@ -201,7 +190,8 @@ fs::path ReplayDirectory(const fs::path& directory, std::size_t run) {
 void WriteResults(const CampaignPlan& plan, const CampaignSchedule& schedule, const std::string& command,
                   const fs::path& directory) {
   const CampaignFile& file = plan.file();
-  CampaignReport report = MakeReport(plan, directory / "runs.csv");
+  const Columns columns = SortColumns(directory / "runs.csv", plan);
+  CampaignReport report = MakeReport(plan, directory / "runs.csv", columns);
   report.command = command;
   AddPicks(report, WorstBy(plan, report.figures), command, directory);
 
@@ -248,7 +238,7 @@ void WriteResults(const CampaignPlan& plan, const CampaignSchedule& schedule, co
     summary["causes"].push_back({{"cause", cause.text}, {"runs", cause.count}, {"first", cause.first}});
     if (summary["causes"].size() <= 10) fmt::print("{} failed: {}\n", cause.count, cause.text);
   }
-  ReportWithoutNumber(CountWithoutNumber(plan, directory / "runs.csv", report.figures), all.count, &summary);
+  ReportWithoutNumber(columns, all.count, &summary);
   if (!report.picks.empty()) fmt::print("runs to inspect:\n");
   for (const CampaignReport::Pick& pick : report.picks) fmt::print("  {}    # {}\n", pick.command, pick.why);
 
