@@ -41,7 +41,7 @@ enum class ShapeRole {
   kDisturbance,
   kEstimate,
   kReference,
-  kCollision  ///< what contact is judged by, where it is not what is drawn; a page hides it at first
+  kCollision  ///< shapes of contact that differ from the drawn ones; a page hides them at first
 };
 constexpr auto EnumNames(ShapeRole) {
   return std::array{Named{ShapeRole::kBody, "bodies"},

@@ -150,6 +150,7 @@ CampaignPlan::CampaignPlan(const YamlDocument& document, Chosen chosen, std::opt
         throw ParameterError(
             fmt::format("{}: {} is also set or varied; remove it there", document.PlaceOf(place), key));
     }
+    for (const auto& [key, factor] : keys) by_key.emplace(key, name);
   };
   if (file_.limit) demand_free("limit", file_.limit->key, file_.limit->sets);
   if (file_.optimise)

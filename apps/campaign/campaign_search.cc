@@ -26,13 +26,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a campaign with some values came to.
+/// The result of one evaluation: a campaign with fixed values of the keys.
 struct Evaluation {
   CampaignPlan::Chosen values = {};
   std::map<std::string, double> figures = {};  ///< mean over the finished runs that have a number
   std::size_t runs = 0, finished = 0;
   double cost = 0;
-  double violation = 0;     ///< sum of what the means exceed their bounds by; infinite if no run finished
+  /// Sum of what the means exceed their bounds by, relative to these; infinite if no run finished.
+  double violation = 0;
   std::string reason = {};  ///< why the last run failed, or which bound is exceeded
 
   bool good() const { return finished == runs && violation <= 0; }
@@ -40,8 +41,8 @@ struct Evaluation {
   auto rank() const { return std::tuple(std::max(violation, 0.0), cost); }
 };
 
-/// Thrown through NLopt, which does not pass on other exceptions.
-struct Stopped : nlopt::forced_stop {};
+/// Thrown when a signal stops the search.
+struct Stopped : std::exception {};
 
 class Search {
  public:
@@ -170,7 +171,7 @@ Evaluation Search::RunAll(const CampaignPlan::Chosen& values, const fs::path& ta
   for (const auto& [figure, weight] : what_.minimise) demand("minimise", figure);
   for (const auto& [figure, bound] : what_.subject_to) {
     demand("subject_to", figure);
-    const double beyond = result.figures[figure] - bound;
+    const double beyond = (result.figures[figure] - bound) / (bound == 0 ? 1 : std::abs(bound));
     result.violation +=
         std::isfinite(beyond) ? std::max(beyond, 0.0) : std::numeric_limits<double>::infinity();
     if (!(beyond <= 0))
@@ -216,12 +217,12 @@ void Search::Optimise(std::vector<double> start) {
   optimizer.set_xtol_abs(0.003);
   const auto evaluate = [](const std::vector<double>& shares, Search& search) -> const Evaluation& {
     try {
-      if (search.all_.size() >= static_cast<std::size_t>(search.what_.evaluations)) throw Stopped();
-      return search.Evaluate(shares);
-    } catch (...) {
+      if (search.all_.size() < static_cast<std::size_t>(search.what_.evaluations))
+        return search.Evaluate(shares);
+    } catch (...) {  // NLopt does not pass on other exceptions than its own
       search.failure_ = std::current_exception();
-      throw nlopt::forced_stop();
     }
+    throw nlopt::forced_stop();
   };
   static constexpr double kWorst = 1e6;  // NLopt needs finite values
   using Calls = std::pair<Search*, decltype(evaluate)*>;
@@ -244,7 +245,7 @@ void Search::Optimise(std::vector<double> start) {
     optimizer.optimize(start, cost);
   } catch (const nlopt::roundoff_limited&) {  // converged to rounding
   } catch (const nlopt::forced_stop&) {
-    if (all_.size() < static_cast<std::size_t>(what_.evaluations)) std::rethrow_exception(failure_);
+    if (failure_) std::rethrow_exception(failure_);
   }
 }
 

@@ -2,15 +2,17 @@
 #include <tenon/systems/yaml/resources.h>
 
 #include <string_view>
+#include <vector>
 
 namespace tenon::apps {
 
-/// Returns the first key called `name` in a map or the maps in it; empty if there is none.
-static std::string FindKey(const YamlDocument& scenario, const std::string& map, std::string_view name) {
-  for (const std::string& key : scenario.Keys(map)) {
-    const std::string path = map.empty() ? key : map + "." + key;
-    if (key == name) return path;
-    if (std::string found = FindKey(scenario, path, name); !found.empty()) return found;
+/// Returns the key called `name` in the outermost map that has one; empty if there is none.
+static std::string FindKey(const YamlDocument& scenario, std::string_view name) {
+  std::vector<std::string> paths = scenario.Keys("");
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const std::string path = paths[i];
+    if (path.substr(path.rfind('.') + 1) == name) return path;
+    for (const std::string& key : scenario.Keys(path)) paths.push_back(path + "." + key);
   }
   return {};
 }
@@ -19,7 +21,7 @@ static std::string FindKey(const YamlDocument& scenario, const std::string& map,
 static std::string KeyOfBlock(const YamlDocument& scenario, std::string_view path) {
   while (!path.empty()) {
     const std::size_t dot = path.rfind('.');
-    if (std::string key = FindKey(scenario, "", path.substr(dot + 1)); !key.empty()) return key;
+    if (std::string key = FindKey(scenario, path.substr(dot + 1)); !key.empty()) return key;
     path = path.substr(0, dot == path.npos ? 0 : dot);
   }
   return {};

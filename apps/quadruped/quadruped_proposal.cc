@@ -33,8 +33,9 @@ using std::numbers::pi;
 
 constexpr double kFarFoot = 0.4;  // minimum distance of a foot from the knee, relative to the thigh
 constexpr double kAlike = 0.05;   // difference of bending up to which the knee points backward [rad]
-constexpr double kBeside =
-    0.02;  // distance of the hip pitch from the abduction's axis that counts, over the leg
+// Least distance of the hip pitch from the axis of the abduction that counts, relative to the length of the
+// leg.
+constexpr double kOffAxis = 0.02;
 constexpr double kMargin = 0.02;  // distance from the ends of a joint's range [rad]
 // Distances from hip to foot in the stance that are tried in turn, relative to the length of the leg.
 constexpr double kBending[] = {0.7, 0.65, 0.75, 0.6, 0.8, 0.55, 0.85, 0.5, 0.9};
@@ -286,7 +287,7 @@ class Proposal {
     std::vector<double> angles{level, level > 0 ? level - pi : level + pi};
     const auto inwards = [&](double q0) {
       const double y = (Eigen::AngleAxisd(q0, a0) * joints[1].p_PJ).y();
-      return std::abs(y) < kBeside * length_ ? 0 : (y > 0) == left ? -1 : 1;
+      return std::abs(y) < kOffAxis * length_ ? 0 : (y > 0) == left ? -1 : 1;
     };
     std::ranges::sort(angles, {}, [&](double q0) { return std::pair(inwards(q0), std::abs(q0)); });
     if (std::ranges::none_of(angles, [&](double q0) { return Inside(joints[0], q0).has_value(); }) &&

@@ -163,15 +163,21 @@ std::optional<internal::LinkAxis> AxisOf(const char* option, const std::string& 
   throw ParameterError(fmt::format("{} {}: write x, y, z, -x, -y or -z", option, text));
 }
 
+/// Returns the name of a robot's file without .urdf, .xacro or .urdf.xacro.
+std::string NameOf(const fs::path& file) {
+  const fs::path stem = file.stem();
+  return (stem.extension() == ".urdf" ? stem.stem() : stem).string();
+}
+
 /// Expands a xacro file into a URDF in `out`, if xacro is installed. Returns the file itself otherwise, and
 /// if it is a URDF.
 fs::path Expanded(const fs::path& file, const fs::path& out) {
   if (ReadText(file).find("<xacro:") == std::string::npos) return file;
-  const std::string name = file.stem().stem().string();
+  const OutputLock lock(out);
+  const std::string name = NameOf(file);
   std::error_code error;
   fs::path urdf = out / (name + ".urdf");
   if (fs::equivalent(file, urdf, error)) urdf = out / (name + "_expanded.urdf");
-  fs::create_directories(out, error);
   const std::optional<int> code = RunProgram({"xacro", file.string(), "-o", urdf.string()});
   if (!code) return file;
   if (*code != 0)
@@ -200,10 +206,9 @@ std::string Shown(const Summary& trial, const char* name) {
 /// Writes the YAML file and a picture of the robot in a URDF, then simulates it standing and trotting.
 /// Returns the exit code of the last simulation. Throws ParameterError, and the errors of the outputs.
 int ProposeRobot(const RobotArguments& arguments) {
-  const fs::path given = arguments.urdf,
-                 out =
-                     arguments.out.empty() ? fs::path("out") / given.stem().stem() : fs::path(arguments.out),
-                 urdf = Expanded(given, out);
+  const fs::path given = arguments.urdf;
+  const fs::path out = arguments.out.empty() ? fs::path("out") / NameOf(given) : fs::path(arguments.out);
+  const fs::path urdf = Expanded(given, out);
   const std::string name = urdf.stem().string();
   const UrdfLegsOptions options{.locked = LockedJoints(arguments.locks),
                                 .forward = AxisOf("--forward", arguments.forward),

@@ -67,8 +67,10 @@ constexpr double kAlong = 0.8;   // least cosine of the angle between axes that 
 constexpr double kAcross = 0.6;  // largest cosine of the angle between axes that count as perpendicular
 constexpr double kLow = 0.4;     // a chain of this part of the longest one's length is a leg
 constexpr double kOff = 0.3;  // largest distance of the origin from the hips' centre, over the leg's length
-constexpr double kBehind = 0.25;  // least distance of front and rear hips, over that of the farthest ones
-constexpr double kBeside = 0.05;  // distance of left and right hips below which they are one, over the same
+constexpr double kBehind =
+    0.25;  // least distance of front and rear hips, relative to the hips' largest extent
+// Distance of left and right hips below which they count as one, relative to the length of the leg.
+constexpr double kBeside = 0.05;
 
 LinkAxis AxisAt(Eigen::Index index, double sign) {
   return static_cast<LinkAxis>(index + (sign < 0 ? 3 : 0));

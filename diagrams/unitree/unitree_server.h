@@ -27,6 +27,7 @@ UnitreeCommand HoldStance(const JointPdParams& pd);
 ///     auto& world = builder.Add<QuadrupedWorld>("world", MakeQuadrupedWorld(robot));
 ///     auto& server = builder.Add<UnitreeServer>("server", {.initial = HoldStance(MakeJointPd(robot))});
 ///     builder.Connect(server.torque, world.torque);
+///     builder.Connect(world.joints, server.joints);
 ///     server.ConnectSensors(builder, world);
 ///
 /// It takes commands from "rt/lowcmd" and computes joint PD and feedforward torques at `command_rate`; the

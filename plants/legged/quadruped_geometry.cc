@@ -108,10 +108,14 @@ RoundedBox BoxBetweenHips(const QuadrupedDescription& robot) {
   if (robot.trunk_shapes.empty()) return box;
   double lowest = HUGE_VAL, highest = -HUGE_VAL;
   for (const RoundedBox& shape : robot.trunk_shapes) {
-    const double up = shape.R_BS.row(2).cwiseAbs() * shape.half + shape.radius;
-    lowest = std::min(lowest, shape.p_B[2] - up);
-    highest = std::max(highest, shape.p_B[2] + up);
+    const Eigen::Vector3d extent =
+        shape.R_BS.cwiseAbs() * shape.half + Eigen::Vector3d::Constant(shape.radius);
+    const Eigen::Vector3d apart = (shape.p_B - box.p_B).cwiseAbs() - extent - box.half;
+    if (apart.head<2>().maxCoeff() > 0) continue;  // a head or an arm before the hips
+    lowest = std::min(lowest, shape.p_B[2] - extent[2]);
+    highest = std::max(highest, shape.p_B[2] + extent[2]);
   }
+  if (lowest > highest) return box;
   box.p_B[2] = (lowest + highest) / 2;
   box.half[2] = (highest - lowest) / 2;
   return box;

@@ -120,7 +120,7 @@ struct QuadrupedDescription {
   Vec<kNumJoints> stance = Vec<12>::Zero();         ///< joint angles of the nominal stance [rad]
   DriveProperties drive;
   ContactProperties contact;
-  /// Collision shapes of the trunk in the URDF; empty if the main link of the trunk has none.
+  /// Collision shapes of the trunk in the URDF; empty if it has none that cover the trunk.
   std::vector<RoundedBox> trunk_shapes;
   /// Visual meshes of trunk and links, each in its body's frame; null if the URDF has no readable mesh.
   std::array<std::shared_ptr<const TriangleMesh>, 1 + kNumJoints> meshes;

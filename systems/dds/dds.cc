@@ -18,14 +18,15 @@
 namespace tenon::internal {
 namespace {
 
-constexpr int kHistory =
-    64;  // messages that wait for a tick, or for a receiver that starts later in lock-step
+/// Capacity of a reader's queue, and in lock-step of a writer's history for readers that start later
+/// [messages].
+constexpr int kHistory = 64;
 constexpr dds_duration_t kPatience = DDS_SECS(10);  // of a sender in lock-step
 constexpr double kNanosecond = 1e-9;
 
-/// Reports of Cyclone DDS, some of them from its own threads. It drops messages that it cannot decode, which
+/// The log of Cyclone DDS, also of its own threads. It drops messages that it cannot decode, which
 /// only its log tells.
-class Reports {
+class CycloneLog {
  public:
   /// Returns the number of messages of a topic and type that could not be decoded.
   static std::atomic<int>& Undecodable(const std::string& topic, const char* type) {
@@ -40,13 +41,15 @@ class Reports {
   }
 
  private:
-  static void Sink(void*, const dds_log_data_t* report) {
+  static void Sink(void*, const dds_log_data_t* report) noexcept {
     const std::string_view text(report->message, report->size);
     constexpr std::string_view kCannotDecode = "deserialization ";
     const std::lock_guard lock(mutex_);
     if (const auto at = text.find(kCannotDecode); at != text.npos) {
       for (auto& [name, count] : undecodable_)
-        if (text.substr(at + kCannotDecode.size()).starts_with(name + ' ')) ++count;
+        if (const auto topic = text.substr(at + kCannotDecode.size());
+            topic.starts_with(name) && topic.substr(name.size()).starts_with(' '))
+          ++count;
     } else if (caught_ != nullptr) {
       *caught_ = text.substr(0, text.find('\n'));
     } else {
@@ -110,13 +113,13 @@ class Participant {
 
   static Joined Join(const DdsLink& link) {
     std::string report;
-    Reports::Catch(&report);
+    CycloneLog::Catch(&report);
     Joined joined{0, link.interface};
     const auto id = static_cast<dds_domainid_t>(link.domain);
     if (!link.interface.empty())
       joined.domain = dds_create_domain(id, ConfigurationFor(link.interface).c_str());
     if (joined.domain >= 0) joined.participant = dds_create_participant(id, nullptr, nullptr);
-    Reports::Catch(nullptr);
+    CycloneLog::Catch(nullptr);
     const dds_return_t error = std::min(joined.domain, joined.participant);
     if (error >= 0) return joined;
     if (joined.domain > 0) dds_delete(joined.domain);
@@ -136,9 +139,9 @@ class Participant {
 };
 
 /// The defaults of DDS, or in lock-step a reader and a writer that lose nothing and may start in any order.
-class Quality {
+class QualityOfService {
  public:
-  explicit Quality(bool lock_step) {
+  explicit QualityOfService(bool lock_step) {
     if (!lock_step) return;
     dds_qset_reliability(get(), DDS_RELIABILITY_RELIABLE, kPatience);
     dds_qset_history(get(), DDS_HISTORY_KEEP_ALL, 0);
@@ -153,15 +156,15 @@ class Quality {
 };
 
 /// Owns a reader or a writer and what belongs to it.
-struct Deleted {
+struct OwnedEntity {
   const dds_entity_t entity;
-  explicit Deleted(dds_entity_t made) : entity(made) {
+  explicit OwnedEntity(dds_entity_t made) : entity(made) {
     if (made < 0)
       throw RunError(fmt::format("Cyclone DDS refuses a reader or writer: {}", dds_strretcode(made)));
   }
-  ~Deleted() { dds_delete(entity); }
-  Deleted(const Deleted&) = delete;
-  Deleted& operator=(const Deleted&) = delete;
+  ~OwnedEntity() { dds_delete(entity); }
+  OwnedEntity(const OwnedEntity&) = delete;
+  OwnedEntity& operator=(const OwnedEntity&) = delete;
 };
 
 /// The common part of readers and writers.
@@ -191,7 +194,7 @@ struct End {
   const DdsEnd end;
   const DdsMessage message;
   const Participant participant;
-  const Deleted topic;
+  const OwnedEntity topic;
 };
 
 class DdsInbox final : public Inbox {
@@ -199,19 +202,18 @@ class DdsInbox final : public Inbox {
   DdsInbox(const DdsEnd& end, const DdsMessage& message, double timeout_s)
       : Inbox({end.lock_step, timeout_s}),
         end_(end, message),
-        undecodable_(Reports::Undecodable(
+        undecodable_(CycloneLog::Undecodable(
             end.topic, static_cast<const dds_topic_descriptor_t*>(message.descriptor)->m_typename)),
         reader_(MakeReader()),
         ready_(dds_create_readcondition(reader_.entity, DDS_ANY_STATE)),
         waiting_(dds_create_waitset(end_.participant.get())),
         memory_(message.size) {
-    undecodable_ = 0;
     dds_waitset_attach(waiting_.entity, ready_.entity, 0);
   }
 
  private:
   dds_entity_t MakeReader() const {
-    const Quality quality(end_.end.lock_step);
+    const QualityOfService quality(end_.end.lock_step);
     if (!end_.end.lock_step) dds_qset_history(quality.get(), DDS_HISTORY_KEEP_LAST, kHistory);
     return dds_create_reader(end_.participant.get(), end_.topic.entity, quality.get(), nullptr);
   }
@@ -224,8 +226,8 @@ class DdsInbox final : public Inbox {
       const dds_return_t count = dds_take(reader_.entity, &sample, &info_, 1, 1);
       if (count > 0 && info_.valid_data) return std::span<const char>(memory_);
       if (count > 0) continue;  // a sender has left
-      if (undecodable_ > 0) {
-        --undecodable_;
+      if (refused_ != undecodable_) {
+        ++refused_;
         return Refuse("a message has another size or layout");
       }
       dds_requested_incompatible_qos_status_t refused{};
@@ -260,8 +262,9 @@ class DdsInbox final : public Inbox {
   std::string Description() const override { return end_.Description(); }
 
   const End end_;
-  std::atomic<int>& undecodable_;
-  const Deleted reader_, ready_, waiting_;
+  const std::atomic<int>& undecodable_;  ///< of all readers of this topic and type in the program
+  int refused_ = undecodable_;
+  const OwnedEntity reader_, ready_, waiting_;
   std::vector<char> memory_;
   dds_sample_info_t info_{};
   const char* refusal_ = "";
@@ -272,8 +275,8 @@ class DdsWriter final : public DdsSender {
  public:
   DdsWriter(const DdsEnd& end, const DdsMessage& message)
       : end_(end, message),
-        writer_(dds_create_writer(end_.participant.get(), end_.topic.entity, Quality(end.lock_step).get(),
-                                  nullptr)) {}
+        writer_(dds_create_writer(end_.participant.get(), end_.topic.entity,
+                                  QualityOfService(end.lock_step).get(), nullptr)) {}
 
   bool Send(double time, const void* value, std::vector<char>& memory) const override {
     memory.assign(end_.message.size, 0);
@@ -284,7 +287,7 @@ class DdsWriter final : public DdsSender {
 
  private:
   const End end_;
-  const Deleted writer_;
+  const OwnedEntity writer_;
 };
 
 }  // namespace

@@ -286,7 +286,7 @@ class Reader {
     }
   }
 
-  /// Whether a link is the heaviest of a body, so that the body's other meshes cannot stand for it.
+  /// Whether a link is the heaviest of a body, which the body's other meshes cannot replace.
   static bool IsMain(const std::string& link, const std::vector<Part>& parts) {
     const auto heaviest =
         std::ranges::max_element(parts, {}, [](const Part& part) { return part.inertia.mass; });

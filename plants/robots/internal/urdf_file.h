@@ -33,7 +33,7 @@ struct UrdfLink;
 struct UrdfJoint {
   enum class Type { kFixed, kRevolute, kContinuous, kPrismatic, kFloating, kPlanar };
   struct Limits {
-    double lower = 0, upper = 0;  ///< [rad]
+    double lower = 0, upper = 0;  ///< [rad], [m] if it slides
     double effort = 0;            ///< [N m]; 0 if the URDF has none
     double velocity = 0;          ///< [rad/s]; 0 if the URDF has none
   };

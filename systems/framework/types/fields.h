@@ -168,7 +168,7 @@ class Field {
     initializers = internal::kInitializers<Member>;
   }
 
-  static constexpr double kFastestRate = 1e5;  ///< in a file [Hz]
+  static constexpr double kFastestRate = 1e5;  ///< highest rate in a file [Hz]
   const char* name = "";
   const char* units = "";
   const char* elements = "";  ///< names of a vector's elements or an array's items, as in a Spec

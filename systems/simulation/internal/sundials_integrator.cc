@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <tuple>
 #include <utility>
 namespace tenon {
 
@@ -225,7 +226,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
       (options.method == Method::kStabilized || (internal::IsExplicit(options.method) && options.order == 3));
   const bool goes_back = seeks_jumps || !program.witness_plans.empty();  // to the beginning of a step
   std::array<const double*, 3> recent{};  // the last three derivatives, in memory of the solver
-  // Of a multistep method: the last derivatives, those at the end of the step before, the rate at which they
+  // For a multistep method: the last derivatives, those at the end of the step before, the rate at which they
   // changed in it, and the number of steps since the restart.
   std::vector<double> slope, slope_before;
   double rate = 0;
@@ -249,7 +250,7 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
     double from = 0, to = 0;  // interval that contains it
     double step = 0;          // size of the step that met it
   } jump;
-  std::array<std::vector<double>, 5> jump_work;  // of FindJump
+  std::array<std::vector<double>, 5> jump_work;  // of FindJump, JumpsAt and Jacobian
   bool has_slope = false;                        // motion[1] is known
   double motion_begin = 0;                       // of Motion: its time,
   double motion_time = 0;                        // and that in the run's time
@@ -879,11 +880,22 @@ int SundialsIntegrator::Run::Jacobian(double t, double* y, const double* f, doub
     const double increment = std::max(std::sqrt(kEpsilon) * std::abs(state), least / weights[j]);
     y[j] = state + increment;
     int flag = Derivatives(t, y, columns[j]);
-    const bool depends = longest * norm(f, columns[j]) > increment * weights[j];
-    y[j] = state - increment;
-    if (flag == 0 && depends) flag = Derivatives(t, y, other.data());
+    bool depends = flag == 0 && longest * norm(f, columns[j]) > increment * weights[j];
+    if (depends) {
+      // The state can be at a bound of the functions' domain, such as the level of an empty tank.
+      const auto was = std::tuple(thrown, failed, refused);
+      y[j] = state - increment;
+      depends = Derivatives(t, y, other.data()) == 0;
+      if (!depends) {
+        std::tie(thrown, failed, refused) = was;
+        not_finite.clear();
+      }
+    }
     y[j] = state;
-    if (flag != 0) return flag;
+    if (flag != 0) {
+      std::copy_n(jump_work[2].begin(), slope.size(), slope.begin());
+      return flag;
+    }
     for (std::size_t i = 0; i < n; ++i) {
       double change = columns[j][i] - f[i];
       if (depends && std::abs(f[i] - other[i]) < 0.5 * std::abs(change)) change = f[i] - other[i];

@@ -150,6 +150,8 @@ TEST_F(CampaignSearchTest, ErrorsNameTheKey) {
   fails(bowl + "vary: {damping: {from: 0, to: 5, logarithmic: true}}}\n", "optimise.vary.damping", "from");
   fails(bowl + "vary: {damping: {from: 0, to: 5, start: 6}}}\n", "optimise.vary.damping", "start");
   fails(bowl + "vary: {}}\n", "optimise", "vary");
+  fails(bowl + "vary: {a: {from: 0, to: 5, sets: {damping: 1}}, damping: {from: 0, to: 5}}}\n",
+        "optimise.vary", "damping");
   fails("estimate: survival\n" + kBowl, "search.yaml", "optimise");
 }
 

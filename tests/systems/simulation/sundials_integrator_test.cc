@@ -91,6 +91,33 @@ TEST(SundialsIntegratorTest, DirkMeetsTheToleranceWhileItsStepsGrow) {
   }
 }
 
+TEST(SundialsIntegratorTest, ImplicitMethodsStartAtABoundOfTheDomain) {
+  // A tank that fills through a leak: x' = 1 - √x from 0, so that t = -2 (√x + ln(1 - √x)). Below 0 there is
+  // no value.
+  for (const bool throws : {false, true}) {
+    class Tank final : public LeafSystem<void> {
+     public:
+      explicit Tank(bool throws) : throws_(throws) {}
+      ContinuousState<double> x{this, "x", 0.0};
+      TimeDerivative<double> dx{x, Uses(x), [this](double x) {
+                                  if (throws_ && x < 0) throw RunError("the level is negative");
+                                  return 1 - std::sqrt(x);
+                                }};
+
+     private:
+      bool throws_;
+    };
+    DiagramBuilder builder;
+    auto& tank = builder.Add<Tank>("tank", throws);
+    const auto diagram = builder.Build();
+    for (const Method method : {Method::kDirk, Method::kBdf, Method::kAdams}) {
+      Simulator simulator(*diagram, {.method = method, .rtol = 1e-6, .atol = 1e-8});
+      simulator.RunTo(2 * std::log(2) - 1);
+      EXPECT_NEAR(simulator.context().Eval(tank.x), 0.25, 2e-5) << NameOf(method);
+    }
+  }
+}
+
 TEST(SundialsIntegratorTest, ImplicitMethodsTakeLargeStepsWhereItIsStiff) {
   for (const Method method : {Method::kDirk, Method::kBdf}) {
     DiagramBuilder builder;
