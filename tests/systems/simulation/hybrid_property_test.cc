@@ -1012,7 +1012,7 @@ Judgement RunAndJudge(const System& system) {
 
 // ---- Tests ----
 
-/// Those of the first 10,000 systems with jumps that the error estimate of their method misses.
+/// Systems among the first 10,000 whose jumps the error estimate of their method misses.
 constexpr std::uint64_t kHard[] = {596,  1997, 3881, 4033, 6217, 6264, 6443, 6737, 6810, 7034, 7105, 7185,
                                    7464, 7682, 7969, 7978, 8436, 8521, 8577, 8653, 9240, 9513, 9940};
 
