@@ -77,8 +77,8 @@ struct SearchedKey {
   double from = 0, to = 0;      ///< bounds
   std::optional<double> start;  ///< first value; empty: the middle of the bounds
   bool logarithmic = false;     ///< the search divides the range by ratios instead of differences
-  std::map<std::string, double>
-      sets;  ///< keys that are set to the value times a factor; empty: the key itself
+  /// Keys that are set to the value times a factor; empty: the key itself.
+  std::map<std::string, double> sets;
 
   static FieldList Fields() {
     return {Required("from", &SearchedKey::from),
@@ -98,8 +98,8 @@ struct Optimisation {
   std::map<std::string, double> subject_to;  ///< upper bounds of the means of figures over finished runs
   double failed_run_cost = 0;  ///< cost of a run that does not finish or lacks a figure of `minimise`
   int evaluations = 60;        ///< number of values that are tried
-  std::optional<SeedRange>
-      held_back;  ///< seeds on which the best and the first values are compared at the end
+  /// Seeds on which the best and the first values are compared at the end.
+  std::optional<SeedRange> held_back;
 
   static FieldList Fields() {
     return {Required("vary", &Optimisation::vary),
