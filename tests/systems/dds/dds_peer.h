@@ -18,7 +18,7 @@
 namespace tenon::test {
 
 /// A domain on this machine, which tests that run at the same time do not share.
-inline const DdsLink kOwnLink{.domain = 20 + getpid() % 200, .interface = "lo"};
+const DdsLink kOwnLink{.domain = 20 + getpid() % 200, .interface = "lo"};
 
 /// A second participant in the domain that a block of this process has joined, in the role of another
 /// program.
