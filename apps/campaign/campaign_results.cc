@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -182,6 +183,16 @@ std::string SurvivalText(const Tally& tally, double confidence) {
 }
 
 }  // namespace
+
+std::string ShellQuoted(const std::string& text) {
+  const bool plain = std::ranges::all_of(text, [](unsigned char c) {
+    return std::isalnum(c) || c == '/' || c == '.' || c == '_' || c == '-' || c == '=' || c == '+';
+  });
+  if (plain && !text.empty()) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
 
 fs::path ReplayDirectory(const fs::path& directory, std::size_t run) {
   return directory / fmt::format("run_{}", run);

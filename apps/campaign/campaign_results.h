@@ -14,6 +14,9 @@ namespace tenon::apps {
 void WriteResults(const CampaignPlan& plan, const CampaignSchedule& schedule, const std::string& command,
                   const std::filesystem::path& directory);
 
+/// Quotes a text for a shell, in the commands that repeat runs.
+std::string ShellQuoted(const std::string& text);
+
 /// Returns the output directory of a repeated run.
 std::filesystem::path ReplayDirectory(const std::filesystem::path& directory, std::size_t run);
 

@@ -1,4 +1,5 @@
 #include <tenon/apps/campaign/campaign_desk.h>
+#include <tenon/apps/campaign/campaign_results.h>
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
 #include <tenon/apps/campaign/campaign_search.h>
@@ -36,9 +37,9 @@ struct Evaluation {
   double violation = 0;
   std::string reason = {};  ///< why the last run failed, or which bound is exceeded
 
-  bool good() const { return finished == runs && violation <= 0; }
+  bool good() const { return finished == runs && violation == 0; }
   /// Order of preference: the constraints first, then the cost.
-  auto rank() const { return std::tuple(std::max(violation, 0.0), cost); }
+  auto rank() const { return std::tuple(violation, cost); }
 };
 
 /// Thrown when a signal stops the search.
@@ -60,6 +61,7 @@ class Search {
   CampaignPlan::Chosen At(const std::vector<double>& shares) const;
   std::vector<double> First() const;
   const Evaluation& Evaluate(const std::vector<double>& shares);
+  const Evaluation& EvaluateForNlopt(const std::vector<double>& shares);
   Evaluation RunAll(const CampaignPlan::Chosen& values, const fs::path& table,
                     std::optional<SeedRange> seeds) const;
   CampaignRow RowOf(std::size_t index, const Evaluation& evaluation) const;
@@ -159,9 +161,10 @@ Evaluation Search::RunAll(const CampaignPlan::Chosen& values, const fs::path& ta
     names.push_back(name);
     result.figures[name] = sum.second > 0 ? sum.first / static_cast<double>(sum.second) : NAN;
   }
-  if (result.finished == 0)
-    result.violation = what_.subject_to.empty() ? 0 : std::numeric_limits<double>::infinity();
-  if (result.finished == 0) return result;
+  if (result.finished == 0) {
+    if (!what_.subject_to.empty()) result.violation = std::numeric_limits<double>::infinity();
+    return result;
+  }
   const auto demand = [&](const char* key, const std::string& figure) {
     if (!sums.contains(figure))
       throw ParameterError(fmt::format("{}: there is no figure '{}'; did you mean '{}'?",
@@ -208,6 +211,16 @@ const Evaluation& Search::Evaluate(const std::vector<double>& shares) {
   return made;
 }
 
+/// Evaluates a point until all evaluations are used up. NLopt does not pass on other exceptions than its own.
+const Evaluation& Search::EvaluateForNlopt(const std::vector<double>& shares) {
+  try {
+    if (all_.size() < static_cast<std::size_t>(what_.evaluations)) return Evaluate(shares);
+  } catch (...) {
+    failure_ = std::current_exception();
+  }
+  throw nlopt::forced_stop();
+}
+
 void Search::Optimise(std::vector<double> start) {
   const bool bobyqa = what_.subject_to.empty() && start.size() > 1;  // NLopt's BOBYQA demands two variables
   nlopt::opt optimizer(bobyqa ? nlopt::LN_BOBYQA : nlopt::LN_COBYLA, static_cast<unsigned>(start.size()));
@@ -215,31 +228,18 @@ void Search::Optimise(std::vector<double> start) {
   optimizer.set_upper_bounds(1);
   optimizer.set_initial_step(0.15);
   optimizer.set_xtol_abs(0.003);
-  const auto evaluate = [](const std::vector<double>& shares, Search& search) -> const Evaluation& {
-    try {
-      if (search.all_.size() < static_cast<std::size_t>(search.what_.evaluations))
-        return search.Evaluate(shares);
-    } catch (...) {  // NLopt does not pass on other exceptions than its own
-      search.failure_ = std::current_exception();
-    }
-    throw nlopt::forced_stop();
-  };
   static constexpr double kWorst = 1e6;  // NLopt needs finite values
-  using Calls = std::pair<Search*, decltype(evaluate)*>;
-  Calls calls{this, &evaluate};
   optimizer.set_min_objective(
-      [](const std::vector<double>& shares, std::vector<double>&, void* data) {
-        const auto& [search, call] = *static_cast<Calls*>(data);
-        return (*call)(shares, *search).cost;
+      [](const std::vector<double>& shares, std::vector<double>&, void* search) {
+        return static_cast<Search*>(search)->EvaluateForNlopt(shares).cost;
       },
-      &calls);
+      this);
   if (!what_.subject_to.empty())
     optimizer.add_inequality_constraint(
-        [](const std::vector<double>& shares, std::vector<double>&, void* data) {
-          const auto& [search, call] = *static_cast<Calls*>(data);
-          return std::min((*call)(shares, *search).violation, kWorst);
+        [](const std::vector<double>& shares, std::vector<double>&, void* search) {
+          return std::min(static_cast<Search*>(search)->EvaluateForNlopt(shares).violation, kWorst);
         },
-        &calls);
+        this);
   double cost = 0;
   try {
     optimizer.optimize(start, cost);
@@ -271,7 +271,7 @@ void Search::WriteReport() const {
   }
   const RunSetup setup = CampaignPlan(file_, best().values).Setup(0);
   std::string command = fmt::format("{} {} --seed {}", file.app, setup.scenario, setup.seed);
-  for (const auto& [key, value] : setup.settings) command += fmt::format(" --set '{}={}'", key, value);
+  for (const auto& [key, value] : setup.settings) command += " --set " + ShellQuoted(key + "=" + value);
   report.picks.push_back({.index = static_cast<std::size_t>(
                               std::ranges::find(all_, best().values, &Evaluation::values) - all_.begin()),
                           .why = "the best values; the command makes the first of their runs",

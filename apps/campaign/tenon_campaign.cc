@@ -28,7 +28,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <limits>
 #include <thread>
 #include <unordered_map>
@@ -154,17 +153,6 @@ int DryRun(const CampaignPlan& plan, const CampaignSchedule& schedule, const Cam
   }
   fmt::print("  ...\n");
   return kRan;
-}
-
-/// Quotes a text for a shell.
-std::string ShellQuoted(const std::string& text) {
-  const bool plain = std::ranges::all_of(text, [](unsigned char c) {
-    return std::isalnum(c) || c == '/' || c == '.' || c == '_' || c == '-' || c == '=' || c == '+';
-  });
-  if (plain && !text.empty()) return text;
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted + "'";
 }
 
 /// Returns the command line that runs the campaign again.

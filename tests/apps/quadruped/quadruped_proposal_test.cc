@@ -200,8 +200,8 @@ TEST_F(QuadrupedProposalTest, FindsTheAxesOfTheRobot) {
   ExpectLikeA1(Load(raised));
 }
 
-/// The same robot as in a URDF of ours, with random zero angles of the legs' joints, below a root link in
-/// whose frame it faces along `forward`.
+/// Returns the URDF of the same robot with random zero angles of the legs' joints, below a root link in whose
+/// frame it faces along `forward` and `up` points up.
 std::string Turned(std::string urdf, RandomStream& random, LinkAxis forward, LinkAxis up) {
   const std::regex joint(
       R"re((type="(?:revolute|continuous)">\s*<parent[^>]*>\s*<child[^>]*>\s*<origin xyz="[^"]*")(/>\s*<axis xyz="([^"]*)"/>\s*<limit )(?:lower="([^"]*)" upper="([^"]*)")?)re");
