@@ -2,7 +2,6 @@
 
 #include <nvector/nvector_serial.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -10,12 +9,15 @@
 namespace tenon::internal {
 namespace {
 
-/// z = c[0] X[0] + c[1] X[1] + ..., added in this order; z must not be one of the X.
+/// z = c[0] X[0] + c[1] X[1] + ..., added in this order.
 template <std::size_t num_vectors>
-int Combine(const double* c, N_Vector* vectors, N_Vector z) {
-  std::array<const double*, num_vectors> x;
-  for (std::size_t i = 0; i < num_vectors; ++i) x[i] = NV_DATA_S(vectors[i]);
+int Combine(double* c, N_Vector* vectors, N_Vector z) {
   double* const __restrict__ out = NV_DATA_S(z);
+  std::array<const double*, num_vectors> x;
+  for (std::size_t i = 0; i < num_vectors; ++i) {
+    x[i] = NV_DATA_S(vectors[i]);
+    if (x[i] == out) return N_VLinearCombination_Serial(num_vectors, c, vectors, z);
+  }
   const sunindextype size = NV_LENGTH_S(z);
   for (sunindextype k = 0; k < size; ++k) {
     double sum = c[0] * x[0][k];
@@ -26,12 +28,10 @@ int Combine(const double* c, N_Vector* vectors, N_Vector z) {
 }
 
 int LinearCombination(int num_vectors, double* c, N_Vector* vectors, N_Vector z) {
-  if (std::find(vectors, vectors + num_vectors, z) == vectors + num_vectors) {
-    if (num_vectors == 2) return Combine<2>(c, vectors, z);
-    if (num_vectors == 3) return Combine<3>(c, vectors, z);
-    if (num_vectors == 4) return Combine<4>(c, vectors, z);
-    if (num_vectors == 5) return Combine<5>(c, vectors, z);
-  }
+  if (num_vectors == 2) return Combine<2>(c, vectors, z);
+  if (num_vectors == 3) return Combine<3>(c, vectors, z);
+  if (num_vectors == 4) return Combine<4>(c, vectors, z);
+  if (num_vectors == 5) return Combine<5>(c, vectors, z);
   return N_VLinearCombination_Serial(num_vectors, c, vectors, z);
 }
 
