@@ -364,6 +364,23 @@ FootMotion QuadrupedBody::Foot(int leg) const {
   return work_->feet[static_cast<std::size_t>(leg)];
 }
 
+FootMotion QuadrupedBody::MotionOf(int body, const Vec<3>& p_B) const {
+  const Work& work = *work_;
+  const Vec<3> p_W = Position(body, p_B), r = p_W - work.origin;
+  FootMotion motion{p_W, work.x.v_W + work.x.w_W.cross(r), work.x.w_W};
+  const int joint = body - 1, leg = body == 0 ? 0 : joint / kJointsPerLeg;
+  for (int i = 0; body > 0 && i <= joint % kJointsPerLeg; ++i) {
+    const Vec<6> axis = work.x.qd[kJointsPerLeg * leg + i] * Of(leg, work.axes[static_cast<std::size_t>(i)]);
+    motion.w_W += axis.head<3>();
+    motion.v_W += axis.tail<3>() + Vec<3>(axis.head<3>()).cross(r);
+  }
+  return motion;
+}
+
+Vec<3> QuadrupedBody::Origin(int body) const {
+  return ToEigen(work_->poses[static_cast<std::size_t>(body)]->p());
+}
+
 Vec<3> QuadrupedBody::Position(int body, const Vec<3>& p_B) const {
   const auto index = static_cast<std::size_t>(body);
   return ToEigen(*work_->poses[index] * (~model_->axes[index] * ToSimbody(p_B)));

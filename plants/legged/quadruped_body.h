@@ -42,6 +42,10 @@ class QuadrupedBody {
   void SetState(const LeggedState& x);
 
   FootMotion Foot(int leg) const;
+  /// Motion of a point given in a body's frame.
+  FootMotion MotionOf(int body, const Vec<3>& p_B) const;
+  /// Origin of a body in W [m].
+  Vec<3> Origin(int body) const;
   /// Position in W of a point given in a body's frame [m].
   Vec<3> Position(int body, const Vec<3>& p_B) const;
   double KineticEnergy() const;  ///< rotors included [J]

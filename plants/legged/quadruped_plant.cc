@@ -68,8 +68,9 @@ void QuadrupedPlant::CalcBody(const LeggedState& x, QuadrupedBody* out) const {
   out->SetState(x);
 }
 
-void QuadrupedPlant::CalcContacts(const QuadrupedBody& body, const FootBristles& bristles,
-                                  FootContacts* out) const {
+void QuadrupedPlant::CalcContacts(const LeggedState& x, const QuadrupedBody& body,
+                                  const FootBristles& bristles, FootContacts* out) const {
+  body_contact_.CalcForces(body, x, &out->bodies);
   for (int leg = 0; leg < kNumLegs; ++leg)
     out->feet[static_cast<std::size_t>(leg)] =
         CalcFootContact(terrain, params.robot.contact, params.robot.foot_radius, body.Foot(leg),
@@ -102,13 +103,15 @@ void QuadrupedPlant::CalcRates(const LeggedState& x, const QuadrupedBody& body, 
                                const Vec<12>& joint_torque, const ExternalForces& external,
                                const JointLocks& locks, const ExtendedQuadruped& extended,
                                const Eigen::VectorXd& added_forces, ExtendedRates* out) const {
-  std::array<PointForce, kNumLegs + kMaxExternalForces> forces;
+  std::array<PointForce, std::tuple_size_v<decltype(contacts.bodies.at)> + kNumLegs + kMaxExternalForces>
+      forces;
   std::size_t count = 0;
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
     const FootContact& foot = contacts.feet[leg];
     if (foot.depth > 0)
       forces[count++] = {static_cast<int>(kJointsPerLeg * (leg + 1)), foot.p_W, foot.force_W};
   }
+  for (std::size_t i = 0; i < contacts.bodies.count; ++i) forces[count++] = contacts.bodies.at[i];
   for (const ExternalForce& force : external) {
     CheckBody(force);
     if (!force.force_W.isZero(0) || !force.torque_W.isZero(0))
@@ -186,6 +189,11 @@ WrenchEstimate QuadrupedPlant::CalcAddedWrench(const QuadrupedBody& body, const 
   for (const FootContact& foot : contacts.feet) {
     wrench.force_W -= foot.force_W;
     wrench.torque_W -= (foot.p_W - com).cross(foot.force_W);
+  }
+  for (std::size_t i = 0; i < contacts.bodies.count; ++i) {
+    const PointForce& on_body = contacts.bodies.at[i];
+    wrench.force_W -= on_body.force_W;
+    wrench.torque_W -= on_body.torque_W + (on_body.p_W - com).cross(on_body.force_W);
   }
   return wrench;
 }

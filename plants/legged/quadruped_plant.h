@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/plants/legged/body_contact.h>
 #include <tenon/plants/legged/extended_quadruped.h>
 #include <tenon/plants/legged/foot_contact.h>
 #include <tenon/plants/legged/quadruped_body.h>
@@ -39,9 +40,10 @@ struct FootBristles {
   static FieldList Fields() { return {{"z", &FootBristles::z, "m"}}; }
 };
 
-/// Contacts of the feet.
+/// Contacts of the feet, and forces on other bodies that touch the ground.
 struct FootContacts {
   std::array<FootContact, kNumLegs> feet;
+  BodyContact::Forces bodies;
 };
 
 /// Mechanical energy of the robot [J]; the potential is that of gravity, 0 at z = 0.
@@ -103,8 +105,8 @@ struct LeggedEnergy {
 /// inertia acts on the joint alone, without gyroscopic torque on the trunk.
 ///
 /// The length of the quaternion does not affect the motion; the term 5 (1 - |q|^2) q of its derivative brings
-/// it to 1. Only feet have contact with the ground: a fallen robot sinks into it, so a run should end at a
-/// fall (see FallMonitor).
+/// it to 1. Feet touch the ground as described in foot_contact.h, all other bodies as in body_contact.h, so
+/// a robot without torque comes to lie. Bodies of the robot do not touch each other.
 ///
 /// **Integration.** Use an explicit method with error control, since impacts need short steps. Order 2 with
 /// rtol = 1e-2 and absolute tolerances of 1e-4 m and rad, 1e-2 m/s and rad/s, and 1e-6 m for the bristles
@@ -127,6 +129,7 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
 
  private:
   const QuadrupedDescription loaded_{WithPayload(params.robot, params.payload)};
+  const BodyContact body_contact_{loaded_, params.terrain};
   const ExtendedQuadruped additions_{loaded_, params.gravity, params.extend, params.initial};
 
  public:
@@ -151,7 +154,8 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
   ContinuousState<Eigen::VectorXd> added_z{this, additions.z.spec, additions.z.initial};
 
   Shared<QuadrupedBody> body{this, "body", QuadrupedBody(loaded_), Uses(motion), &QuadrupedPlant::CalcBody};
-  Shared<FootContacts> contacts{this, "contacts", Uses(body, bristles), &QuadrupedPlant::CalcContacts};
+  Shared<FootContacts> contacts{this, "contacts", Uses(motion, body, bristles),
+                                &QuadrupedPlant::CalcContacts};
 
   Shared<ExtendedQuadruped> extended{
       this, "extended", additions_,
@@ -203,7 +207,8 @@ class QuadrupedPlant final : public LeafSystem<QuadrupedPlantParams> {
  private:
   static QuadrupedDescription Without(QuadrupedDescription robot, const RigidInertia& part);
   void CalcBody(const LeggedState& x, QuadrupedBody* out) const;
-  void CalcContacts(const QuadrupedBody& body, const FootBristles& bristles, FootContacts* out) const;
+  void CalcContacts(const LeggedState& x, const QuadrupedBody& body, const FootBristles& bristles,
+                    FootContacts* out) const;
   LeggedState CalcState(const LeggedState& x) const;
   Vec<12> CalcJointTorque(const LeggedState& x, const Vec<12>& command) const;
   void CalcExtended(double t, const LeggedState& x, const Eigen::VectorXd& q, const Eigen::VectorXd& u,

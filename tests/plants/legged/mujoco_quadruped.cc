@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include <string>
+#include <vector>
 
 namespace tenon::test {
 namespace {
@@ -27,9 +28,26 @@ std::string GroundShapes(const TerrainParams& params, double contact_time) {
   return text;
 }
 
+/// The boxes around the shapes of the trunk.
+std::string TrunkShapes(const QuadrupedDescription& robot) {
+  std::string text;
+  std::vector<RoundedBox> boxes = robot.trunk_shapes;
+  if (boxes.empty()) boxes = {BoxBetweenHips(robot)};
+  for (const RoundedBox& box : boxes) {
+    const Vec<4> q = QuaternionFromRotation(box.R_BS);
+    text += fmt::format(
+        R"(<geom type="box" size="{}" pos="{}" quat="{} {} {} {}" contype="0" conaffinity="1"/>)",
+        Numbers((box.half.array() + box.radius).matrix()), Numbers(box.p_B), q[0], q[1], q[2], q[3]);
+  }
+  return text;
+}
+
 std::shared_ptr<const mjModel> MakeModel(const MujocoQuadrupedParams& params) {
   const QuadrupedDescription robot = WithPayload(params.plant.robot, params.plant.payload);
-  MuJoCoModel model = LoadMuJoCo(Mjcf(robot, GroundShapes(params.plant.terrain, params.contact_time)));
+  const std::string knee =
+      fmt::format(R"(<geom type="sphere" size="{}" contype="0" conaffinity="1"/>)", LinkRadius(robot));
+  MuJoCoModel model = LoadMuJoCo(Mjcf(robot, GroundShapes(params.plant.terrain, params.contact_time),
+                                      params.lies ? TrunkShapes(robot) : "", params.lies ? knee : ""));
   model->opt.timestep = 1e-3 / params.steps_per_ms;
   model->opt.gravity[2] = -params.plant.gravity;
   model->opt.cone = mjCONE_ELLIPTIC;
@@ -124,11 +142,16 @@ void MujocoRobot::AddContacts(MujocoStep* step) {
   step->foot_forces = {};
   step->foot_depths.setZero();
   step->foot_slips.fill(Vec<3>::Zero());
-  const int first_foot = m->ngeom - kNumLegs;
+  const auto leg_of = [&](int shape) {  // -1 for all shapes but feet
+    const int body = m->geom_bodyid[shape], joint = body - 2;
+    const bool is_foot = joint >= 0 && m->body_geomadr[body] == shape;
+    return is_foot ? joint / kJointsPerLeg : -1;
+  };
   for (int i = 0; i < d->ncon; ++i) {
     const mjContact& contact = d->contact[i];
-    const bool foot_second = contact.geom2 >= first_foot;
-    const int foot = foot_second ? contact.geom2 : contact.geom1, leg = foot - first_foot;
+    const bool foot_second = leg_of(contact.geom2) >= 0;
+    const int foot = foot_second ? contact.geom2 : contact.geom1, leg = leg_of(foot);
+    if (leg < 0) continue;
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(contact.frame);
     Vec<6> force, velocity;
     mj_contactForce(m, d, i, force.data());  // on the second body

@@ -11,6 +11,7 @@ namespace tenon::test {
 struct MujocoQuadrupedParams {
   QuadrupedPlantParams plant;
   int steps_per_ms = 4;
+  bool lies = false;            ///< boxes of the trunk and spheres of the knees touch the ground, too
   double contact_time = 0.004;  ///< time constant of a contact (`solref`), at least two steps [s]
 
   void Validate() const;  ///< throws ParameterError

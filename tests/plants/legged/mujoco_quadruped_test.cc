@@ -1,9 +1,12 @@
 // A quadruped in MuJoCo, against the plant that it stands in for.
 
 #include <tenon/plants/model/standing.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/tests/plants/legged/mujoco_quadruped.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
+
+#include <cmath>
 
 namespace tenon::mujoco_quadruped_test {
 namespace {
@@ -59,6 +62,36 @@ TEST(MujocoQuadrupedTest, StandsOnASlopeWithItsWeightOnTheFeet) {
   EXPECT_THAT(sum, IsNear(Vec<3>(0, 0, weight), 0.01 * weight));
   EXPECT_GT(rig[rig->foot_depths].minCoeff(), 0);
   for (const Vec<3>& slip : rig[rig->foot_slips]) EXPECT_LT(slip.norm(), 0.01);
+}
+
+// A limp robot falls from 5 cm and comes to lie on trunk, knees and feet, tilted by 30 degrees. MuJoCo's
+// trunk is a box with sharp edges and its friction sticks, so a Go2 rests 2 mm and a degree apart, a B2 5 mm
+// and 9.
+TEST(MujocoQuadrupedTest, ALimpRobotFallsAndLiesAsThePlant) {
+  const auto tilt = [](const LeggedState& x) { return std::acos(x.R_WB()(2, 2)); };
+  for (const char* name : {"go2", "b2"}) {
+    QuadrupedPlantParams params;
+    params.robot = LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/" + name + ".yaml");
+    params.initial = StandingOn(params.robot, {});
+    params.initial.p_WB[2] += 0.05;
+    params.initial.q_WB = QuaternionFromRotationVector({0.05, 0.02, 0});
+    DiagramBuilder builder;
+    auto& plant = builder.Add<QuadrupedPlant>("plant", params);
+    Simulator simulator(builder.BuildWithOpenInputs(), {.order = 2, .rtol = 1e-2, .atol = 1e-4});
+    simulator.context().Set(plant.torque, Vec<12>::Zero());
+    test::MujocoRobot mujoco({.plant = params, .lies = true});
+    test::MujocoStep other{.state = params.initial};
+    int steps = 0;  // of MuJoCo, 4 per millisecond
+    for (const double time : {0.1, 0.2, 2.0}) {
+      simulator.RunTo(time);
+      for (; steps < std::lround(4000 * time); ++steps) mujoco.Step(Vec<12>::Zero(), {}, &other);
+      const LeggedState& x = simulator.context().Eval(plant.state);
+      const bool falls = time < 1;
+      EXPECT_NEAR(x.p_WB[2], other.state.p_WB[2], falls ? 0.002 : 0.008) << name << " " << time;
+      EXPECT_NEAR(tilt(x), tilt(other.state), falls ? 0.005 : 0.17) << name << " " << time;
+      if (!falls) EXPECT_LT(x.v_W.norm(), 0.01) << name << " lies";
+    }
+  }
 }
 
 TEST(MujocoQuadrupedTest, AnAssignedRobotTakesTheSameStep) {

@@ -34,9 +34,10 @@ inline constexpr const char* kLevelGround =
     R"(<geom type="plane" size="9 9 1" contype="1" conaffinity="0"/>)";
 
 /// The robot in MJCF with MuJoCo's default contact parameters and joints in Tenon's order. The feet, and only
-/// they, touch the `ground`; without it they have no shapes. `on_trunk` are further bodies.
+/// they, touch the `ground`; without it they have no shapes. `on_trunk` are further bodies and shapes, and
+/// `on_shanks` shapes of all shanks.
 inline std::string Mjcf(const QuadrupedDescription& robot, const std::string& ground = "",
-                        const std::string& on_trunk = "") {
+                        const std::string& on_trunk = "", const std::string& on_shanks = "") {
   std::string text = "<mujoco><compiler angle=\"radian\"/><option gravity=\"0 0 -9.81\"/><worldbody>" +
                      ground + "<body><freejoint/>" + Inertial(robot.trunk);
   for (const LegDescription& leg : robot.legs) {
@@ -47,7 +48,7 @@ inline std::string Mjcf(const QuadrupedDescription& robot, const std::string& gr
     if (!ground.empty())
       text += fmt::format("<geom type=\"sphere\" size=\"{}\" pos=\"{}\" contype=\"0\" conaffinity=\"1\"/>",
                           robot.foot_radius, Numbers(leg.foot_J));
-    text += "</body></body></body>";
+    text += on_shanks + "</body></body></body>";
   }
   return text + on_trunk + "</body></worldbody></mujoco>";
 }
