@@ -3,6 +3,7 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/plants/attached_bodies.h>
 #include <tenon/plants/model/robot_scale.h>
+#include <tenon/plants/model/standing.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/sensors/sensor_noise.h>
 #include <tenon/systems/framework/block/random_stream.h>
@@ -209,7 +210,12 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& given) {
   if (scenario.scale_forces && load > 0) load = std::min(load, HeldByTwoLegs(robot).load);
   const WalkScenario& walk = *scenario.walk;
   EndOfWalk(walk);  // throws for a path that cannot be walked
-  const QuadrupedWorldParams world = MakeWorldParams(scenario, robot, WholeBodyParams().rate);
+  QuadrupedWorldParams world = MakeWorldParams(scenario, robot, WholeBodyParams().rate);
+  if (scenario.deployment && scenario.deployment->initial == DeploymentMode::kPassive) {
+    QuadrupedDescription lying = robot;
+    lying.stance = LyingPosture(robot);
+    world.plant.initial = StandingOn(lying, {});
+  }
   const QuadrupedDescription model = MakeModel(walk, robot, world.plant.robot.drive, scenario.seed);
   // Profile and gaits are scaled to the true robot, whatever model of it the controller has.
   const RobotScale scale = ScaleOf(robot);
@@ -230,6 +236,11 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& given) {
   params.locomotion.swing_planner.step = walk.step;
   if (walk.friction) params.locomotion.whole_body.gains.qp.friction = *walk.friction;
   params.known_additions = scenario.known_additions;
+  if (scenario.deployment) {
+    params.deployment = scenario.deployment;
+    params.deployment->robot = model;
+    params.deployment->gravity = world.plant.gravity;
+  }
   if (scenario.observer) params.observer.kind = *scenario.observer;
   if (walk.state == StateSource::kEstimated)
     params.estimator = MakeEstimator(params.world, model, params.world.plant, scenario.seed);

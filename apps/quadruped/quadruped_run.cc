@@ -67,6 +67,8 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
     figures->AddTo(summary);
     limits->AddTo(summary);
     if (served) served(summary, simulator);
+    if constexpr (requires { loop.deployment; })
+      if (loop.deployment) SetDeployment(simulator.context().Eval(loop.deployment->status), summary);
     summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
     outputs.AddTo(summary);
   };
@@ -81,6 +83,14 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
 }
 
 }  // namespace
+
+void SetDeployment(const DeploymentStatus& status, Summary& summary) {
+  summary.Set("mode", EnumName(status.mode));
+  summary.Set("fault", EnumName(status.fault));
+  std::optional<double> damped;
+  if (status.fault != DeploymentFault::kNone) damped = status.fault_time;
+  summary.Set("damped_at_s", damped);
+}
 
 void CheckObserver(const std::optional<ObserverKind>& observer, const QuadrupedWalk& loop) {
   if (observer && IsReplaced(loop.observer))

@@ -26,4 +26,7 @@ void CheckQuadruped(const QuadrupedScenario& scenario, const Customisation<Quadr
 RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options,
                        const Customisation<QuadrupedWalk>& customisation = {}, const std::string& serve = "");
 
+/// Sets the mode of a supervisor at the end, what damped the joints, and when.
+void SetDeployment(const DeploymentStatus& status, Summary& summary);
+
 }  // namespace tenon::apps

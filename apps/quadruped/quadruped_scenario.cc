@@ -26,6 +26,7 @@ FieldList QuadrupedScenario::Fields() {
       {Field("start_height_m", &S::start_height_m).AtLeast(0).Because("below 0 the feet start in the ground"),
        {"pd", &S::pd},
        {"walk", &S::walk},
+       {"deployment", &S::deployment},
        {"observer", &S::observer},
        {"random_forces", &S::random_forces},
        {"ropes", &S::ropes},
@@ -46,6 +47,7 @@ void QuadrupedScenario::Validate() const {
   Demand(pd || walk, "neither pd nor walk is given: give pd for a robot that stands, or walk");
   Demand(ropes.empty() || walk,
          "ropes: a standing robot has no control of the tensions; give walk, or no ropes");
+  Demand(!deployment || walk, "deployment: only a walk has a supervisor; give walk, or set it to null");
   if (!ropes.empty()) CheckRopes(ropes);
   // One force is reserved for QuadrupedWorld::pull, and one for a load that slides.
   const std::size_t most = kMaxExternalForces - (payload.slides ? 2 : 1);

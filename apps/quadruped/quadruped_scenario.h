@@ -73,6 +73,7 @@ struct QuadrupedScenario : LeggedScenario {
   double start_height_m = 0;          ///< initial height of the feet above the ground, in the nominal stance
   std::optional<JointPdScenario> pd;  ///< joint PD control of a standing robot; excludes `walk`
   std::optional<WalkScenario> walk;   ///< commanded walk of a walking robot; excludes `pd`
+  std::optional<DeploymentParams> deployment;      ///< supervisor of a walk with its modes; empty: none
   std::optional<ObserverKind> observer;            ///< overrides the observer of the profile
   std::vector<RandomForceScenario> random_forces;  ///< forces that change at random
   std::vector<Rope> ropes;  ///< ropes from winches on the trunk to anchors in the world, see docs/limbs.md

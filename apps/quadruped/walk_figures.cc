@@ -60,6 +60,7 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
 std::vector<const Source*> WalkFigures::WithOptions(std::vector<const Source*> signals,
                                                     const QuadrupedWalk& loop) {
   if (IsExtended(loop.world.plant)) signals.push_back(&loop.world.plant.added_wrench);
+  if (loop.deployment) signals.insert(signals.end(), {&loop.deployment->status, &loop.drives->torque});
   if (loop.estimator) {
     signals.push_back(&loop.estimator->estimate);
     signals.push_back(&loop.errors.path);

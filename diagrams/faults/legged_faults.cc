@@ -15,6 +15,7 @@ constexpr const char* kNoEstimator =
     "the controller reads the true state; set walk.state to estimated, or choose the place state";
 constexpr const char* kNoFootSensors =
     "the feet have no sensors; set sensors.foot_force.mounted to world or shank, or choose torque_sensor";
+constexpr const char* kNoDeployment = "the walk has no supervisor; give deployment, or choose another place";
 constexpr const char* kNoRopes = "the robot has no ropes; give ropes, or choose another place";
 
 /// The places of one diagram at which faults can occur.
@@ -28,6 +29,7 @@ struct Places {
   FaultPoint<LeggedState> state{kOnlyWalks};
   FaultPoint<WrenchEstimate> wrench{kOnlyWalks};
   FaultPoint<CableVector> rope{kNoRopes};
+  FaultPoint<double> link{kNoDeployment};
   FaultPoint<bool> obstacle{kOnlyGuideDogs};
 };
 
@@ -51,6 +53,10 @@ Places PlacesOfWalk(QuadrupedWalk& loop, std::vector<const Source*> beside = {})
                    kNoRopes,
                    {},
                    CurrentAs<LeafSystem<HeldLagParams<CableVector>>>(*loop.winches).params.initial};
+  }
+  if (loop.deployment != nullptr) {
+    places.link = {*loop.heartbeat, *loop.heartbeat};
+    places.encoders = {world.joints, world.joints, kNoEstimator, {&loop.drives->joints}};
   }
   places.state = {loop.state, clock, internal::kReadIt, std::move(beside)};
   return places;
@@ -113,6 +119,8 @@ void InsertFault(FaultInserter& inserter, const LeggedFault& fault, const std::s
       return places.wrench.Insert(inserter, fault, name);
     case LeggedFaultPlace::kRope:
       return InsertBrokenRope(inserter, fault, name, places);
+    case LeggedFaultPlace::kLink:
+      return places.link.Insert(inserter, fault, name);
     case LeggedFaultPlace::kObstacle:
       return places.obstacle.Insert(inserter, fault, name);
   }

@@ -22,6 +22,7 @@ enum class LeggedFaultPlace {
   kState,         ///< LeggedState that the controller and the observers read
   kWrench,        ///< WrenchEstimate of the observers, to the controller
   kRope,          ///< the ropes: broken
+  kLink,          ///< time of the last state from the robot, to the supervisor of a walk [s]
   kObstacle,      ///< output of the guide dog's obstacle detector
 };
 constexpr auto EnumNames(LeggedFaultPlace) {
@@ -35,6 +36,7 @@ constexpr auto EnumNames(LeggedFaultPlace) {
                     Named{kState, "state"},
                     Named{kWrench, "wrench"},
                     Named{kRope, "rope"},
+                    Named{kLink, "link"},
                     Named{kObstacle, "obstacle"}};
 }
 using LeggedFault = FaultAt<LeggedFaultPlace>;

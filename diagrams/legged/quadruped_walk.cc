@@ -79,7 +79,7 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
   Connect(state, locomotion.state);
   Connect(foot_forces, locomotion.foot_forces);
   Connect(observer.leg_forces, locomotion.leg_forces);
-  Connect(locomotion.torque, world.torque);
+  if (!params.deployment) Connect(locomotion.torque, world.torque);
   if (params.locomotion.mapped) {
     map = &Add<TerrainMapper>("map", params.map);
     Connect(world.state, map->state);
@@ -87,7 +87,8 @@ QuadrupedWalk::QuadrupedWalk(const QuadrupedWalkParams& params)
     Connect(map->map, locomotion.map);
   }
   ConnectWrenches(params);
-  Connect(params.ropes ? AddStop() : walk.command, locomotion.command);
+  const OutputPort<WalkCommand>& command = params.ropes ? AddStop() : walk.command;
+  Connect(params.deployment ? AddDeployment(*params.deployment, command) : command, locomotion.command);
   ConnectObserver(foot_forces);
   ConnectEvaluation();
 }
@@ -165,6 +166,29 @@ const OutputPort<WalkCommand>& QuadrupedWalk::AddStop() {
   return AddFunction("stop", Sampled{rate}, Uses(walk.command, lost.y),
                      [](const WalkCommand& planned, const CableVector& lost) {
                        return lost.isZero(0) ? planned : WalkCommand{.height = planned.height};
+                     });
+}
+
+/// Adds the supervisor and returns `command`, which is to stand unless it lets the controller walk.
+const OutputPort<WalkCommand>& QuadrupedWalk::AddDeployment(const DeploymentParams& params,
+                                                            const OutputPort<WalkCommand>& command) {
+  deployment = &Add<Deployment>("deployment", params);
+  drives = &Add<JointDrives>("drives");
+  heartbeat = &AddFunction({"heartbeat", "s"}, Sampled{params.rate}, Uses(time), [](double t) { return t; });
+  Connect(locomotion.torque, deployment->torque);
+  Connect(world.joints, deployment->joints);
+  Connect(state, deployment->state);
+  Connect(*heartbeat, deployment->heartbeat);
+  Connect(deployment->command, drives->command);
+  Connect(world.joints, drives->joints);
+  Connect(drives->torque, world.torque);
+  auto& walked = Add<UnitDelay<bool>>("walked", {.rate = params.rate});
+  Connect(AddFunction("walks", Uses(deployment->status),
+                      [](const DeploymentStatus& status) { return status.mode == DeploymentMode::kWalk; }),
+          walked.u);
+  return AddFunction("deployed", Sampled{params.rate}, Uses(command, walked.y),
+                     [](const WalkCommand& planned, bool walks) {
+                       return walks ? planned : WalkCommand{.height = planned.height};
                      });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/controllers/legged/deployment/deployment.h>
 #include <tenon/controllers/legged/observers/foot_force_estimate.h>
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
@@ -8,6 +9,7 @@
 #include <tenon/diagrams/legged/legged_locomotion.h>
 #include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
+#include <tenon/plants/legged/joint_drives.h>
 #include <tenon/plants/legged/ropes.h>
 #include <tenon/plants/sensors/terrain_mapper.h>
 #include <tenon/systems/primitives/held_lag.h>
@@ -34,8 +36,9 @@ struct QuadrupedWalkParams {
   LeggedLocomotionParams locomotion;
   DisturbanceObserverParams observer;
   std::optional<LeggedStateEstimatorParams> estimator;  ///< empty: the controller reads the true state
-  TerrainMapperParams map;                    ///< elevation map, with LeggedLocomotionParams::mapped
-  std::optional<QuadrupedRopesParams> ropes;  ///< empty: no ropes
+  TerrainMapperParams map;                     ///< elevation map, with LeggedLocomotionParams::mapped
+  std::optional<QuadrupedRopesParams> ropes;   ///< empty: no ropes
+  std::optional<DeploymentParams> deployment;  ///< supervisor between controller and drives; empty: none
   bool known_additions = false;          ///< the controller measures the wrench of additions to the robot
   double additions_lag = 0.003;          ///< time constant of this measurement [s]
   double additions_planning_lag = 0.25;  ///< further time constant of the part that the planners read [s]
@@ -71,6 +74,9 @@ void AddRopes(const std::vector<Rope>& ropes, QuadrupedWalkParams* params, doubl
 /// observer know the wrench of the measured tensions. If a rope is lost, the robot stops and stands from then
 /// on, since the others may not hold it while it steps.
 ///
+/// With a `deployment`, the controller's torques pass this supervisor, whose commands the loops of the
+/// `drives` follow, and the controller stands unless the supervisor lets it walk.
+///
 /// With `known_additions` the observer knows world.plant's `added_wrench`, sampled and behind a first-order
 /// lag, as a force sensor without errors under the base of an arm measures it, and estimates the other
 /// disturbances alone. The lag keeps the loop through the reaction of the arm to the acceleration of the
@@ -95,6 +101,9 @@ class QuadrupedWalk : public Subdiagram {
   RopeTensions* tensions = nullptr;                  ///< null without ropes
   HeldLag<CableVector>* winches = nullptr;           ///< null without ropes
   Ropes* ropes = nullptr;                            ///< null without ropes
+  Deployment* deployment = nullptr;                  ///< null without a supervisor
+  const OutputPort<double>* heartbeat = nullptr;     ///< time of the last state, to `deployment` [s]
+  JointDrives* drives = nullptr;                     ///< null without a supervisor
   const OutputPort<LeggedState>& state;              ///< the state that the controller reads
 
  private:
@@ -103,6 +112,8 @@ class QuadrupedWalk : public Subdiagram {
   const OutputPort<WrenchEstimate>& AddRopes(const QuadrupedRopesParams& params,
                                              const OutputPort<WrenchEstimate>& external);
   const OutputPort<WalkCommand>& AddStop();
+  const OutputPort<WalkCommand>& AddDeployment(const DeploymentParams& params,
+                                               const OutputPort<WalkCommand>& command);
   void ConnectWrenches(const QuadrupedWalkParams& params);
   void ConnectObserver(const OutputPort<FootForces>& foot_forces);
   void ConnectEvaluation();

@@ -3,6 +3,7 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/cdpr/broken_cable_detector.h>
 #include <tenon/controllers/cdpr/goal_path.h>
+#include <tenon/controllers/legged/deployment/deployment.h>
 #include <tenon/controllers/legged/observers/ground_force_observer.h>
 #include <tenon/controllers/legged/planning/walk_drive.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
@@ -13,6 +14,7 @@
 #include <tenon/plants/cdpr/gusts.h>
 #include <tenon/plants/cdpr/hanging_load.h>
 #include <tenon/plants/cdpr/platform_pull.h>
+#include <tenon/plants/legged/joint_drives.h>
 #include <tenon/plants/legged/joint_lock.h>
 #include <tenon/plants/legged/spring_pull.h>
 #include <tenon/plants/robots/load_robot.h>
@@ -220,6 +222,7 @@ Shelf QuadrupedPlants(const Shipped& shipped) {
   shelf.Put(Make<RandomForce>(RandomForceParams{.robot = shipped.dog}));
   shelf.Put(Make<ForceBundle>(ForceBundleParams{.count = 2}));
   shelf.Put(Make<JointLock>());
+  shelf.Put(Make<JointDrives>());
   shelf.Put(Make<FallMonitor>());
   shelf.Put(Make<DriveErrors>());
   shelf.Put(Make<SlidingLoad>(SlidingLoadParams{.mass = 1}));
@@ -280,6 +283,7 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
             "Ends the run if the number of consecutive failed solves exceeds `max_failures_in_a_row`.");
   shelf.Put(Make<RopeTensions>(RopeTensionsParams{.robot = shipped.dog, .ropes = shipped.ropes})).size = 1;
   shelf.Put(Make<JointPd>(shipped.stand.pd));
+  shelf.Put(Make<Deployment>(DeploymentParams{.robot = shipped.dog}));
   shelf.Put(Make<LegMomentumObserver>(observer.legs));
   shelf.Put(Make<ComObserver>(observer.com));
   shelf.Put(Make<NonlinearDisturbanceObserver>(observer.ndo));
@@ -357,6 +361,7 @@ std::vector<Picture> MakePictures() {
   draw(std::in_place_type<GuideDog>, "guide_dog", "guide_dog", shipped.guide_dog);
   draw(std::in_place_type<CdprLoop>, "cdpr_loop_pd", "loop", shipped.cdpr_pd);
   draw(std::in_place_type<CdprLoop>, "cdpr_loop_mpc", "loop", shipped.cdpr_mpc);
+  pictures.push_back({"deployment", DeploymentGraph()});
   return pictures;
 }
 

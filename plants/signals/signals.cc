@@ -6,6 +6,7 @@
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/imu_signals.h>
+#include <tenon/plants/signals/joint_command.h>
 #include <tenon/plants/signals/leash_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
@@ -48,6 +49,7 @@ TENON_DEFINE_SIGNAL(tenon::LeggedAcceleration);
 TENON_DEFINE_SIGNAL(tenon::JointMotion);
 TENON_DEFINE_SIGNAL(tenon::FootForces);
 TENON_DEFINE_SIGNAL(tenon::JointLocks);
+TENON_DEFINE_SIGNAL(tenon::JointCommand);
 TENON_DEFINE_SIGNAL(tenon::ExternalForce);
 TENON_DEFINE_SIGNAL(tenon::ExternalForces);
 TENON_DEFINE_SIGNAL(tenon::BodyReference);

@@ -143,6 +143,31 @@ TEST_F(TenonQuadrupedTest, ServesAStandingRobotInRealTime) {
                  {"stand --serve unitree:lo,300", "domain = 300"}});
 }
 
+TEST_F(TenonQuadrupedTest, DampsTheJointsWithin20MillisecondsOfALostLinkAndAtTheButton) {
+  const auto expect = [&](const std::string& fault, double most) {
+    const nlohmann::json summary = nlohmann::json::parse(Summary());
+    EXPECT_EQ(summary.at("mode"), "damp");
+    EXPECT_EQ(summary.at("fault"), fault);
+    EXPECT_GE(summary.at("damped_at_s").get<double>(), 0.1);
+    EXPECT_LE(summary.at("damped_at_s").get<double>(), 0.1 + most);
+    // What damps takes power from each joint, up to the rounding of a tick.
+    const std::vector<double> time = Column(out, "time [s]");
+    for (const std::string joint : {"front_left_hip_pitch", "rear_right_knee"}) {
+      const std::vector<double> torque = Column(out, "loop.drives.torque." + joint + " [N m]");
+      const std::vector<double> speed = Column(out, "loop.world.plant.state.qd." + joint + " [rad/s]");
+      for (std::size_t i = 0; i < time.size(); ++i)
+        if (time[i] > 0.13) EXPECT_LT(torque[i] * speed[i], 0.5) << joint << " at " << time[i];
+    }
+  };
+  Run("lost_link --duration 0.3 --set faults.0.start_s=0.1 --set faults.1.start_s=0.1 --set "
+      "faults.2.start_s=0.1");
+  expect("lost", 0.02);
+  Run("stop_button --duration 0.3 --set deployment.goals.1.start_s=0.1");
+  expect("stop", 0.001);
+  ExpectRefused({{"stand --set 'deployment={}'", "deployment"},
+                 {"flat --set 'faults=[{at: link, kind: stuck}]'", "faults.0.at"}});
+}
+
 TEST_F(TenonQuadrupedTest, FiguresWithoutDataAreNull) {
   Run("A1 --duration 0.2");  // the robot still stands
   EXPECT_THAT(Summary(), HasSubstr("\"com_error_max_m\": 0."));
