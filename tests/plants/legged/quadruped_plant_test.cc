@@ -56,6 +56,12 @@ Vec<18> ModelAcceleration(const QuadrupedPlant& plant, Rig& rig, const ExternalF
     const FootContact& foot = rig[plant.contacts].feet[leg];
     add(leg, 3, foot.p_W, foot.force_W);
   }
+  const BodyContact::Forces& bodies = rig[plant.contacts].bodies;
+  for (std::size_t i = 0; i < bodies.count; ++i) {
+    const auto& [body, p_W, f, torque] = bodies.at[i];
+    add(body == 0 ? -1 : (body - 1) / 3, body == 0 ? 0 : (body - 1) % 3 + 1, p_W, f);
+    force.segment<3>(3) += torque;  // of several spheres of the trunk
+  }
   for (const ExternalForce& at : external) {
     Vec<3> p = at.p_B;
     Eigen::Matrix3d R = x.R_WB();
