@@ -43,9 +43,12 @@ void DemandNoneTwice(const std::vector<std::string>& labels) {
   }
 }
 
-/// Throws ParameterError if `name` is the name of a column of results in runs.csv.
-void DemandNoColumn(const std::string& name) {
-  for (const char* column : {"run", "seed", "case", "finished", "fell", "simulated_s", "end_reason"})
+/// Throws ParameterError if `name` is the name of a column of results in runs.csv or, of a search, in
+/// search.csv.
+void DemandNoColumn(const std::string& name, bool searched = false) {
+  std::vector<const char*> columns{"run", "seed", "case", "finished", "fell", "simulated_s", "end_reason"};
+  if (searched) columns.insert(columns.end(), {"cost", "evaluation", "runs", "runs_finished"});
+  for (const char* column : columns)
     if (name == column)
       throw ParameterError(fmt::format("'{}' is a result of runs and cannot be varied{}", name,
                                        name == "seed" ? "; use seeds: {first: 1, count: 20}" : ""));
@@ -142,7 +145,11 @@ CampaignPlan::CampaignPlan(const YamlDocument& document, Chosen chosen, std::opt
   }
   const auto demand_free = [&](const std::string& place, const std::string& name,
                                const std::map<std::string, double>& sets) {
-    DemandNoColumn(name);
+    try {
+      DemandNoColumn(name, file_.optimise.has_value());
+    } catch (const ParameterError& error) {
+      throw ParameterError(fmt::format("{}: {}", document.PlaceOf(place), error.what()));
+    }
     auto keys = Targets(name, sets);
     keys.emplace_back(name, 1);  // also a column of the table
     for (const auto& [key, factor] : keys) {

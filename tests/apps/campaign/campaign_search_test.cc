@@ -152,6 +152,8 @@ TEST_F(CampaignSearchTest, ErrorsNameTheKey) {
   fails(bowl + "vary: {}}\n", "optimise", "vary");
   fails(bowl + "vary: {a: {from: 0, to: 5, sets: {damping: 1}}, damping: {from: 0, to: 5}}}\n",
         "optimise.vary", "damping");
+  for (const char* column : {"cost", "runs", "evaluation", "finished"})
+    fails(bowl + "vary: {" + column + ": {from: 0, to: 5, sets: {damping: 1}}}}\n", "optimise.vary", column);
   fails("estimate: survival\n" + kBowl, "search.yaml", "optimise");
 }
 
