@@ -82,6 +82,11 @@ void Optimisation::Validate() const {
   if (minimise.empty()) throw ParameterError("minimise names no figure: give at least one with its weight");
 }
 
+void QuantileGoal::Validate() const {
+  if (at_most.has_value() == at_least.has_value())
+    throw ParameterError(fmt::format("the goal of {} needs either at_most or at_least", figure));
+}
+
 FieldList CampaignFile::Fields() {
   return {Required("app", &CampaignFile::app),
           Required("scenario", &CampaignFile::scenario),
@@ -96,6 +101,7 @@ FieldList CampaignFile::Fields() {
           Field("confidence", &CampaignFile::confidence).Above(0).Below(1),
           {"limit", &CampaignFile::limit},
           {"optimise", &CampaignFile::optimise},
+          {"goals", &CampaignFile::goals},
           {"worst_by", &CampaignFile::worst_by}};
 }
 
@@ -104,6 +110,8 @@ void CampaignFile::Validate() const {
     throw ParameterError("estimate and limit exclude each other; remove estimate");
   if (optimise && (limit || estimate != Estimate::kAll))
     throw ParameterError("optimise counts all seeds of a campaign; remove limit and estimate");
+  if (!goals.empty() && (limit || optimise))
+    throw ParameterError("goals are those of a campaign without limit and optimise; remove goals");
 }
 
 }  // namespace tenon::apps

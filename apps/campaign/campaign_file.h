@@ -112,6 +112,23 @@ struct Optimisation {
   void Validate() const;  ///< throws ParameterError
 };
 
+/// A bound of a quantile of a figure over all runs of a campaign. A run that does not finish or lacks the
+/// figure counts as beyond any bound. Of a figure with several values, such as one for each leg, the worst
+/// counts.
+struct QuantileGoal {
+  std::string figure;
+  double quantile = 0.99;  ///< share of the runs that must keep the bound
+  std::optional<double> at_most, at_least;
+
+  static FieldList Fields() {
+    return {Required("figure", &QuantileGoal::figure),
+            Field("quantile", &QuantileGoal::quantile).Above(0).Below(1),
+            {"at_most", &QuantileGoal::at_most},
+            {"at_least", &QuantileGoal::at_least}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
 /// Termination of a campaign: after all runs, or when the probability of survival is known.
 enum class Estimate { kAll, kSurvival };
 constexpr auto EnumNames(Estimate) {
@@ -136,8 +153,9 @@ struct CampaignFile {
   double confidence = 0.95;     ///< confidence of all intervals
   std::optional<LimitSearch> limit;
   std::optional<Optimisation>
-      optimise;          ///< instead of one campaign, a search with one for each trial of values
-  std::string worst_by;  ///< figure whose largest values are listed; default: the first error
+      optimise;                     ///< instead of one campaign, a search with one for each trial of values
+  std::vector<QuantileGoal> goals;  ///< goals that summary.json and the terminal judge
+  std::string worst_by;             ///< figure whose largest values are listed; default: the first error
 
   static FieldList Fields();
   void Validate() const;  ///< throws ParameterError

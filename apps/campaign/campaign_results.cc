@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -182,6 +183,54 @@ std::string SurvivalText(const Tally& tally, double confidence) {
                      100 * interval.high);
 }
 
+/// Value of a goal's figure in a run, with its sign changed for at_least; infinite if the run counts as
+/// beyond any bound.
+double BeyondBy(const QuantileGoal& goal, const CampaignReport& report, const CampaignReport::Run& run) {
+  constexpr double kBeyond = std::numeric_limits<double>::infinity();
+  double worst = -kBeyond;
+  for (std::size_t i = 0; i < report.figures.size(); ++i) {
+    const std::string& name = report.figures[i];
+    if (name != goal.figure && !name.starts_with(goal.figure + ".")) continue;
+    if (!std::isnan(run.figures[i])) worst = std::max(worst, goal.at_most ? run.figures[i] : -run.figures[i]);
+  }
+  return run.survived && std::isfinite(worst) ? worst : kBeyond;
+}
+
+/// Prints whether the goals are met and adds them to the summary. A goal is met if the whole interval of the
+/// quantile keeps the bound, missed if all of it is beyond, and open in between.
+void JudgeGoals(const CampaignFile& file, const CampaignReport& report, nlohmann::ordered_json* summary) {
+  for (const QuantileGoal& goal : file.goals) {
+    const auto has = [&](const std::string& name) {
+      return name == goal.figure || name.starts_with(goal.figure + ".");
+    };
+    if (std::ranges::none_of(report.figures, has)) {
+      Say(fmt::format("warning: goals: no run has a figure '{}'; did you mean '{}'?\n",
+                      internal::Excerpt(goal.figure), internal::NearestName(goal.figure, report.figures)));
+      continue;
+    }
+    std::vector<double> values;
+    for (const CampaignReport::Run& run : report.runs) values.push_back(BeyondBy(goal, report, run));
+    const double sign = goal.at_most ? 1 : -1;
+    const double bound = sign * (goal.at_most ? *goal.at_most : *goal.at_least);
+    const auto [value, interval] = EstimateQuantile(values, goal.quantile, file.confidence);
+    const auto [low, high] = std::minmax({sign * interval.low, sign * interval.high});
+    const char* verdict = interval.high <= bound ? "met" : interval.low > bound ? "missed" : "open";
+    const auto json = [](double number) {
+      return std::isfinite(number) ? nlohmann::ordered_json(number) : nlohmann::ordered_json();
+    };
+    (*summary)["goals"].push_back({{"figure", goal.figure},
+                                   {"quantile", goal.quantile},
+                                   {goal.at_most ? "at_most" : "at_least", sign * bound},
+                                   {"value", json(sign * value)},
+                                   {"low", json(low)},
+                                   {"high", json(high)},
+                                   {"verdict", verdict}});
+    fmt::print("{} {} {:g} for {:g} % of the runs: {}, the quantile is {:.4g} ({:.4g} to {:.4g})\n",
+               goal.figure, goal.at_most ? "at most" : "at least", sign * bound, 100 * goal.quantile, verdict,
+               sign * value, low, high);
+  }
+}
+
 }  // namespace
 
 std::string ShellQuoted(const std::string& text) {
@@ -249,6 +298,7 @@ void WriteResults(const CampaignPlan& plan, const CampaignSchedule& schedule, co
     summary["causes"].push_back({{"cause", cause.text}, {"runs", cause.count}, {"first", cause.first}});
     if (summary["causes"].size() <= 10) fmt::print("{} failed: {}\n", cause.count, cause.text);
   }
+  JudgeGoals(file, report, &summary);
   ReportWithoutNumber(columns, all.count, &summary);
   if (!report.picks.empty()) fmt::print("runs to inspect:\n");
   for (const CampaignReport::Pick& pick : report.picks) fmt::print("  {}    # {}\n", pick.command, pick.why);

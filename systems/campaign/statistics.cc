@@ -1,12 +1,15 @@
 #include <tenon/systems/campaign/statistics.h>
 #include <tenon/systems/framework/types/errors.h>
 
+#include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace tenon {
@@ -24,6 +27,28 @@ Interval WilsonInterval(std::size_t successes, std::size_t trials, double confid
   const double centre = (p + z * z / (2 * n)) / (1 + z * z / n);
   const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
   return {successes == 0 ? 0 : centre - half, successes == trials ? 1 : centre + half};
+}
+
+QuantileEstimate EstimateQuantile(std::vector<double> values, double share, double confidence) {
+  for (const auto& [name, given] : {std::pair("share", share), std::pair("confidence", confidence)})
+    if (!(given > 0 && given < 1))
+      throw ParameterError(fmt::format("{} = {} must lie between 0 and 1, as in 0.95", name, given));
+  const auto n = values.size();
+  if (n == 0) throw ParameterError("a quantile of no values: give at least one");
+  if (std::ranges::any_of(values, [](double value) { return std::isnan(value); }))
+    throw ParameterError("a quantile of values with a NaN: leave it out, or count it as infinite");
+  std::ranges::sort(values);
+  // k of the values lie below the quantile, where k has a binomial distribution.
+  const boost::math::binomial below(static_cast<double>(n), share);
+  const double tail = (1 - confidence) / 2;
+  const auto middle = static_cast<std::size_t>(std::ceil(static_cast<double>(n) * share - 1e-9));
+  std::size_t low = middle, high = middle;  // positions from 1
+  while (low > 0 && boost::math::cdf(below, static_cast<double>(low - 1)) > tail) --low;
+  while (high <= n && boost::math::cdf(boost::math::complement(below, static_cast<double>(high - 1))) > tail)
+    ++high;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  return {values[middle - 1],
+          {low == 0 ? -kInfinity : values[low - 1], high > n ? kInfinity : values[high - 1]}};
 }
 
 namespace {

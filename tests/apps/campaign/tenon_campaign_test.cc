@@ -208,6 +208,24 @@ TEST_F(TenonCampaignTest, HalfAnEstimateIsNoResult) {
   EXPECT_FALSE(fs::exists(out / "whole/report.html"));
 }
 
+// One of four runs is refused, so the largest of the values that count for the quantile is infinite.
+TEST_F(TenonCampaignTest, JudgesQuantilesOfAllRuns) {
+  const std::string text = Run(File("app: tenon-quadruped\nscenario: A4\nduration_s: 0.3\nseeds: {count: 3}\n"
+                                    "confidence: 0.5\ngoals:\n"
+                                    "  - {figure: slip_max_m, quantile: 0.5, at_most: 1}\n"
+                                    "  - {figure: slip_max_m, quantile: 0.5, at_most: 0}\n"
+                                    "  - {figure: height_min_m, at_least: 0}\n"
+                                    "vary: {robot: {list: [dogbot, nobody]}}\n") +
+                               To("c"));
+  EXPECT_THAT(text, AllOf(HasSubstr("slip_max_m at most 1 for 50 % of the runs: open, "),
+                          HasSubstr("slip_max_m at most 0 for 50 % of the runs: missed, "),
+                          HasSubstr("warning: goals: no run has a figure 'height_min_m'")));
+  EXPECT_THAT(Read(out / "c/summary.json"), AllOf(HasSubstr("\"at_most\": 1"), HasSubstr("\"high\": null"),
+                                                  HasSubstr("\"verdict\": \"missed\"")));
+  const std::string wrong = "app: tenon-quadruped\nscenario: A4\ngoals: [{figure: slip_max_m}]\n";
+  EXPECT_THAT(Run(File(wrong) + To("d"), 2), AllOf(HasSubstr("goals"), HasSubstr("slip_max_m")));
+}
+
 // A varied key that is also a figure has one column in the table.
 TEST_F(TenonCampaignTest, AFigureMayBeWhatVaries) {
   const std::string file = File(

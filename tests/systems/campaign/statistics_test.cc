@@ -50,6 +50,52 @@ TEST(WilsonIntervalTest, RefusesWhatCannotBe) {
   EXPECT_TRUE(Throws<ParameterError>([] { WilsonInterval(1, 2, 95); }, "confidence = 95"));
 }
 
+std::vector<double> OneTo(int n) {
+  std::vector<double> values;
+  for (int i = n; i > 0; --i) values.push_back(i);
+  return values;
+}
+
+// Among 10 values, the median lies between the 2nd and the 9th with a probability of 1 - 2 (1 + 10) / 2^10 =
+// 97.9 %, and between the 3rd and the 8th only with 89 %.
+TEST(EstimateQuantileTest, OfAMedianHasTheClosedForm) {
+  const QuantileEstimate median = EstimateQuantile(OneTo(10), 0.5, 0.95);
+  EXPECT_EQ(median.value, 5);
+  EXPECT_EQ(median.interval.low, 2);
+  EXPECT_EQ(median.interval.high, 9);
+  EXPECT_EQ(EstimateQuantile(OneTo(10), 0.5, 0.89).interval.low, 3);
+}
+
+// All of n values lie below the quantile with a probability of 0.99^n, which is 2.5 % between 367 and 368.
+TEST(EstimateQuantileTest, OfTooFewValuesHasNoUpperEnd) {
+  EXPECT_EQ(EstimateQuantile(OneTo(367), 0.99, 0.95).interval.high, INFINITY);
+  EXPECT_EQ(EstimateQuantile(OneTo(368), 0.99, 0.95).interval.high, 368);
+  EXPECT_EQ(EstimateQuantile({7}, 0.01, 0.95).interval.low, -INFINITY);
+  EXPECT_EQ(EstimateQuantile({7}, 0.01, 0.95).value, 7);
+}
+
+TEST(EstimateQuantileTest, HoldsWhatItPromises) {
+  RandomStream random(4);
+  int inside = 0, below = 0;
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<double> values;
+    for (int k = 0; k < 200; ++k) values.push_back(random.Uniform());
+    const auto [value, interval] = EstimateQuantile(values, 0.9, 0.9);
+    inside += interval.low <= 0.9 && 0.9 <= interval.high ? 1 : 0;
+    below += value <= 0.9 ? 1 : 0;
+  }
+  EXPECT_GT(inside / 2000.0, 0.9);
+  EXPECT_LT(inside / 2000.0, 0.94) << "it is not wider than it must be";
+  EXPECT_NEAR(below / 2000.0, 0.5, 0.08);
+}
+
+TEST(EstimateQuantileTest, CountsInfiniteValuesAndRefusesOthers) {
+  EXPECT_EQ(EstimateQuantile({1, INFINITY, 2}, 0.9, 0.5).value, INFINITY);
+  EXPECT_TRUE(Throws<ParameterError>([] { EstimateQuantile({}, 0.5, 0.9); }, "no values"));
+  EXPECT_TRUE(Throws<ParameterError>([] { EstimateQuantile({1, NAN}, 0.5, 0.9); }, "NaN"));
+  EXPECT_TRUE(Throws<ParameterError>([] { EstimateQuantile({1}, 1, 0.9); }, "share = 1"));
+}
+
 TEST(RankCorrelationTest, SeesOrderNotShape) {
   const std::vector<double> x{1, 2, 3, 4, 5}, up{1, 8, 27, 64, 125}, down{5, 4, 3, 2, -100};
   EXPECT_NEAR(*RankCorrelation(x, up), 1, 1e-15);
