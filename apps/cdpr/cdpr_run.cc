@@ -109,6 +109,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
       summary.Set("mpc_fallbacks", solves->fallbacks());
     }
     outputs.AddTo(summary);
+    if (!options.live) scenario.task.AddTo(summary);
   };
   return RunScenario(options, scenario, Describe(scenario, controller), scenario.duration_s, simulator,
                      signals, shapes,

@@ -249,6 +249,7 @@ struct CdprScenario {
   /// Tolerance of the path: deviations in position may reach this part of the path's length (of one turn of a
   /// circle), deviations in heading this part of half a turn. A run that exceeds it counts as not finished.
   double path_tolerance = 0.1;
+  Task task;                                              ///< task, without which the case is not finished
   ReportScenario report;                                  ///< contents of the report
   LogScenario log;                                        ///< signals to log in addition to those of the app
   std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
@@ -284,6 +285,7 @@ struct CdprScenario {
             Field("max_tension_ratio", &CdprScenario::max_tension_ratio).Between(1, 2),
             Field("cable_diameter_m", &CdprScenario::cable_diameter_m).AtLeast(0),
             Field("path_tolerance", &CdprScenario::path_tolerance).Positive(),
+            {"task", &CdprScenario::task},
             {"report", &CdprScenario::report},
             {"log", &CdprScenario::log},
             {"parameters", &CdprScenario::parameters},

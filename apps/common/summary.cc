@@ -1,3 +1,4 @@
+#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/run_options.h>
@@ -6,6 +7,8 @@
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/report_json.h>
+#include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/text/parse_number.h>
 #include <tenon/systems/version.h>
 
 #include <fmt/format.h>
@@ -137,6 +140,35 @@ void Summary::Require(const Condition& condition) {
   const double end = json_->values["simulated_s"];
   if (condition.due && *condition.due <= end && !condition.met_at)
     Break(*condition.due, std::string("the point of the case did not happen: ") + condition.missed);
+}
+
+void Summary::Require(const std::string& key, const Limits& limits, double due) {
+  const auto flat = Flat();
+  const auto figure = std::ranges::find(flat, key, &std::pair<std::string, std::string>::first);
+  if (figure == flat.end()) {
+    std::vector<std::string> names;
+    for (const auto& [name, value] : flat) names.push_back(name);
+    throw KeyError("task.figures." + key, fmt::format("the run has no figure '{}'; did you mean '{}'?", key,
+                                                      internal::NearestName(key, names)));
+  }
+  Limit(key, limits);
+  const double end = json_->values["simulated_s"];
+  if (due > end) return;
+  const auto number = internal::NumberIn<double>(figure->second);
+  const auto miss = [&](const std::string& what) {
+    Break(end, fmt::format("the task was not done: {} {}", key, what));
+  };
+  const auto compare = [&](const char* word, double limit) {
+    const auto [value, beside] = Beside(*number, limit, 4);
+    miss(fmt::format("is {}, but must be {} {}", value, word, beside));
+  };
+  if (!number) {
+    miss("has no value");
+  } else if (limits.low && !(*number >= *limits.low)) {
+    compare("at least", *limits.low);
+  } else if (limits.high && !(*number <= *limits.high)) {
+    compare("at most", *limits.high);
+  }
 }
 
 bool Summary::finished() const {

@@ -55,13 +55,17 @@ class Summary {
 
   /// Sets the limits of a figure and all figures nested in it. They are shown beside the figure and written
   /// under `limits` in summary.json.
-  void Limit(const std::string& key, const Limits& limits) { limits_.emplace_back(key, limits); }
+  /// Later limits of the same figure replace earlier ones.
+  void Limit(const std::string& key, const Limits& limits) { limits_.emplace(limits_.begin(), key, limits); }
   /// Records an event that must not happen, such as a physically impossible one, at `time` [s]: the run is
   /// not finished and has the exit code kLimitBroken. The earliest such event becomes the end reason, unless
   /// something else ended the run.
   void Break(double time, const std::string& reason);
   /// Sets the figure of a condition. If it was due and is not met, the run is not finished, as after a Break.
   void Require(const Condition& condition);
+  /// Demands a number within the limits of the figure with this dotted key. If a run that lasts until `due`
+  /// [s] lacks it, it is not finished, as after a Break. Throws KeyError if there is no such figure.
+  void Require(const std::string& key, const Limits& limits, double due);
   /// Overrides the end reason and the exit code.
   void EndedBy(const std::string& reason, int exit_code);
 

@@ -1,5 +1,6 @@
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/verdicts.h>
+#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
@@ -38,6 +39,16 @@ void PathVerdict::AddTo(Summary& summary) const {
                               "{} rad",
                               worst, limit));
   }
+}
+
+void TaskBounds::Validate() const {
+  if (at_least && at_most && *at_least > *at_most)
+    throw ParameterError(fmt::format("at_least = {} must not be above at_most = {}", *at_least, *at_most));
+}
+
+void Task::AddTo(Summary& summary, double due) const {
+  for (const auto& [key, bounds] : figures)
+    summary.Require(key, {.low = bounds.at_least, .high = bounds.at_most}, due_s.value_or(due));
 }
 
 }  // namespace tenon::apps

@@ -2,6 +2,7 @@
 
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
+#include <tenon/systems/framework/types/fields.h>
 
 #include <map>
 #include <optional>
@@ -30,6 +31,28 @@ class PathVerdict {
   std::optional<double> position_limit_, heading_limit_;  // [m], [rad]
   Tally deviations_, turns_;                              // [m], [rad]
   std::optional<double> left_, turned_;                   // times at which a limit was first exceeded [s]
+};
+
+/// Bounds of a figure in the task of a case, which must have a value between them.
+struct TaskBounds {
+  std::optional<double> at_least, at_most;
+
+  static FieldList Fields() {
+    return {{"at_least", &TaskBounds::at_least}, {"at_most", &TaskBounds::at_most}};
+  }
+  void Validate() const;  ///< throws ParameterError
+};
+
+/// The task of a case: the figures of a run that is finished.
+struct Task {
+  std::map<std::string, TaskBounds> figures;  ///< bounds of figures of summary.json, by their dotted keys
+  /// Time from which a run is judged by the task; empty: the end of the walk, or always without one.
+  std::optional<double> due_s;
+
+  static FieldList Fields() { return {{"figures", &Task::figures}, Field("due_s", &Task::due_s).AtLeast(0)}; }
+  /// Sets the limits of the figures. A run without these figures is not finished, if it lasts until the task
+  /// is due, by default at `due` [s]. Throws KeyError, see Summary::Require.
+  void AddTo(Summary& summary, double due = 0) const;
 };
 
 /// Physically impossible events of a run; only the first event of each kind is kept.

@@ -84,6 +84,7 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
     limits->AddTo(summary);
     collisions->AddTo(summary);
     outputs.AddTo(summary);
+    if (!options.live) scenario.task.AddTo(summary);
   };
   std::vector<const OutputPort<Geometry>*> shapes = GuideDogFigures::Shapes(loop);
   LiveControls controls;

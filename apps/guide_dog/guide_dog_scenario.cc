@@ -17,8 +17,11 @@ QuadrupedScenario WithoutPerson(const GuideDogScenario& scenario) {
 
 FieldList GuideDogTask::Fields() {
   using T = GuideDogTask;
-  return {Field("crossing_s", &T::crossing).Positive(), Field("stop_s", &T::stop).Positive(),
-          Field("restart_s", &T::restart).Positive(), Field("heading_deg", &T::heading).Positive()};
+  FieldList fields = Task::Fields();
+  fields.insert(fields.end(),
+                {Field("crossing_s", &T::crossing).Positive(), Field("stop_s", &T::stop).Positive(),
+                 Field("restart_s", &T::restart).Positive(), Field("heading_deg", &T::heading).Positive()});
+  return fields;
 }
 
 FieldList GuideDogScenario::Fields() {

@@ -10,7 +10,7 @@
 namespace tenon::apps {
 
 /// The task of a case, see GuideDogFigures.
-struct GuideDogTask {
+struct GuideDogTask : Task {
   double crossing = 5;  ///< time after the person stopped until the leash stops the robot [s]
   double stop = 1;      ///< time from the cause of the first stop until the robot stands [s]
   double restart = 15;  ///< time after the last pull until the robot walks along it for 1 s [s]

@@ -55,7 +55,7 @@ struct WalkScenario {
   double judged_from_s = 0;      ///< start of the time over which figures are computed
   /// Tolerance of the path: deviations in position may reach this part of the path's length, deviations in
   /// heading this part of half a turn. A run that exceeds it counts as not finished.
-  double path_tolerance = 0.2;
+  double path_tolerance = 0.1;
 
   static FieldList Fields() {
     return {Required("path", &WalkScenario::path),

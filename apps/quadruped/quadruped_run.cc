@@ -11,6 +11,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -23,6 +24,14 @@ namespace tenon::apps {
 namespace {
 
 constexpr double kLying = -1;  // least height of a served robot, which may lie down [m]
+
+/// `commanded` is the distance that a walk should have covered [m].
+void JudgeTask(const QuadrupedScenario& scenario, double commanded, Summary& summary) {
+  const double due = scenario.walk ? EndOfWalk(*scenario.walk) : 0;
+  if (scenario.walk && scenario.task.arrives && commanded > 0)
+    summary.Require("distance_m", {.low = std::max(1 - scenario.walk->path_tolerance, 0.0) * commanded}, due);
+  scenario.task.AddTo(summary, due);
+}
 
 /// Runs a scenario by a diagram of class Loop; `observer` is given for a walk. Figures are made of the
 /// diagram and `judging`.
@@ -71,6 +80,9 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
       if (loop.deployment) SetDeployment(simulator.context().Eval(loop.deployment->status), summary);
     summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));
     outputs.AddTo(summary);
+    double commanded = 0;
+    if constexpr (requires { figures->commanded(); }) commanded = figures->commanded();
+    if (!options.live) JudgeTask(scenario, commanded, summary);
   };
   std::vector<const Source*> signals = Figures::Signals(loop);
   signals.insert(signals.end(), faults.begin(), faults.end());

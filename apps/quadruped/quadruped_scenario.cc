@@ -18,6 +18,12 @@ RigidInertia TrunkLoadScenario::Make() const {
   return UniformBoxInertia(mass_kg, position_m, edges_m);
 }
 
+FieldList WalkTask::Fields() {
+  FieldList fields = Task::Fields();
+  fields.push_back({"arrives", &WalkTask::arrives});
+  return fields;
+}
+
 FieldList QuadrupedScenario::Fields() {
   using S = QuadrupedScenario;
   FieldList fields = LeggedScenario::Fields();
@@ -33,6 +39,7 @@ FieldList QuadrupedScenario::Fields() {
        {"payload", &S::payload},
        {"attached", &S::attached},
        {"known_additions", &S::known_additions},
+       {"task", &S::task},
        {"compare", &S::compare},
        Field("log_rate_hz", &S::log_rate_hz).In(Rates())});
   return fields;

@@ -68,6 +68,14 @@ struct TrunkLoadScenario {
   RigidInertia Make() const;
 };
 
+/// The task of a walk or a stand.
+struct WalkTask : Task {
+  /// Whether a walk must cover its path: the distance between start and end, less the tolerance of the path.
+  bool arrives = true;
+
+  static FieldList Fields();
+};
+
 /// Scenario of tenon-quadruped, read from a YAML file.
 struct QuadrupedScenario : LeggedScenario {
   double start_height_m = 0;          ///< initial height of the feet above the ground, in the nominal stance
@@ -82,6 +90,7 @@ struct QuadrupedScenario : LeggedScenario {
   /// Whether the walking controller measures the wrench of attached bodies and actuated joints on the robot,
   /// as by a force sensor under the base of an arm.
   bool known_additions = false;
+  WalkTask task;                      ///< task, without which the case is not finished
   std::vector<ObserverKind> compare;  ///< observers that --compare runs; empty: all observers
   double log_rate_hz = 200;           ///< sample rate of signals.csv
 

@@ -1,8 +1,10 @@
 #include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/progress.h>
+#include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -32,6 +34,16 @@ double Yaw(std::span<const double> row, const std::vector<std::size_t>& attitude
 }
 
 }  // namespace
+
+WalkFigures::WalkFigures(const QuadrupedWalk& loop, double from, bool observes, const PathVerdict& path)
+    : loop_(loop),
+      from_(from),
+      observes_(observes || CurrentBlock(loop.observer) != &loop.observer),
+      path_(path),
+      estimate_(loop) {
+  if (KnowsLimits<QuadrupedPlantParams>(loop.world.plant))
+    terrain_.emplace(ParamsOf(loop.world.plant).terrain);
+}
 
 std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
   std::vector<const Source*> signals{&loop.world.plant.state,
@@ -76,6 +88,7 @@ std::vector<const Source*> WalkFigures::WithSolvers(std::vector<const Source*> s
                                                     const QuadrupedWalk& loop) {
   if (const Source* solves = Solves(loop)) signals.push_back(solves);
   if (const Source* solves = MpcSolves(loop)) signals.push_back(solves);
+  if (FindCurrent(loop.walk.command) != nullptr) signals.push_back(&loop.walk.command);
   return signals;
 }
 
@@ -91,11 +104,15 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   estimated_force_ = Columns(names, loop_.observer.wrench, &WrenchEstimate::force_W);
   if (loop_.tensions) rope_force_ = Columns(names, loop_.tensions->wrench, &WrenchEstimate::force_W);
   slip_ = Columns(names, FindCurrent(plant.foot_slips));
+  touch_ = Columns(names, FindCurrent(plant.foot_forces));
   position_ = Columns(names, plant.state, &LeggedState::p_WB);
   attitude_ = Columns(names, plant.state, &LeggedState::q_WB);
   told_attitude_ = Columns(names, loop_.locomotion.body, &BodyReference::q_WB);
   for (std::size_t leg = 0; leg < kNumLegs; ++leg)
     contact_[leg] = Column(names, loop_.locomotion.schedule, &ContactSchedule::legs, leg, &LegContact::state);
+  for (double WalkCommand::*velocity : {&WalkCommand::forward, &WalkCommand::left, &WalkCommand::yaw_rate})
+    if (const auto column = Column(names, FindCurrent(loop_.walk.command), velocity))
+      command_.push_back(*column);
   solve_time_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::solve_time);
   failures_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::failures);
   mpc_time_ = Column(names, MpcSolves(loop_), &CentroidalMpcDiagnostics::solve_time);
@@ -131,6 +148,15 @@ void WalkFigures::Row(std::span<const double> row) {
   }
   end_ = {row[position_[0]], row[position_[1]]};
   if (!begin_) begin_ = end_;
+  if (!command_.empty() && time_ > 0) {
+    const double dt = row[0] - time_;
+    commanded_yaw_ += dt * row[command_[2]];
+    commanded_ += dt * (Eigen::Rotation2D(commanded_yaw_) * Vec<2>(row[command_[0]], row[command_[1]]));
+  }
+  if (terrain_)
+    climb_.Add(terrain_->At(end_[0], end_[1]).height - terrain_->At((*begin_)[0], (*begin_)[1]).height);
+  if (!touch_.empty())
+    flight_.Add(std::ranges::all_of(touch_, [&](std::size_t column) { return row[column] == 0; }) ? 1 : 0);
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) LegRow(row, leg);
   estimate_.Row(row);
   time_ = row[0];
@@ -187,6 +213,8 @@ void WalkFigures::AddTo(Summary& summary) const {
   summary.Set("force_estimate_error_rms_N", estimate_errors_.rms());
   summary.Set("slip_max_m", largest_by_leg(&LegFigures::slips));
   summary.Set("distance_m", distance);
+  summary.Set("climb_m", climb_.max());
+  summary.Set("flight_ratio", flight_.mean());
   path_.AddTo(summary);
   summary.Set("qp_time_median_us", Microseconds(solve_times_.Quantile(0.5)));
   summary.Set("qp_time_p99_us", Microseconds(solve_times_.Quantile(0.99)));

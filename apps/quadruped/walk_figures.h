@@ -25,7 +25,8 @@ void CheckJudged(double from, double end, bool cut = false);
 ///
 /// Errors are those of QuadrupedWalk::errors. The error of the ground forces is the mean over all stance
 /// phases without `kEdge` seconds at both ends of each phase. The slip of a foot is the distance that its
-/// contact point moves along the ground in one stance phase.
+/// contact point moves along the ground in one stance phase. The climb is the largest height of the ground
+/// under the trunk above that at the start.
 class WalkFigures final : public LogSink {
  public:
   static constexpr double kEdge = 0.012;  ///< [s]
@@ -48,27 +49,24 @@ class WalkFigures final : public LogSink {
   static const OutputPort<CentroidalMpcDiagnostics>* MpcSolves(const QuadrupedWalk& loop) {
     return loop.locomotion.mpc ? FindCurrent(loop.locomotion.mpc->diagnostics) : nullptr;
   }
-  /// The signals that must be logged for the figures: Signals and the diagnostics of the solvers.
+  /// The signals that must be logged for the figures: Signals with WithSolvers.
   static std::vector<const Source*> Judged(const QuadrupedWalk& loop);
   /// `signals` and what the figures need of parts that not every walk has: the wrench of bodies that were
   /// added to the plant, the estimate of the state and its errors.
   static std::vector<const Source*> WithOptions(std::vector<const Source*> signals,
                                                 const QuadrupedWalk& loop);
-  /// `signals` and the diagnostics of the solvers that the loop has.
+  /// `signals`, the diagnostics of the solvers that the loop has, and the commanded walk.
   static std::vector<const Source*> WithSolvers(std::vector<const Source*> signals,
                                                 const QuadrupedWalk& loop);
 
   /// Figures are computed from `from` [s] on; `path` is judged from the start. Without an observer
   /// (`observes` is false) there are no figures of its estimate.
-  WalkFigures(const QuadrupedWalk& loop, double from, bool observes, const PathVerdict& path)
-      : loop_(loop),
-        from_(from),
-        observes_(observes || CurrentBlock(loop.observer) != &loop.observer),
-        path_(path),
-        estimate_(loop) {}
+  WalkFigures(const QuadrupedWalk& loop, double from, bool observes, const PathVerdict& path);
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override;
   void Row(std::span<const double> row) override;
   void AddTo(Summary& summary) const;
+  /// Straight-line distance that the commanded velocities cover from `from` to the end of the run [m].
+  double commanded() const { return commanded_.norm(); }
 
  private:
   struct Sample {
@@ -89,11 +87,16 @@ class WalkFigures final : public LogSink {
   bool observes_;
   PathVerdict path_;
   std::vector<std::size_t> external_force_, added_force_, estimated_force_, rope_force_;
-  std::vector<std::size_t> com_, foot_, ground_force_, slip_, position_, attitude_, told_attitude_;
+  std::vector<std::size_t> com_, foot_, ground_force_, slip_, touch_, position_, attitude_, told_attitude_,
+      command_;
   std::array<std::size_t, kNumLegs> contact_{};
   std::optional<std::size_t> solve_time_, failures_, mpc_time_, mpc_failures_;
 
   std::array<LegFigures, kNumLegs> legs_;
+  std::optional<Terrain> terrain_;                // that of the plant, if it is known
+  Tally climb_, flight_;                          // [m], 1 while no foot touches the ground
+  Vec<2> commanded_ = Vec<2>::Zero();             // in the commanded heading at `from_` [m]
+  double commanded_yaw_ = 0;                      // [rad]
   double time_ = 0;                               // [s]
   Tally com_errors_, force_errors_;               // [m], [N]
   std::array<Tally, 3> estimates_;                // [N]

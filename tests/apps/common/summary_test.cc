@@ -1,12 +1,15 @@
 #include <tenon/apps/common/run_options.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/tally.h>
+#include <tenon/tests/testing/expect_throws.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 namespace tenon::apps::summary_test {
 
@@ -50,6 +53,30 @@ TEST(SummaryTest, InfinityIsNotNull) {
 TEST(SummaryTest, WithoutWallClockTimeThereIsNoFactor) {
   Summary summary{"a", 1, {}};
   EXPECT_THAT(summary.Flat(), Contains(Pair("real_time_factor", "")));
+}
+
+// A bound of a task is a limit: a run that lasts until it is due is not finished beyond it.
+TEST(SummaryTest, ATaskThatIsNotDoneFailsTheRun) {
+  const auto judged = [](std::optional<double> climb, const Limits& limits, double due) {
+    Summary summary = Ran();
+    summary.Set("climb_m", climb);
+    summary.Require("climb_m", limits, due);
+    return std::pair(summary.finished(), summary.Flat());
+  };
+  const Limits high{.low = 0.5, .high = {}}, low{.low = {}, .high = 0.5};
+  EXPECT_TRUE(judged(0.5, high, 1).first);
+  EXPECT_TRUE(judged(0.5, low, 1).first);
+  EXPECT_TRUE(judged(0, high, 1.1).first) << "the run ended before";
+  EXPECT_TRUE(judged(0, {}, 0).first);
+  for (const auto& [climb, limits, why] :
+       {std::tuple(std::optional(0.4), high, "climb_m is 0.4, but must be at least 0.5"),
+        {std::optional(0.50001), low, "climb_m is 0.50001, but must be at most 0.5"},
+        {std::optional<double>(), Limits{}, "climb_m has no value"}}) {
+    const auto [finished, flat] = judged(climb, limits, 1);
+    EXPECT_FALSE(finished);
+    EXPECT_THAT(flat, Contains(Pair("end_reason", HasSubstr(why))));
+  }
+  EXPECT_TRUE(Throws<KeyError>([] { Ran().Require("wall", {}, 0); }, "'wall'", "did you mean"));
 }
 
 }  // namespace tenon::apps::summary_test

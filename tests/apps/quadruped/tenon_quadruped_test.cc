@@ -369,6 +369,22 @@ TEST_F(TenonQuadrupedTest, WalksDownAndAcrossASlopeOnRopes) {
   }
 }
 
+// It walks over level ground beside the kerb, and stops before the end of its path.
+TEST_F(TenonQuadrupedTest, AWalkIsFinishedIfItsTaskWasDone) {
+  const std::string shorter =
+      " --set 'walk.path.segments=[{gait: trot, forward_m_per_s: 0.3, length_m: 0.3}]' --duration 1.4";
+  Run("kerb" + shorter, 3);
+  EXPECT_THAT(Summary(), HasSubstr("the task was not done: climb_m is 0, but must be at least 0.09"));
+  Run("kerb --set task.figures.climb_m.at_least=null" + shorter);
+  Run("flat" + shorter + " --set task.figures.distanc_m.at_least=1", 2);
+  const std::string broken =
+      "E4 --set 'walk.path.segments=[{gait: trot, forward_m_per_s: 0.12, length_m: "
+      "0.2}]' --duration 2.5 --set faults.0.start_s=0.2 --set walk.path_tolerance=0.3";
+  Run(broken);
+  Run(broken + " --set task.arrives=true", 3);
+  EXPECT_THAT(Summary(), HasSubstr("distance_m is "));
+}
+
 // It stops after the loss, where it is, and the other rope carries it.
 TEST_F(TenonQuadrupedTest, StaysOnTheSlopeIfARopeBreaks) {
   Run("E4 --duration 4 --set faults.0.start_s=1");
