@@ -113,8 +113,8 @@ struct Optimisation {
 };
 
 /// A bound of a quantile of a figure over all runs of a campaign. A run that does not finish or lacks the
-/// figure counts as beyond any bound. Of a figure with several values, such as one for each leg, the worst
-/// counts.
+/// figure counts as beyond any bound, and the worst value counts if a figure has several, such as one for
+/// each leg.
 struct QuantileGoal {
   std::string figure;
   double quantile = 0.99;  ///< share of the runs that must keep the bound

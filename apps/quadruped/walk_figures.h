@@ -93,7 +93,7 @@ class WalkFigures final : public LogSink {
   std::optional<std::size_t> solve_time_, failures_, mpc_time_, mpc_failures_;
 
   std::array<LegFigures, kNumLegs> legs_;
-  std::optional<Terrain> terrain_;                // that of the plant, if it is known
+  std::optional<Terrain> terrain_;                // the ground of the plant, if it is known
   Tally climb_, flight_;                          // [m], 1 while no foot touches the ground
   Vec<2> commanded_ = Vec<2>::Zero();             // in the commanded heading at `from_` [m]
   double commanded_yaw_ = 0;                      // [rad]

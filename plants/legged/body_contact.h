@@ -41,7 +41,7 @@ class BodyContact {
   };
   Terrain terrain_;
   ContactProperties contact_;
-  std::vector<Sphere> spheres_;  // those of the knees come last
+  std::vector<Sphere> spheres_;  // the knees come last
   Vec<3> middle_, half_;         // of a box in B around all spheres but those of the knees [m]
   double top_ = 0;               // height of the terrain above its plane [m]
 };

@@ -28,7 +28,7 @@ constexpr auto EnumNames(DeploymentMode) {
                     Named{kWalk, "walk"},       Named{kLieDown, "lie_down"}, Named{kDamp, "damp"}};
 }
 
-/// What the operator asks for.
+/// The wish of the operator.
 enum class DeploymentGoal { kLie, kStand, kWalk, kStop };
 constexpr auto EnumNames(DeploymentGoal) {
   using enum DeploymentGoal;
@@ -79,7 +79,7 @@ DeploymentMode NextDeploymentMode(DeploymentMode mode, const DeploymentEvents& e
 /// The table as a graph in the language of Graphviz.
 std::string DeploymentGraph();
 
-/// What Deployment watches and limits. Ratios are those to the limits of each joint.
+/// The limits of Deployment. Ratios are those to the limits of each joint.
 struct DeploymentLimits {
   double timeout = 0.015;      ///< longest time without a new state; damping sets in at the tick after it [s]
   double tilt = 0.8;           ///< largest angle between the trunk's z axis and the vertical [rad]
@@ -218,7 +218,7 @@ class Deployment final : public LeafSystem<DeploymentParams> {
   InputPort<JointMotion> joints{this, {"joints"}};
   InputPort<LeggedState> state{this, {"state"}};
   InputPort<double> heartbeat{this, {"heartbeat", "s"}, -1};
-  Parameter<DeploymentLimits> limits{this, {"limits"}, params.limits, "what is watched and limited"};
+  Parameter<DeploymentLimits> limits{this, {"limits"}, params.limits, "limits of motion, torque and delay"};
   Scratch<DeploymentStatus> memory{this, "memory", Initial()};
   Scratch<Vec<12>> last_torque{this, "last_torque"};
   OutputPort<DeploymentStatus> status{this,

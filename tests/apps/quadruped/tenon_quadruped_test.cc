@@ -150,7 +150,7 @@ TEST_F(TenonQuadrupedTest, DampsTheJointsWithin20MillisecondsOfALostLinkAndAtThe
     EXPECT_EQ(summary.at("fault"), fault);
     EXPECT_GE(summary.at("damped_at_s").get<double>(), 0.1);
     EXPECT_LE(summary.at("damped_at_s").get<double>(), 0.1 + most);
-    // What damps takes power from each joint, up to the rounding of a tick.
+    // Damping takes power from each joint, up to the rounding of a tick.
     const std::vector<double> time = Column(out, "time [s]");
     for (const std::string joint : {"front_left_hip_pitch", "rear_right_knee"}) {
       const std::vector<double> torque = Column(out, "loop.drives.torque." + joint + " [N m]");

@@ -17,7 +17,7 @@ const QuadrupedDescription& Go2() {
   return kRobot;
 }
 
-/// A supervisor of a Go2 whose joints do as they are told, with some noise.
+/// A supervisor of a Go2 whose joints follow the commands, with some noise.
 class Robot {
  public:
   explicit Robot(DeploymentMode initial) : rig_(DeploymentParams{.robot = Go2(), .initial = initial}) {
