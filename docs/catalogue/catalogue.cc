@@ -92,20 +92,19 @@ std::string NameOf() {
 template <class Block, class... Args>
 Entry MakeTitled(std::string title, const Args&... params) {
   Entry entry{std::move(title), NameOf<Block>(), std::unique_ptr<System>(new Block(params...))};
-  entry.build = [params...] {
+  entry.build = [params...](const auto& change) {
     DiagramBuilder builder;
-    builder.Add<Block>("block", params...);
+    if constexpr (requires { typename Block::Params; }) {
+      typename Block::Params changed{params...};
+      if (change) change(&changed);
+      builder.Add<Block>("block", changed);
+    } else {
+      builder.Add<Block>("block", params...);
+    }
     return builder.BuildWithOpenInputs();
   };
-  if constexpr (requires { Block::Params::Fields(); }) {
-    using Params = typename Block::Params;
-    entry.ranges = internal::FieldsOf<Params>();
-    entry.remake = [given = Params{params...}](const auto& change) {
-      Params changed = given;
-      change(&changed);
-      Block block(changed);
-    };
-  }
+  if constexpr (requires { Block::Params::Fields(); })
+    entry.ranges = internal::FieldsOf<typename Block::Params>();
   return entry;
 }
 

@@ -20,10 +20,9 @@ struct Entry {
   std::string note = {};           ///< an additional sentence about the block
   int size = 4;                    ///< size of the vectors that it reads, where only the run knows it
   std::vector<Field> ranges = {};  ///< the members of the block's parameters that it checks
-  /// Makes the block anew with parameters that `change` has changed in place.
-  std::function<void(const std::function<void(void* params)>& change)> remake = {};
-  /// Builds a diagram of the block alone, named "block", with open inputs.
-  std::function<std::shared_ptr<const Diagram>()> build = {};
+  /// Builds a diagram of the block alone, named "block", with open inputs. `change` changes its parameters in
+  /// place before, unless it is empty.
+  std::function<std::shared_ptr<const Diagram>(const std::function<void(void* params)>& change)> build = {};
 };
 
 /// Blocks of one section of the page; the placeholder `{{name}}` in the template marks its place.

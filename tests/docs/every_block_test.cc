@@ -9,23 +9,40 @@
 #include <tenon/systems/framework/types/internal/type_info.h>
 #include <tenon/tests/testing/block_test.h>
 
+#include <array>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <set>
+
+namespace tenon::internal {
+
+/// The offset of the initial value of a Parameter in the `params` of its block, which is private.
+std::size_t OffsetInParams(const ParameterSource& parameter);
+template <auto Offset>
+struct OffsetOfParameter {
+  friend std::size_t OffsetInParams(const ParameterSource& parameter) { return parameter.*Offset; }
+};
+template struct OffsetOfParameter<&ParameterSource::offset_in_params_>;
+
+}  // namespace tenon::internal
 
 namespace tenon::docs::every_block_test {
 namespace {
 
-/// Visits the numbers of parameters in the order of their ranges, and sets one of them.
+/// Visits the numbers of parameters in the order of their ranges, and changes one of them.
 class Setter final : public internal::ValueVisitor {
  public:
-  Setter(std::size_t index, double value) : index_(index), value_(value) {}
+  using Change = std::function<double(double)>;
+  Setter(std::size_t index, Change change) : index_(index), change_(std::move(change)) {}
   void Numbers(void* data, internal::ScalarKind kind, std::size_t rows, std::size_t cols) override {
     internal::WithKind(kind, data, [&](auto* numbers) {
       using Number = std::remove_reference_t<decltype(*numbers)>;
       for (std::size_t i = 0; i < rows * cols; ++i, ++at_) {
         if (at_ != index_) continue;
-        const auto changed = static_cast<Number>(value_);
-        set = static_cast<double>(changed) == value_ || std::isnan(static_cast<double>(changed));
+        const double value = change_(static_cast<double>(numbers[i]));
+        const auto changed = static_cast<Number>(value);
+        set = static_cast<double>(changed) == value || std::isnan(static_cast<double>(changed));
         if (set) numbers[i] = changed;
       }
     });
@@ -34,7 +51,7 @@ class Setter final : public internal::ValueVisitor {
 
  private:
   std::size_t index_, at_ = 0;
-  double value_;
+  Change change_;
 };
 
 /// Numbers that a range does not contain: at and beyond its ends, and those that are not finite.
@@ -68,14 +85,14 @@ TEST(EveryBlock, RefusesParametersOutsideOfTheirRanges) {
       if (field.type == nullptr) continue;
       const auto member = [&](void* params) { return static_cast<std::byte*>(params) + field.offset; };
       std::vector<Range> ranges;
-      entry.remake([&](void* params) {
+      entry.build([&](void* params) {
         ranges = internal::ListRanges({field.name, field.units, &field.range, &field.type()}, member(params));
       });
       for (std::size_t i = 0; i < ranges.size(); ++i) {
         for (const double value : Outside(ranges[i])) {
-          Setter setter(i, value);
+          Setter setter(i, [&](double) { return value; });
           const auto make = [&] {
-            entry.remake([&](void* params) { internal::Walk(field.type(), member(params), setter); });
+            entry.build([&](void* params) { internal::Walk(field.type(), member(params), setter); });
           };
           const auto result = Throws<ParameterError>(make, field.name);
           EXPECT_TRUE(result || !setter.set) << result.message() << ": " << field.name << " = " << value;
@@ -91,8 +108,8 @@ TEST(EveryBlock, RefusesParametersOutsideOfTheirRanges) {
 /// number.
 class Alone {
  public:
-  explicit Alone(const Entry& entry)
-      : size_(entry.size), diagram_(entry.build()), simulator_(diagram_->CreateContext(7), kOptions) {
+  explicit Alone(const Entry& entry, const std::function<void(void* params)>& change = {})
+      : size_(entry.size), diagram_(entry.build(change)), simulator_(diagram_->CreateContext(7), kOptions) {
     for (const Source* input : diagram_->open_inputs()) {
       context().SetDoubles(*input, input->initial_numbers());
       const CableVector some = CableVector::Constant(size_, 50);
@@ -105,16 +122,27 @@ class Alone {
     }
     Disturb(1);
   }
-  void Disturb(std::uint64_t seed) {
+  void Disturb(std::uint64_t seed, double most = 0.01) {
     RandomStream random(seed);
     for (const Source* input : diagram_->open_inputs()) {
       std::vector<double> numbers = context().EvalDoubles(*input);
-      for (double& number : numbers) number += 0.01 * random.Uniform(-1, 1);
+      for (double& number : numbers) number += most * random.Uniform(-1, 1);
       try {
         context().SetDoubles(*input, numbers);
       } catch (const ParameterError&) {  // it has whole numbers
       }
     }
+  }
+  /// Outputs and states in a run whose inputs jump ever further.
+  std::vector<double> Run() {
+    std::vector<double> all;
+    for (int n = 1; n <= 5; ++n) {
+      for (const auto& [name, values] : ValuesAt(0.04 * n, context().Clone()))
+        all.insert(all.end(), values.begin(), values.end());
+      RunTo(0.03 * n);
+      Disturb(n, 0.1 * n * n);
+    }
+    return all;
   }
   void RunTo(double time) { static_cast<void>(simulator_.AdvanceTo(time)); }
   Context& context() { return simulator_.context(); }
@@ -199,6 +227,85 @@ TEST(EveryBlock, RefusesParametersOutsideOfTheirRangesInARun) {
     }
   });
   EXPECT_GT(refused, 3000);
+}
+
+TEST(EveryBlock, ActsOnASetParameterAsOnOneThatItIsMadeWith) {
+  const std::array<Setter::Change, 4> changes{[](double x) { return 1.5 * x + 0.01; },
+                                              [](double x) { return 0.7 * x; },
+                                              [](double x) { return 1 - x; }, [](double x) { return x + 1; }};
+  std::set<std::string> idle;
+  ForEveryBlock([&](const Entry& entry) {
+    const auto diagram = entry.build({});
+    if (dynamic_cast<const Leaf*>(&diagram->FindBlock("block")) == nullptr) return;  // entries of their own
+    const std::vector<double> before = Alone(entry).Run();
+    for (std::size_t k = 0; k < diagram->parameters().size(); ++k) {
+      const internal::ParameterSource& parameter = *diagram->parameters()[k];
+      const std::size_t offset = internal::OffsetInParams(parameter);
+      if (offset == static_cast<std::size_t>(-1)) continue;  // it does not start from a member of params
+      bool acts = false;
+      for (std::size_t i = 0; i < parameter.initial_numbers().size(); ++i) {
+        for (const Setter::Change& change : changes) {
+          Setter setter(i, change);
+          std::optional<Alone> given;
+          Alone set(entry);
+          try {
+            given.emplace(entry, [&](void* params) {
+              internal::Walk(parameter.type(), static_cast<std::byte*>(params) + offset, setter);
+            });
+            set.context().SetDoubles(*set.diagram().parameters()[k],
+                                     given->diagram().parameters()[k]->initial_numbers());
+          } catch (const ParameterError&) {  // out of range
+            continue;
+          }
+          if (!setter.set) continue;
+          const std::vector<double> wanted = given->Run();
+          EXPECT_EQ(set.Run(), wanted) << parameter.name() << ", number " << i;
+          acts = acts || wanted != before;
+          if (wanted != before) break;
+        }
+      }
+      if (!acts) idle.insert(entry.name + "." + parameter.name());
+    }
+  });
+  // Parameters that need other inputs or a longer run, which the tests of their blocks have.
+  EXPECT_EQ(idle, (std::set<std::string>{"CdprMonitor.floor",
+                                         "CdprMonitor.forbid_slack",
+                                         "CdprMonitor.max_tension_ratio",
+                                         "CdprMpc.max_fallbacks_in_a_row",
+                                         "CdprMpc.terminal_weights",
+                                         "ComPlanner.zmp",
+                                         "DiscreteStateSpace.D",
+                                         "FallMonitor.max_height",
+                                         "FallMonitor.max_tilt",
+                                         "FallMonitor.min_height",
+                                         "FootScheduler.early_touchdown_phase",
+                                         "FootScheduler.gaits",
+                                         "FootScheduler.late_wait",
+                                         "FootScheduler.touchdown_force",
+                                         "GroundForceObserver.thresholds",
+                                         "LeggedStateEstimator.settle_time",
+                                         "ObstacleDetector.half_width",
+                                         "ObstacleDetector.range",
+                                         "PayloadSchedule.attach",
+                                         "PayloadSchedule.load",
+                                         "PayloadSchedule.release",
+                                         "PulseForce.duration",
+                                         "PulseForce.push",
+                                         "PulseForce.start",
+                                         "RandomForce.lower",
+                                         "RateLimiter.falling",
+                                         "RateLimiter.rising",
+                                         "SignalFault.size",
+                                         "SineForce.angular_frequency",
+                                         "SineForce.end",
+                                         "SineForce.start",
+                                         "StateSpace.D",
+                                         "SwingPlanner.step",
+                                         "TrackingError.min_singular_value",
+                                         "TrunkPlanner.bandwidth",
+                                         "TrunkPlanner.sway_limit",
+                                         "WalkDrive.gait",
+                                         "WholeBodyController.max_failures_in_a_row"}));
 }
 
 }  // namespace

@@ -170,20 +170,5 @@ TEST(CdprEstimator, RefusesSignalsOfAnotherNumberOfCables) {
   EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "CdprEstimator", "4", "8"));
 }
 
-TEST(CdprEstimator, NoiseIsSetInARun) {
-  const CdprNoise noise{.position = 0.02, .attitude = 0.001, .angular_velocity = 0.05, .specific_force = 0.2};
-  TestRig<CdprEstimator> plain, set, built(CdprEstimatorParams{.noise = noise});
-  set.Set(set->noise, noise);
-  for (int k = 0; k < 50; ++k) {
-    Motion motion = At(0.005 * k);
-    motion.platform.p_WB[1] += 0.001 * (k % 3);
-    for (auto* rig : {&plain, &set, &built})
-      rig->Fix(rig->system().pose, Pose(motion)).Fix(rig->system().inertial, Inertial(motion)).Tick();
-    EXPECT_EQ(set[set->estimate].platform.v_W, built[built->estimate].platform.v_W) << k;
-  }
-  EXPECT_NE(plain[plain->estimate].platform.v_W, built[built->estimate].platform.v_W);
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->noise, {.attitude = 0}); }, "noise.attitude"));
-}
-
 }  // namespace
 }  // namespace tenon::cdpr_estimator_test

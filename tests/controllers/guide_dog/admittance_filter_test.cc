@@ -306,31 +306,5 @@ TEST(AdmittanceFilterTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<AdmittanceFilter>({{.yield_tension = 29}}, "yield_tension", "desired_tension"));
 }
 
-TEST(AdmittanceFilterTest, GainsAreSetInARun) {
-  const AdmittanceGains gains{.desired_tension = 25,
-                              .mass = 4,
-                              .damping = 60,
-                              .stiffness = 30,
-                              .min_forward = 0.01,
-                              .max_forward = 0.3,
-                              .max_left = 0.02,
-                              .acceleration = 1};
-  Filter plain, set, built(gains);
-  set.rig().Set(set.rig()->gains, gains);
-  for (Filter* filter : {&plain, &set, &built}) filter->Force({-40, 8, 0});
-  for (int n = 0; n < 100; ++n) {
-    const AdmittanceMotion expected = built.Tick(), found = set.Tick();
-    ASSERT_EQ(found.velocity, expected.velocity) << n;
-    ASSERT_EQ(found.offset, expected.offset) << n;
-    ASSERT_NE(plain.Tick().velocity, expected.velocity) << n;
-  }
-  // Gains that change during a run act from the next tick on.
-  set.rig().Set(set.rig()->gains, {});
-  set.Run(1000);
-  EXPECT_NEAR(set.Tick().velocity[0], plain.Run(2000).velocity[0], 1e-9);
-
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->gains, {.mass = 0}); }, "mass"));
-}
-
 }  // namespace
 }  // namespace tenon::admittance_filter_test

@@ -83,25 +83,5 @@ TEST(ImuTest, RefusesParametersThatMakeNoSense) {
   EXPECT_TRUE(Refuses<Imu>({.gravity = NAN}, "gravity"));
 }
 
-TEST(ImuTest, NoiseAndBiasesAreSetInARun) {
-  const ImuParams params{.angular_velocity_noise = {0.1, 0.2, 0.3},
-                         .specific_force_noise = {1, 2, 3},
-                         .angular_velocity_bias = {0.01, 0, 0},
-                         .specific_force_bias = {0, 0.5, 0}};
-  Rig rig(Noiseless()), built(params);
-  rig.Set(rig->angular_velocity_noise, params.angular_velocity_noise)
-      .Set(rig->specific_force_noise, params.specific_force_noise)
-      .Set(rig->angular_velocity_bias, params.angular_velocity_bias)
-      .Set(rig->specific_force_bias, params.specific_force_bias);
-  for (Rig* each : {&rig, &built})
-    each->Fix(each->system().body, Tilted()).Fix(each->system().acceleration, PlatformAcceleration{}).Tick();
-  EXPECT_EQ(rig[rig->measurement].angular_velocity_B, built[built->measurement].angular_velocity_B);
-  EXPECT_EQ(rig[rig->measurement].specific_force_B, built[built->measurement].specific_force_B);
-  rig.Set(rig->specific_force_bias, {0, 0, 100}).Tick();
-  EXPECT_GT(rig[rig->measurement].specific_force_B[2], 80);
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->specific_force_noise, Vec<3>(0, -1, 0)); },
-                                     "specific_force_noise"));
-}
-
 }  // namespace
 }  // namespace tenon::imu_test

@@ -121,33 +121,5 @@ TEST(FootForceSensorTest, EveryComponentHasItsOwnNoise) {
   error.Expect(Vec<12>::Zero(), 0.1 * values);
 }
 
-// Both runs draw the same random numbers.
-TEST(JointEncodersTest, ErrorsAreSetInARun) {
-  const SensorError angle{.absolute = 1e-3, .bias = 0.1}, speed{.absolute = 0.1, .relative = 0.2};
-  TestRig<JointEncoders> rig, built(JointEncodersParams{.angle = angle, .speed = speed});
-  rig.Fix(rig->state, Standing(DogBot())).Set(rig->angle, angle).Set(rig->speed, speed).Tick();
-  built.Fix(built->state, Standing(DogBot())).Tick();
-  EXPECT_EQ(rig[rig->joints].q, built[built->joints].q);
-  EXPECT_EQ(rig[rig->joints].qd, built[built->joints].qd);
-  EXPECT_NE(rig[rig->joints].q, Standing(DogBot()).q);
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->speed, {.absolute = -1}); }, "speed."));
-}
-
-TEST(ForceSensorsTest, ErrorsAreSetInARun) {
-  const SensorError error{.absolute = 1, .relative = 0.1, .bias = 2};
-  const TorqueSensorParams params{.error = error};
-  TestRig<JointTorqueSensor> torque, noisy_torque(params);
-  torque.Fix(torque->torque, Vec<12>::Constant(5)).Set(torque->error, error).Tick();
-  noisy_torque.Fix(noisy_torque->torque, Vec<12>::Constant(5)).Tick();
-  EXPECT_EQ(torque[torque->measured], noisy_torque[noisy_torque->measured]);
-  EXPECT_NE(torque[torque->measured], Vec<12>(Vec<12>::Constant(5)));
-  TestRig<FootForceSensor> force, noisy_force(FootForceSensorParams{.error = error});
-  force.Fix(force->forces, FootForces()).Set(force->error, error).Tick();
-  noisy_force.Fix(noisy_force->forces, FootForces()).Tick();
-  EXPECT_EQ(force[force->measured][kRearLeft], noisy_force[noisy_force->measured][kRearLeft]);
-  EXPECT_NE(force[force->measured][kRearLeft], Vec<3>(0, 0, 0));
-  EXPECT_TRUE(Throws<ParameterError>([&] { force.Set(force->error, {.bias = INFINITY}); }, "error."));
-}
-
 }  // namespace
 }  // namespace tenon::legged_sensors_test

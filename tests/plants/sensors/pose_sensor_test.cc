@@ -79,18 +79,5 @@ TEST(PoseSensorTest, SamplesAtItsRateAndHoldsBetween) {
   EXPECT_NE(rig[rig->pose].p_WB, held.p_WB);
 }
 
-TEST(PoseSensorTest, NoiseIsSetInARun) {
-  const PoseSensorParams params{.position_noise = {0.1, 0.2, 0.3}, .attitude_noise = {0.3, 0.2, 0.1}};
-  Rig rig(PoseSensorParams{.position_noise = {0, 0, 0}, .attitude_noise = {0, 0, 0}}), built(params);
-  rig.Fix(rig->platform, Somewhere()).Set(rig->position_noise, params.position_noise);
-  rig.Set(rig->attitude_noise, params.attitude_noise).Tick();
-  built.Fix(built->platform, Somewhere()).Tick();
-  EXPECT_EQ(rig[rig->pose].p_WB, built[built->pose].p_WB);
-  EXPECT_EQ(rig[rig->pose].q_WB, built[built->pose].q_WB);
-  EXPECT_NE(rig[rig->pose].p_WB, Somewhere().p_WB);
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { rig.Set(rig->attitude_noise, Vec<3>(0, 0, -1)); }, "attitude_noise"));
-}
-
 }  // namespace
 }  // namespace tenon::pose_sensor_test

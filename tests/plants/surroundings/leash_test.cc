@@ -104,21 +104,5 @@ TEST(LeashTest, IsDrawnFromTheHandToTheTrunkColouredByTension) {
   EXPECT_NEAR(rod.value, 120 * 0.25, 1e-9);
 }
 
-TEST(LeashTest, LengthStiffnessAndDissipationAreSetInARun) {
-  LeashParams changed = kParams;
-  changed.nominal_length = 1.2;
-  changed.stiffness = 300;
-  changed.dissipation = 0.1;
-  TestRig<Leash> rig(kParams), built(changed);
-  LeggedState robot = Robot({2, 0, 0.4});
-  robot.v_W = {0.2, 0, 0};
-  for (auto* each : {&rig, &built})
-    each->Fix(each->system().robot, robot).Fix(each->system().person, HandAt({0, 0, 0.8}));
-  EXPECT_NE(rig[rig->leash].tension, built[built->leash].tension);
-  rig.Set(rig->nominal_length, 1.2).Set(rig->stiffness, 300).Set(rig->dissipation, 0.1);
-  EXPECT_EQ(rig[rig->leash].tension, built[built->leash].tension);
-  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->stiffness, 0); }, "stiffness"));
-}
-
 }  // namespace
 }  // namespace tenon::leash_test

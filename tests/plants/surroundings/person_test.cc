@@ -199,23 +199,5 @@ TEST(PersonTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.phases[0].force = 1; }, "phases.0"));
 }
 
-TEST(PersonTest, BodyAndIntentAreSetInARun) {
-  PersonParams changed = Params({{.activity = Activity::kFollow, .duration = 5, .speed = 0.5}});
-  changed.mass = 50;
-  changed.damping = 300;
-  changed.stiffness = 900;
-  changed.felt_tension = 40;
-  TestRig<Person> plain(Params()), set(Params()), built(changed);
-  set.Set(set->mass, 50).Set(set->damping, 300).Set(set->stiffness, 900).Set(set->felt_tension, 40);
-  set.Set(set->phases, changed.phases);
-  for (auto* rig : {&plain, &set, &built}) rig->Fix(rig->system().leash, Pull(20, {1, 0, 0})).RunTo(2);
-  EXPECT_EQ(set[set->person].p_W, built[built->person].p_W);
-  EXPECT_NE(plain[plain->person].p_W, built[built->person].p_W);
-  std::vector<PersonPhase> wrong = changed.phases;
-  wrong[0].speed = -1;
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->phases, wrong); }, "phases.0"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->mass, 0); }, "mass = 0"));
-}
-
 }  // namespace
 }  // namespace tenon::person_test

@@ -210,14 +210,6 @@ TEST(StateSpaceTest, HasFeedthroughOnlyIfThereIsAD) {
   EXPECT_EQ(rig[rig->y][0], -3);
 }
 
-TEST(StateSpaceTest, MatricesAreSetInARun) {
-  TestRig<StateSpace> rig(Oscillator());
-  rig.Fix(rig->u, Eigen::VectorXd::Zero(1));
-  EXPECT_THAT(rig.Derivative(rig->x), IsNear(Vec<2>(0, -4), 0));
-  rig.Set(rig->A, Eigen::Matrix2d{{0, 1}, {-9, 0}});
-  EXPECT_THAT(rig.Derivative(rig->x), IsNear(Vec<2>(0, -9), 0));
-}
-
 TEST(StateSpaceTest, RefusesInARunWhatDoesNotFit) {
   TestRig<StateSpace> rig(Oscillator());
   rig.Fix(rig->u, Eigen::Vector2d(1, 2));

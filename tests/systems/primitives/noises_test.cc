@@ -76,14 +76,6 @@ TEST(NoiseTest, IsPutOnTheDoublesOfAStruct) {
                                                "standard_deviation"));
 }
 
-TEST(NoiseTest, DeviationsAreSetInARun) {
-  TestRig<WhiteNoise<>> rig;
-  rig.Tick().Set(rig->standard_deviation, 0);
-  EXPECT_EQ(rig.Tick()[rig->y], 0);
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { rig.Set(rig->standard_deviation, -1); }, "'block.standard_deviation'"));
-}
-
 struct Scan {
   std::vector<double> ranges;
   static FieldList Fields() { return {{"ranges", &Scan::ranges}}; }
@@ -112,12 +104,6 @@ TEST(UniformNoiseTest, HasItsMomentsAndLimits) {
   EXPECT_LT(least[0], -0.99);
   EXPECT_LT(most[1], 5);
   EXPECT_GT(most[1], 4.99);
-}
-
-TEST(UniformNoiseTest, LimitsAreSetInARun) {
-  TestRig<UniformNoise<>> rig;
-  rig.Tick().context().Set(rig->lower, 7, rig->upper, 7.0);
-  EXPECT_EQ(rig.Tick()[rig->y], 7);
 }
 
 TEST(UniformNoiseTest, RefusesBadLimits) {

@@ -139,10 +139,4 @@ TEST(ThresholdSwitchTest, ComparesWithItsThreshold) {
   EXPECT_EQ(rig.Fix(rig->control, 0.6)[rig->y], 1);
 }
 
-TEST(ThresholdSwitchTest, TheThresholdIsSetInARun) {
-  TestRig<ThresholdSwitch<>> rig({.threshold = 0.5});
-  rig.Fix(rig->on, 1).Fix(rig->off, -1).Fix(rig->control, 0.7).Set(rig->threshold, 0.8);
-  EXPECT_EQ(rig[rig->y], -1);
-}
-
 }  // namespace tenon::routing_test

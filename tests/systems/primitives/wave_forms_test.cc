@@ -111,12 +111,6 @@ TEST(SineTest, MakesACircle) {
   EXPECT_EQ(rig->dy.elements()[1].name, "y");
 }
 
-TEST(SineTest, IsSetInARun) {
-  TestRig<Sine<>> rig;
-  rig.RunTo(1).Set(rig->amplitude, 5);
-  EXPECT_EQ(rig[rig->y], 5 * std::sin(1));
-}
-
 TEST(TrajectoryTest, ReproducesACubic) {
   const auto p = [](double t) -> Vec<2> { return {1 + t * t * t, 2 * t - t * t}; };
   const auto v = [](double t) -> Vec<2> { return {3 * t * t, 2 - 2 * t}; };

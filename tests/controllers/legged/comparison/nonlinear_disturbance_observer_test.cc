@@ -91,24 +91,5 @@ TEST(NonlinearDisturbanceObserverTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<NonlinearDisturbanceObserver>({}, "robot"));
 }
 
-TEST(NonlinearDisturbanceObserverTest, GainsAreSetInARun) {
-  NonlinearDisturbanceObserverParams changed = Params(NdoReading::kM);
-  changed.gain = 4;
-  changed.min_singular_value = 0.3;
-  QuadrupedBench bench = Flying();
-  bench.external = [](const LeggedState&, const QuadrupedDynamics&, double) {
-    Vec<18> force = Vec<18>::Zero();
-    force.tail<12>().setConstant(2);
-    return force;
-  };
-  Observed plain(bench, Params(NdoReading::kM)), set(bench, Params(NdoReading::kM)), built(bench, changed);
-  set.rig.Set(set.rig->gain, 4).Set(set.rig->min_singular_value, 0.3);
-  const LegForceEstimate expected = built.RunTo(0.05), found = set.RunTo(0.05);
-  EXPECT_EQ(found.joint_torque, expected.joint_torque);
-  EXPECT_EQ(found.foot_force[kFrontLeft], expected.foot_force[kFrontLeft]);
-  EXPECT_NE(plain.RunTo(0.05).joint_torque, expected.joint_torque);
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig.Set(set.rig->gain, 0); }, "gain"));
-}
-
 }  // namespace
 }  // namespace tenon::nonlinear_disturbance_observer_test

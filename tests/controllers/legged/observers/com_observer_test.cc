@@ -202,22 +202,6 @@ TEST(ComObserverTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<ComObserver>({}, "robot"));
 }
 
-TEST(ComObserverTest, GainsAreSetInARun) {
-  ComObserverParams changed = Params(DogBot());
-  changed.gains.force_bandwidth = 40;
-  changed.gains.torque_bandwidth = 8;
-  QuadrupedBench bench = Standing(DogBot());
-  bench.external = OnTrunk({0.1, 0, 0}, {30, -20, -60}, {3, -2, 4});
-  Observed plain(bench, Params(DogBot())), set(bench, Params(DogBot())), built(bench, changed);
-  set.rig.Set(set.rig->gains, changed.gains);
-  const WrenchEstimate expected = built.RunTo(0.05), found = set.RunTo(0.05);
-  EXPECT_EQ(found.force_W, expected.force_W);
-  EXPECT_EQ(found.torque_W, expected.torque_W);
-  EXPECT_NE(plain.RunTo(0.05).torque_W, expected.torque_W);
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig.Set(set.rig->gains, {.torque_bandwidth = 0}); },
-                                     "torque_bandwidth_rad_per_s"));
-}
-
 // The momenta of the two sources differ by the trunk's velocity, but the force is the same.
 TEST(ComObserverTest, AnotherSourceGoesOnFromTheEstimate) {
   const Vec<3> force(30, -20, -60);

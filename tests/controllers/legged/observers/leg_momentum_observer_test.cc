@@ -205,24 +205,6 @@ TEST(LegMomentumObserverTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<LegMomentumObserver>(params, "17.5, 6.28, 2.25", "-6.23, -5.63 ± 2.82i"));
 }
 
-TEST(LegMomentumObserverTest, GainsAreSetInARun) {
-  LegMomentumObserverParams changed = Params(DogBot(), {});
-  changed.gains.butterworth = ButterworthDesign{3, 60};
-  changed.gains.min_singular_value = 0.3;
-  QuadrupedBench bench = Flying(DogBot());
-  bench.external = AtJoints(Vec<12>::Constant(2));
-  Observed plain(bench, Params(DogBot())), set(bench, Params(DogBot())), built(bench, changed);
-  set.rig.Set(set.rig->gains, changed.gains);
-  const LegForceEstimate expected = built.RunTo(0.05), found = set.RunTo(0.05);
-  EXPECT_EQ(found.joint_torque, expected.joint_torque);
-  EXPECT_EQ(found.foot_force[kRearLeft], expected.foot_force[kRearLeft]);
-  EXPECT_NE(plain.RunTo(0.05).joint_torque, expected.joint_torque);
-  LegObserverGains wrong = changed.gains;
-  wrong.butterworth = {};
-  wrong.gains = {100, -1};
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig.Set(set.rig->gains, wrong); }, "100, -1"));
-}
-
 // A constant disturbance stays estimated when order and dynamics change.
 TEST(LegMomentumObserverTest, OtherGainsGoOnFromTheEstimate) {
   const Vec<12> torque = Vec<12>::Constant(2);

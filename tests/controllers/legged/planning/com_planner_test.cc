@@ -264,24 +264,5 @@ TEST(ComPlannerTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<ComPlanner>(params, "gravity"));
 }
 
-TEST(ComPlannerTest, TheBlendIsSetInARun) {
-  ComPlannerParams changed = Params();
-  changed.blend = 0.2;
-  const auto walk_off = [](Walk& walk) {
-    walk.Tick();
-    walk.Command(0.1, 0, 0);
-    walk.Change(Gait::kTrot, kTrot);
-    walk.Run(0.15);
-    return walk.reference();
-  };
-  Walk plain, set, built(changed);
-  set.rig().Set(set.rig()->blend, 0.2);
-  const BodyReference expected = walk_off(built), found = walk_off(set);
-  EXPECT_EQ(found.com_W, expected.com_W);
-  EXPECT_EQ(found.com_acceleration_W, expected.com_acceleration_W);
-  EXPECT_NE(walk_off(plain).com_W, expected.com_W);
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->blend, 0); }, "0 s"));
-}
-
 }  // namespace
 }  // namespace tenon::com_planner_test

@@ -459,37 +459,5 @@ TEST(WholeBodyController, SolvesAt400HzWithinTorquesAt1kHz) {
   }
 }
 
-TEST(WholeBodyController, GainsAreSetInARun) {
-  WholeBodyParams changed = Params();
-  changed.gains.com_stiffness = 1000;
-  changed.gains.swing_damping = 90;
-  changed.gains.stance_damping = 20;
-  changed.gains.qp.force_weight = 0.1;
-  changed.gains.qp.friction = 0.2;
-  changed.gains.dynamics = BodyDynamics::kDecoupled;
-  changed.gains.compensation = LegCompensation::kThesis;
-  Inputs inputs(changed.robot);
-  inputs.Swing({kFrontRight});
-  inputs.state.w_W = Vec<3>(0.4, -0.3, 0.5);
-  inputs.state.qd.segment<3>(3) << 1, -4, 3;
-  inputs.Follow();
-  inputs.body.com_W += Vec<3>(0.02, -0.01, 0.01);
-  inputs.feet[kFrontRight].p_W += Vec<3>(0.01, 0, 0.02);
-  inputs.leg_forces.joint_torque.setConstant(0.5);
-  Ticked plain(inputs), built(inputs, changed);
-  EXPECT_NE(plain[plain->torque], built[built->torque]);
-  TestRig<WholeBodyController> set(Params());
-  inputs.Give(set);
-  set.Set(set->gains, changed.gains).Tick();
-  EXPECT_EQ(set[set->torque], built[built->torque]);
-  EXPECT_EQ(set[set->plan].solution.acceleration, built[built->plan].solution.acceleration);
-
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->gains, {.qp = {.friction = 0}}); }, "block.gains",
-                                     "friction"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->gains, {.stretch_limit = 1.1}); }, "stretch_limit"));
-  EXPECT_TRUE(
-      Throws<ParameterError>([&] { set.Set(set->max_failures_in_a_row, -1); }, "max_failures_in_a_row"));
-}
-
 }  // namespace
 }  // namespace tenon::whole_body_controller_test
