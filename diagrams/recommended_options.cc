@@ -2,12 +2,9 @@
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/recommended_options.h>
-#include <tenon/systems/framework/block/system.h>
-#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/block.h>
 
 #include <fmt/core.h>
-
-#include <string>
 
 namespace tenon {
 

@@ -1,12 +1,10 @@
 #include <tenon/apps/campaign/campaign_desk.h>
-#include <tenon/apps/common/progress.h>
 #include <tenon/systems/files/output_file.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>
-#include <string>
 #include <system_error>
 #include <thread>
 #include <vector>

@@ -9,8 +9,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <map>
-#include <optional>
 #include <set>
 
 namespace tenon::apps {

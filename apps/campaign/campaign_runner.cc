@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <exception>
 #include <new>
-#include <optional>
 #include <system_error>
 #include <utility>
 

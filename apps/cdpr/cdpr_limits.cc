@@ -1,8 +1,7 @@
 #include <tenon/apps/cdpr/cdpr_limits.h>
-#include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/customisation.h>
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/plants/model/segment_distance.h>
+#include <tenon/plants/model/vectors.h>
 
 #include <fmt/core.h>
 

@@ -1,7 +1,7 @@
 #include <tenon/apps/cdpr/cdpr_limits.h>
 #include <tenon/apps/cdpr/cdpr_live.h>
 #include <tenon/apps/common/customisation.h>
-#include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/rigid_inertia.h>
 
 #include <Eigen/Geometry>
 

@@ -4,7 +4,7 @@
 #include <tenon/apps/cdpr/cdpr_run.h>
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/faults.h>
-#include <tenon/apps/common/tally.h>
+#include <tenon/apps/common/outputs.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/yaml/resources.h>
 

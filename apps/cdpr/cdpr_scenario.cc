@@ -1,7 +1,6 @@
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/cdpr/path_file.h>
-#include <tenon/apps/common/blame.h>
-#include <tenon/apps/common/faults.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/diagrams/cdpr/cdpr_profile.h>
 #include <tenon/plants/attached_bodies.h>

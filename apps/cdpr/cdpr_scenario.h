@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tenon/apps/cdpr/cdpr_hardware.h>
-#include <tenon/apps/common/ranges.h>
 #include <tenon/apps/common/report_scenario.h>
+#include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/common/verdicts.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>

@@ -9,9 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <string>
 #include <string_view>
-#include <vector>
 
 namespace tenon::apps {
 namespace {

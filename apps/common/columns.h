@@ -1,11 +1,12 @@
 #pragma once
 
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/framework/types/signal.h>
+#include <tenon/systems/block.h>
+#include <tenon/systems/framework/diagram/diagram_builder.h>
+#include <tenon/systems/geometry.h>
 
 #include <concepts>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -107,5 +108,39 @@ Vec<N> VectorIn(std::span<const double> row, const std::vector<std::size_t>& col
   for (int i = 0; i < N; ++i) value[i] = row[columns[static_cast<std::size_t>(i)]];
   return value;
 }
+
+/// The surfaces of bodies that were added to a robot (ExtendQuadruped, ExtendCdpr), from a log of the plant's
+/// `geometry`. A surface is a set of points with a radius: corners of boxes and meshes, ends of capsules and
+/// rods, edges of cylinders. Fixtures, arrows and traces are left out.
+class AddedShapes {
+ public:
+  AddedShapes() = default;
+  /// `shapes` with their constant members; `first` is the index of the first one in the plant's geometry.
+  AddedShapes(const Geometry& shapes, std::size_t first);
+  /// The shapes that were added to the plant that stands in the diagram, behind the `first` ones of its
+  /// geometry; none for a plant of another class.
+  template <class Plant>
+  static AddedShapes Of(const Plant& plant, std::size_t first) {
+    const Plant& shipped = CurrentAs(plant);
+    return CurrentBlock(plant) == &shipped ? AddedShapes(shipped.additions.shapes, first) : AddedShapes();
+  }
+
+  bool empty() const { return surfaces_.empty(); }
+  void Begin(const std::vector<std::string>& names, const OutputPort<Geometry>& geometry);
+  using Visitor = std::function<void(const std::string& name, const Vec<3>& p_W, double radius)>;
+  /// Visits all points, by the name of their shape.
+  void Visit(std::span<const double> row, const Visitor& visit) const;
+
+ private:
+  struct Surface {
+    std::string name;
+    std::size_t shape;
+    bool segment;
+    double radius;                                      // [m]
+    std::vector<Vec<3>> points;                         // in the shape's frame [m]
+    std::vector<std::size_t> p_W{}, q_W{}, vector_W{};  // columns
+  };
+  std::vector<Surface> surfaces_;
+};
 
 }  // namespace tenon::apps

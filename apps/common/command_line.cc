@@ -1,5 +1,4 @@
 #include <tenon/apps/common/command_line.h>
-#include <tenon/apps/common/live_session.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/files/output_file.h>

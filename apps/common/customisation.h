@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/yaml/yaml.h>
@@ -9,6 +9,7 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/customisation.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/diagrams/faults/faults.h>
 
 #include <string>

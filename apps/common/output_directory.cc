@@ -1,5 +1,4 @@
 #include <tenon/apps/common/output_directory.h>
-#include <tenon/apps/common/run_program.h>
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -7,17 +6,16 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <spawn.h>
 #include <sys/file.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <optional>
-#include <string>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 namespace tenon::apps {
 
@@ -112,6 +110,20 @@ void WriteGraph(const Diagram& diagram, const fs::path& file) {
         "cannot write '{}': Graphviz's `dot` failed with exit code {}; free disk space, or write a .dot file",
         file.string(), *code));
   if (error) throw OutputError(fmt::format("cannot write '{}': {}", file.string(), error.message()));
+}
+
+std::optional<int> RunProgram(std::vector<std::string> arguments) {
+  std::vector<char*> list;
+  for (std::string& argument : arguments) list.push_back(argument.data());
+  list.push_back(nullptr);
+  ::pid_t process = 0;
+  const int error = ::posix_spawnp(&process, list[0], nullptr, nullptr, list.data(), environ);
+  if (error == ENOENT) return {};
+  if (error != 0) throw OutputError(fmt::format("cannot run `{}`: {}", arguments[0], std::strerror(error)));
+  int status = 0;
+  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
 }  // namespace tenon::apps

@@ -3,7 +3,10 @@
 #include <tenon/systems/framework/diagram/diagram.h>
 
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace tenon::apps {
 
@@ -39,5 +42,9 @@ class OutputDirectory : public OutputLock {
 /// Throws ParameterError for another extension or if `dot` is missing, and OutputError if the file cannot be
 /// written.
 void WriteGraph(const Diagram& diagram, const std::filesystem::path& file);
+
+/// Runs a program of the PATH without a shell. Returns its exit code, or nothing if it is not installed.
+/// Throws OutputError if it cannot be started.
+std::optional<int> RunProgram(std::vector<std::string> arguments);
 
 }  // namespace tenon::apps

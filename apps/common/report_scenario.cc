@@ -1,4 +1,3 @@
-#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/report_scenario.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/nearest_name.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/report/report.h>
 

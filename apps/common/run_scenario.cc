@@ -8,11 +8,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <new>
 #include <set>
 #include <string_view>
-#include <utility>
 
 namespace tenon::apps {
 

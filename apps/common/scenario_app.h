@@ -1,9 +1,8 @@
 #pragma once
 
-#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/report_scenario.h>
-#include <tenon/apps/common/run_options.h>
 #include <tenon/apps/common/run_scenario.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/yaml/yaml.h>
 

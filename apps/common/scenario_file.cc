@@ -1,7 +1,6 @@
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/parse_number.h>
 #include <tenon/systems/version.h>
@@ -16,6 +15,7 @@
 #include <functional>
 #include <iterator>
 #include <sstream>
+#include <string_view>
 #include <system_error>
 #include <typeinfo>
 
@@ -210,6 +210,39 @@ void ScenarioFiles::Write(const fs::path& directory) const {
   }
   for (const auto& [name, text] : files_) WriteFile(place / name, text);
   WriteFile(directory / "scenario.yaml", fmt::format("# Tenon {}\n{}", Version(), text_));
+}
+
+/// Returns the key called `name` in the outermost map that has one; empty if there is none.
+static std::string FindKey(const YamlDocument& scenario, std::string_view name) {
+  std::vector<std::string> paths = scenario.Keys("");
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const std::string path = paths[i];
+    if (path.substr(path.rfind('.') + 1) == name) return path;
+    for (const std::string& key : scenario.Keys(path)) paths.push_back(path + "." + key);
+  }
+  return {};
+}
+
+/// Returns the key called like a block, or like the innermost diagram around it that has a key.
+static std::string KeyOfBlock(const YamlDocument& scenario, std::string_view path) {
+  while (!path.empty()) {
+    const std::size_t dot = path.rfind('.');
+    if (std::string key = FindKey(scenario, path.substr(dot + 1)); !key.empty()) return key;
+    path = path.substr(0, dot == path.npos ? 0 : dot);
+  }
+  return {};
+}
+
+/// Removes the place in a ResourceMap from a message, because that map is part of the scenario.
+static std::string_view WithoutPlaceInMap(std::string_view message) {
+  if (!message.starts_with(kChanges)) return message;
+  const std::size_t end = message.find(": ");
+  return end == message.npos ? message : message.substr(end + 2);
+}
+
+void ThrowWithPlace(const YamlDocument& scenario, const KeyError& error) {
+  const std::string key = error.key().empty() ? KeyOfBlock(scenario, error.block()) : error.key();
+  throw ParameterError(scenario.Placed(key, WithoutPlaceInMap(error.what())));
 }
 
 }  // namespace tenon::apps

@@ -2,7 +2,6 @@
 #include <tenon/systems/framework/block/rate.h>
 #include <tenon/systems/text/key_unit.h>
 #include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/yaml/yaml.h>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -13,9 +12,9 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <typeinfo>
 
 namespace tenon::apps {
+
 namespace {
 
 using internal::TypeInfo;
@@ -202,6 +201,20 @@ void PrintKeys(const std::vector<ScenarioKey>& keys) {
     fmt::print("{:<48} {:<14} {:<10} {:<16} {:<16} {}\n", key.key, key.type,
                key.unit.empty() ? "-" : key.unit, key.range.empty() ? "-" : key.range,
                key.initial.empty() ? "-" : key.initial, key.meaning);
+}
+
+static constexpr double kFastest = 1e5;  // Hz
+
+Range Rates() {
+  return Range().Above(0).AtMost(kFastest).Also([](double hz) { Hz(hz); });
+}
+
+Range SamplePeriods() {
+  return Range().AtLeast(1 / kFastest).Also([](double s) { Seconds(s); });
+}
+
+Range Places() {
+  return Range().Between(-1000, 1000);
 }
 
 }  // namespace tenon::apps

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tenon/systems/framework/types/internal/type_info.h>
+#include <tenon/systems/framework/types/range.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <string>
@@ -38,5 +39,11 @@ std::string StructName(const std::type_info& type);
 
 /// Prints a line for each key on stdout.
 void PrintKeys(const std::vector<ScenarioKey>& keys);
+
+// Ranges of a scenario's numbers.
+
+Range Rates();          ///< valid for Hz(), and at most 100 kHz
+Range SamplePeriods();  ///< valid for Seconds(), and at least 10 us
+Range Places();         ///< each coordinate within 1 km
 
 }  // namespace tenon::apps

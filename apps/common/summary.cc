@@ -1,7 +1,7 @@
-#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/run_options.h>
+#include <tenon/apps/common/run_scenario.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/summary.h>
-#include <tenon/apps/common/tally.h>
 #include <tenon/systems/framework/types/fields.h>
 
 #include <map>

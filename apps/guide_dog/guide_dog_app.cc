@@ -1,5 +1,5 @@
-#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/faults.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/guide_dog/collision_figures.h>
 #include <tenon/apps/guide_dog/guide_dog_app.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>

@@ -1,5 +1,5 @@
-#include <tenon/apps/common/faults.h>
-#include <tenon/apps/common/ranges.h>
+#include <tenon/apps/common/scenario_file.h>
+#include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 
 namespace tenon::apps {

@@ -2,7 +2,6 @@
 
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/summary.h>
-#include <tenon/apps/common/tally.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 

@@ -1,4 +1,4 @@
-#include <tenon/apps/common/blame.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/legged_scenario.h>
 #include <tenon/systems/yaml/resources.h>
 

@@ -11,7 +11,7 @@
 #include <tenon/diagrams/faults/legged_faults.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/diagrams/recommended_options.h>
-#include <tenon/plants/model/model_error.h>
+#include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/sensors/terrain_mapper.h>
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/yaml/yaml.h>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <tenon/apps/common/added_shapes.h>
+#include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/summary.h>
-#include <tenon/apps/common/tally.h>
 #include <tenon/apps/common/verdicts.h>
 #include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/plants/legged/quadruped_plant.h>

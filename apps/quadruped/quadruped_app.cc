@@ -1,7 +1,7 @@
-#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/report_scenario.h>
 #include <tenon/apps/common/run_scenario.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_run.h>

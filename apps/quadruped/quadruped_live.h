@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/run_options.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/planning/walk_drive.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>

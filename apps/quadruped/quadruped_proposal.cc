@@ -1,7 +1,6 @@
 #include <tenon/apps/quadruped/quadruped_proposal.h>
-#include <tenon/apps/quadruped/urdf_legs.h>
 #include <tenon/plants/legged/quadruped_clearance.h>
-#include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/internal/urdf_file.h>
 #include <tenon/plants/robots/mesh_file.h>

@@ -1,4 +1,3 @@
-#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
@@ -14,10 +13,7 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
-#include <optional>
-#include <string>
 #include <type_traits>
-#include <vector>
 
 namespace tenon::apps {
 

@@ -1,5 +1,4 @@
-#include <tenon/apps/common/faults.h>
-#include <tenon/apps/common/ranges.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/plants/attached_bodies.h>
 

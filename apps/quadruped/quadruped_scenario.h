@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/ranges.h>
+#include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/quadruped/legged_scenario.h>
 #include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/summary.h>
-#include <tenon/apps/common/tally.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/systems/simulation/signal_log.h>
 

@@ -2,7 +2,7 @@
 
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/run_program.h>
+#include <tenon/apps/common/output_directory.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/held_mass.h>

@@ -8,11 +8,9 @@
 #include <cctype>
 #include <cmath>
 #include <iterator>
-#include <map>
 #include <set>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 namespace tenon {
 

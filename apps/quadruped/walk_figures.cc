@@ -1,4 +1,3 @@
-#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/walk_figures.h>

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/summary.h>
-#include <tenon/apps/common/tally.h>
 #include <tenon/apps/common/verdicts.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
 #include <tenon/diagrams/evaluation/walk_view.h>

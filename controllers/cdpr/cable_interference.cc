@@ -1,6 +1,6 @@
 #include <tenon/controllers/cdpr/cable_interference.h>
 #include <tenon/controllers/optimization/infinity.h>
-#include <tenon/plants/model/segment_distance.h>
+#include <tenon/plants/model/vectors.h>
 
 #include <Eigen/Geometry>
 

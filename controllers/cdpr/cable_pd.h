@@ -3,9 +3,7 @@
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/signals/cdpr_signals.h>
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 
 namespace tenon {
 

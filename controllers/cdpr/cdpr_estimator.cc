@@ -1,6 +1,6 @@
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
-#include <tenon/plants/model/cross_matrix.h>
+#include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
 #include <Eigen/Geometry>

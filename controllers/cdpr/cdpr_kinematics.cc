@@ -1,8 +1,8 @@
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/optimization/infinity.h>
-#include <tenon/plants/model/cross_matrix.h>
-#include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/model/swivel_pulley.h>
+#include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/systems/framework/types/errors.h>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/cdpr_description.h>
-#include <tenon/plants/model/moving_anchors.h>
+#include <tenon/plants/model/path.h>
 
 #include <Eigen/Core>
 

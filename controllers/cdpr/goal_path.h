@@ -1,9 +1,7 @@
 #pragma once
 
 #include <tenon/controllers/cdpr/equilibrium_path.h>
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 
 #include <memory>
 

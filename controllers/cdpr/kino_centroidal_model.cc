@@ -1,8 +1,7 @@
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
-#include <tenon/controllers/optimization/lanes/lanes.h>
-#include <tenon/plants/model/cross_matrix.h>
-#include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/rigid_inertia.h>
+#include <tenon/plants/model/vectors.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/errors.h>

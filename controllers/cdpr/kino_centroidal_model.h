@@ -4,7 +4,7 @@
 #include <tenon/controllers/optimization/lanes/lanes.h>
 #include <tenon/controllers/optimization/runge_kutta.h>
 #include <tenon/plants/model/cdpr_description.h>
-#include <tenon/plants/model/moving_anchors.h>
+#include <tenon/plants/model/path.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 
 #include <Eigen/Core>

@@ -2,13 +2,10 @@
 
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
 #include <tenon/plants/model/cdpr_description.h>
-#include <tenon/plants/model/moving_anchors.h>
+#include <tenon/plants/model/path.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/signals/imu_signals.h>
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 
 namespace tenon {
 

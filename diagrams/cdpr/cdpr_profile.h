@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/controllers/cdpr/cdpr_mpc_solver.h>
-#include <tenon/plants/model/robot_scale.h>
+#include <tenon/plants/model/quadruped_description.h>
 
 #include <Eigen/Core>
 

@@ -1,5 +1,5 @@
 #include <tenon/diagrams/evaluation/walk_view.h>
-#include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/rigid_inertia.h>
 
 namespace tenon {
 

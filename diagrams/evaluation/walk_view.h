@@ -3,8 +3,7 @@
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 #include <tenon/systems/geometry.h>
 
 namespace tenon {

@@ -11,7 +11,7 @@
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/controllers/legged/planning/trunk_planner.h>
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
-#include <tenon/plants/model/robot_scale.h>
+#include <tenon/plants/model/quadruped_description.h>
 
 #include <array>
 #include <optional>

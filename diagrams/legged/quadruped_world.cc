@@ -1,9 +1,7 @@
 #include <tenon/diagrams/legged/quadruped_world.h>
-#include <tenon/plants/model/standing.h>
+#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/sensors/shank_forces.h>
 #include <tenon/systems/primitives/late.h>
-
-#include <string>
 
 namespace tenon {
 namespace {

@@ -1,5 +1,5 @@
 #include <tenon/diagrams/unitree/unitree_server.h>
-#include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/systems/primitives/unit_delay.h>
 
 namespace tenon {

@@ -1,5 +1,5 @@
 #include <tenon/plants/cdpr/cdpr_monitor.h>
-#include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/rigid_inertia.h>
 
 #include <fmt/core.h>
 

@@ -1,6 +1,5 @@
 #include <tenon/plants/cdpr/cdpr_plant.h>
-#include <tenon/plants/model/cross_matrix.h>
-#include <tenon/plants/model/rigid_inertia.h>
+#include <tenon/plants/model/vectors.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
 

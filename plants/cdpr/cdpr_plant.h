@@ -5,11 +5,9 @@
 #include <tenon/plants/cdpr/extended_platform.h>
 #include <tenon/plants/cdpr/free_rigid_body.h>
 #include <tenon/plants/cdpr/winch.h>
-#include <tenon/plants/model/gravity.h>
-#include <tenon/plants/model/moving_anchors.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/plants/model/path.h>
+#include <tenon/plants/model/rigid_inertia.h>
+#include <tenon/systems/block.h>
 
 #include <vector>
 

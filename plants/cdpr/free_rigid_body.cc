@@ -1,5 +1,5 @@
 #include <tenon/plants/cdpr/free_rigid_body.h>
-#include <tenon/plants/model/cross_matrix.h>
+#include <tenon/plants/model/vectors.h>
 #include <tenon/plants/simbody.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/errors.h>

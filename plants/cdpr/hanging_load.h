@@ -1,10 +1,8 @@
 #pragma once
 
-#include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/cdpr_signals.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 #include <tenon/systems/geometry.h>
 
 namespace tenon {

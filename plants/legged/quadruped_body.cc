@@ -1,6 +1,6 @@
 #include <tenon/plants/legged/internal/per_leg.h>
 #include <tenon/plants/legged/quadruped_body.h>
-#include <tenon/plants/model/cross_matrix.h>
+#include <tenon/plants/model/vectors.h>
 #include <tenon/plants/multibody/internal/simbody_conversions.h>
 #include <tenon/plants/simbody.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>

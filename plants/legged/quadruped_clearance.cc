@@ -1,6 +1,6 @@
 #include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
-#include <tenon/plants/model/segment_distance.h>
+#include <tenon/plants/model/vectors.h>
 
 #include <Eigen/Geometry>
 

@@ -1,6 +1,6 @@
 #include <tenon/plants/legged/quadruped_geometry.h>
-#include <tenon/plants/model/gravity.h>
-#include <tenon/plants/model/rotation_between.h>
+#include <tenon/plants/model/rigid_inertia.h>
+#include <tenon/plants/model/vectors.h>
 
 #include <Eigen/Geometry>
 

@@ -5,13 +5,11 @@
 #include <tenon/plants/legged/foot_contact.h>
 #include <tenon/plants/legged/quadruped_body.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
-#include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/surroundings/terrain.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 
 #include <array>
 

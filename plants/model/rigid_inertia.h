@@ -24,4 +24,6 @@ RigidInertia operator+(const RigidInertia& a, const RigidInertia& b);
 /// not positive definite, or one principal moment above the sum of the other two.
 void CheckInertia(const Eigen::Matrix3d& inertia);
 
+inline constexpr double kGravity = 9.81;  ///< standard gravity, rounded as in Morlando 2023 [m/s^2]
+
 }  // namespace tenon

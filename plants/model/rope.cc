@@ -1,6 +1,5 @@
 #include <tenon/plants/model/rope.h>
-#include <tenon/systems/framework/block/system.h>
-#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/block.h>
 
 #include <fmt/core.h>
 

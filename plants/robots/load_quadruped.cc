@@ -1,4 +1,4 @@
-#include <tenon/plants/model/standing.h>
+#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/framework/types/errors.h>

@@ -1,13 +1,10 @@
 #pragma once
 
-#include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/signals/imu_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 
 namespace tenon {
 

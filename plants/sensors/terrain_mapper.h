@@ -3,8 +3,7 @@
 #include <tenon/plants/signals/elevation_map.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/surroundings/terrain.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 
 #include <array>
 #include <cstdint>

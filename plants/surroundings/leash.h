@@ -2,9 +2,7 @@
 
 #include <tenon/plants/signals/leash_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 #include <tenon/systems/geometry.h>
 
 namespace tenon {

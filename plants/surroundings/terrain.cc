@@ -1,4 +1,4 @@
-#include <tenon/plants/model/rotation_between.h>
+#include <tenon/plants/model/vectors.h>
 #include <tenon/plants/surroundings/terrain.h>
 #include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/framework/types/errors.h>

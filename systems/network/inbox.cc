@@ -1,5 +1,4 @@
-#include <tenon/systems/framework/block/system.h>
-#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/block.h>
 #include <tenon/systems/network/inbox.h>
 
 #include <fmt/core.h>

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/state.h>
+#include <tenon/systems/block.h>
 
 #include <string>
 

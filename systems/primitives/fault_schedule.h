@@ -1,8 +1,6 @@
 #pragma once
 
-#include <tenon/systems/framework/block/rate.h>
-#include <tenon/systems/framework/block/system.h>
-#include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/block.h>
 
 #include <limits>
 #include <string>

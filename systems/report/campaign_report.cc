@@ -15,7 +15,6 @@
 #include <iterator>
 #include <map>
 #include <random>
-#include <string>
 
 namespace tenon {
 namespace {

@@ -7,9 +7,6 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <string>
-#include <vector>
-
 namespace tenon {
 namespace {
 

@@ -6,7 +6,6 @@
 #include <map>
 
 namespace tenon::every_app_test {
-namespace {
 
 namespace fs = std::filesystem;
 using test::Read;
@@ -184,5 +183,4 @@ TEST_P(PathTest, ARobotThatLeavesItsPathIsNotFinished) {
   EXPECT_THAT(Summary(), HasSubstr("\"followed\": null"));
 }
 
-}  // namespace
 }  // namespace tenon::every_app_test

@@ -10,7 +10,6 @@
 #include <vector>
 
 namespace tenon::faults_test {
-namespace {
 
 using test::Column;
 using test::Read;
@@ -286,5 +285,4 @@ TEST_F(FaultTest, RefusesFaultsThatAreImpossible) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::faults_test

@@ -26,7 +26,6 @@
 #include <vector>
 
 namespace tenon::apps::figures_test {
-namespace {
 
 constexpr double kDuration = 0.05;  // [s]
 
@@ -317,5 +316,4 @@ TEST(CdprTest, WithItsMpc) {
   ExpectNumbers(summary, {"mpc_time_median_us", "mpc_fallbacks", "tracking_error_rms_m"});
 }
 
-}  // namespace
 }  // namespace tenon::apps::figures_test

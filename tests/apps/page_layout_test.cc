@@ -5,7 +5,6 @@
 #include <tenon/tests/systems/report/page_layout.h>
 
 namespace tenon::page_layout_test {
-namespace {
 
 namespace fs = std::filesystem;
 using tenon::testing::Browser;
@@ -66,5 +65,4 @@ TEST_F(PageLayoutTest, Campaign) {
   ExpectLaidOut(out / "runs", "window.tenonCampaign && tenonCampaign.ready");
 }
 
-}  // namespace
 }  // namespace tenon::page_layout_test

@@ -10,7 +10,6 @@
 #include <vector>
 
 namespace tenon::report_page_test {
-namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -173,5 +172,4 @@ TEST_F(ReportPageTest, WithoutWebGlPlotsAndTableAreThereAndAMessage) {
   EXPECT_THAT(browser().complaints(), IsEmpty());
 }
 
-}  // namespace
 }  // namespace tenon::report_page_test

@@ -7,7 +7,6 @@
 #include <vector>
 
 namespace tenon::results_test {
-namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -248,5 +247,4 @@ TEST_F(ResultsTest, RefusesBadUsage) {
   EXPECT_THAT(text, HasSubstr("--seeds"));
 }
 
-}  // namespace
 }  // namespace tenon::results_test

@@ -24,7 +24,6 @@
 #include <vector>
 
 namespace tenon::apps::same_run_test {
-namespace {
 
 using Bits = std::vector<std::uint64_t>;
 
@@ -156,5 +155,4 @@ TEST(SameRunTest, Stand) {
       [](const QuadrupedScenario& scenario) { return MakeStandParams(scenario); }, params);
 }
 
-}  // namespace
 }  // namespace tenon::apps::same_run_test

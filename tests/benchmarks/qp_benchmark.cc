@@ -29,8 +29,7 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/tests/controllers/legged/whole_body/full_whole_body_qp.h>
-#include <tenon/tests/controllers/optimization/kkt_residual.h>
-#include <tenon/tests/controllers/optimization/owned_qp.h>
+#include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 
 #include "least_times.h"

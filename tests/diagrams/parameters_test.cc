@@ -6,9 +6,7 @@
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/allocation_guard.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <memory>
 #include <set>
@@ -16,7 +14,6 @@
 #include <utility>
 
 namespace tenon::parameters_test {
-namespace {
 
 QuadrupedWalkParams Walk() {
   QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
@@ -99,5 +96,4 @@ TEST(ParametersTest, AWalkGoesOnWithOtherGains) {
   EXPECT_NE(changed.second, plain.second);
 }
 
-}  // namespace
 }  // namespace tenon::parameters_test

@@ -15,7 +15,6 @@
 #include <sstream>
 
 namespace tenon::docs::blocks_test {
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -160,5 +159,4 @@ TEST(BlocksTest, ThePicturesAreUpToDate) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::docs::blocks_test

@@ -10,7 +10,6 @@
 #include <vector>
 
 namespace tenon::docs::examples_test {
-namespace {
 
 std::string Read(const std::string& file) {
   std::ostringstream text;
@@ -93,5 +92,4 @@ TEST(ExamplesTest, TheErrorsOfTheGuideToMembersAreThoseOfItsMistakes) {
   for (const std::string& error : errors) EXPECT_THAT(mistakes, ::testing::HasSubstr(error));
 }
 
-}  // namespace
 }  // namespace tenon::docs::examples_test

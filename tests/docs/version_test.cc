@@ -9,7 +9,6 @@
 #include <string>
 
 namespace tenon::docs::version_test {
-namespace {
 
 std::string Read(const char* file) {
   std::ostringstream text;
@@ -25,5 +24,4 @@ TEST(VersionTest, IsOneEverywhere) {
               ::testing::HasSubstr("`libtenon" + version.substr(0, version.rfind('.')) + "`"));
 }
 
-}  // namespace
 }  // namespace tenon::docs::version_test

@@ -3,10 +3,7 @@
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/ground_plane.h>
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 
 #include <array>
 

@@ -1,6 +1,6 @@
 #include <tenon/controllers/legged/observers/contact_aided_filter.h>
 #include <tenon/controllers/optimization/lanes/small_product.h>
-#include <tenon/plants/model/cross_matrix.h>
+#include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/block/system.h>
 

@@ -2,9 +2,7 @@
 
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/signals/legged_signals.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 
 namespace tenon {
 

@@ -1,13 +1,10 @@
 #pragma once
 
-#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/quadruped_model.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/ground_plane.h>
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 
 #include <array>
 

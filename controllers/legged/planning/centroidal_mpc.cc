@@ -1,7 +1,7 @@
 #include <tenon/controllers/legged/planning/centroidal_mpc.h>
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/controllers/optimization/slq.h>
-#include <tenon/plants/model/shortened.h>
+#include <tenon/plants/model/vectors.h>
 #include <tenon/plants/signals/quaternion.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 
 namespace tenon {
 namespace {

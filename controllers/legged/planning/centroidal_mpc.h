@@ -4,17 +4,14 @@
 #include <tenon/controllers/legged/planning/foothold_plan.h>
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/wrench_sinusoid.h>
-#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/quadruped_model.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 
 #include <array>
 #include <cmath>

@@ -2,9 +2,7 @@
 
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 
 #include <array>
 #include <utility>

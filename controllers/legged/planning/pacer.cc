@@ -1,7 +1,6 @@
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/pacer.h>
-#include <tenon/plants/model/robot_scale.h>
-#include <tenon/plants/model/shortened.h>
+#include <tenon/plants/model/vectors.h>
 
 #include <fmt/core.h>
 

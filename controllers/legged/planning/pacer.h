@@ -1,12 +1,10 @@
 #pragma once
 
 #include <tenon/controllers/legged/planning/foot_scheduler.h>
-#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/gait_signals.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 
 #include <array>
 

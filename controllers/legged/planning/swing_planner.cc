@@ -1,6 +1,6 @@
 #include <tenon/controllers/legged/planning/quintic.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
-#include <tenon/plants/model/shortened.h>
+#include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
 #include <Eigen/Geometry>

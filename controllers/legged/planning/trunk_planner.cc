@@ -1,5 +1,5 @@
 #include <tenon/controllers/legged/planning/trunk_planner.h>
-#include <tenon/plants/model/shortened.h>
+#include <tenon/plants/model/vectors.h>
 #include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Geometry>

@@ -1,10 +1,7 @@
 #pragma once
 
 #include <tenon/plants/signals/gait_signals.h>
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
+#include <tenon/systems/block.h>
 
 namespace tenon {
 

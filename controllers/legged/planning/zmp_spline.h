@@ -3,7 +3,7 @@
 #include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/legged/planning/support_polygon.h>
 #include <tenon/controllers/optimization/dual_active_set.h>
-#include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/motion_signals.h>
 
 #include <Eigen/Core>

@@ -1,6 +1,5 @@
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/model/robot_scale.h>
 #include <tenon/systems/analysis/matrix_functions.h>
 
 #include <fmt/core.h>

@@ -1,5 +1,5 @@
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
-#include <tenon/plants/model/cross_matrix.h>
+#include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/block/system.h>
 
@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numbers>
 #include <span>
 #include <utility>

@@ -1,6 +1,5 @@
 #include <tenon/plants/robots/internal/mesh_import.h>
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
-#include <tenon/plants/robots/internal/urdf_file.h>
 #include <tenon/plants/robots/mesh_file.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -12,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>

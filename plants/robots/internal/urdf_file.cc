@@ -13,7 +13,6 @@
 #include <cmath>
 #include <fstream>
 #include <regex>
-#include <string_view>
 #include <utility>
 
 namespace tenon::internal {

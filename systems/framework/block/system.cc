@@ -1,7 +1,5 @@
-#include <tenon/systems/framework/block/calculation.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/system.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
@@ -10,7 +8,6 @@
 #include <mutex>
 #include <typeinfo>
 #include <unordered_set>
-#include <vector>
 
 namespace tenon {
 

@@ -9,8 +9,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
-#include <string>
-#include <string_view>
 
 namespace tenon::internal {
 namespace {

@@ -9,10 +9,8 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
-#include <algorithm>
 #include <cctype>
 #include <map>
-#include <optional>
 #include <utility>
 
 namespace tenon::internal {

@@ -1,19 +1,12 @@
 #include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 
 namespace tenon::apps::campaign_plan_test {
-namespace {
 
 using ::testing::ElementsAre;
 using ::testing::Pair;
@@ -254,5 +247,4 @@ TEST(CampaignScheduleTest, ALimitIsFoundWithItsConfidence) {
   EXPECT_LT(wrong, 400 * 0.05);
 }
 
-}  // namespace
 }  // namespace tenon::apps::campaign_plan_test

@@ -2,18 +2,14 @@
 
 #include <tenon/apps/campaign/campaign_search.h>
 #include <tenon/systems/files/output_file.h>
-#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <atomic>
-#include <cmath>
 
 namespace tenon::apps::campaign_search_test {
-namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -157,5 +153,4 @@ TEST_F(CampaignSearchTest, ErrorsNameTheKey) {
   fails("estimate: survival\n" + kBowl, "search.yaml", "optimise");
 }
 
-}  // namespace
 }  // namespace tenon::apps::campaign_search_test

@@ -1,17 +1,12 @@
 #include <tenon/apps/campaign/campaign_table.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 namespace tenon::apps::campaign_table_test {
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -106,5 +101,4 @@ TEST_F(CampaignTableTest, RefusesFilesThatAreNoTables) {
       [] { CampaignTable table("/no/such/runs.csv", CampaignTable::Start::kNew); }, "/no/such/runs.csv"));
 }
 
-}  // namespace
 }  // namespace tenon::apps::campaign_table_test

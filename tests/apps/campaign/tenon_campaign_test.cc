@@ -9,7 +9,6 @@
 #include <sstream>
 
 namespace tenon::test::tenon_campaign_test {
-namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -408,5 +407,4 @@ TEST_F(TenonCampaignMpiTest, TerminatedRanksEndInGoodOrder) {
               HasSubstr("interrupted: "));
 }
 
-}  // namespace
 }  // namespace tenon::test::tenon_campaign_test

@@ -7,7 +7,6 @@
 #include <map>
 
 namespace tenon::cdpr_cases_test {
-namespace {
 
 class CdprCasesTest : public test::CaseTest {
  protected:
@@ -233,5 +232,4 @@ TEST_F(CdprCasesTest, ABrokenCableThatIsNeededEndsTheRun) {
   EXPECT_THAT(run.summary.at("end_reason").get<std::string>(), ::testing::HasSubstr("cable 0"));
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_cases_test

@@ -10,7 +10,6 @@
 #include <vector>
 
 namespace tenon::apps::same_noise_test {
-namespace {
 
 struct Errors {
   std::vector<Eigen::Vector3d> position, angular_velocity;
@@ -49,5 +48,4 @@ TEST(SameNoiseTest, ForEveryController) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::apps::same_noise_test

@@ -14,7 +14,6 @@
 #include <sstream>
 
 namespace tenon::tenon_cdpr_test {
-namespace {
 
 namespace fs = std::filesystem;
 using test::Column;
@@ -395,5 +394,4 @@ TEST(TenonCdprCompletionTest, ZshCompletesScenariosOptionsAndKeys) {
   EXPECT_EQ(offered("D1 --out x"), "files\n");
 }
 
-}  // namespace
 }  // namespace tenon::tenon_cdpr_test

@@ -8,7 +8,6 @@
 #include <fstream>
 
 namespace tenon::tenon_cdpr_workspace_test {
-namespace {
 
 namespace fs = std::filesystem;
 using test::Read;
@@ -94,5 +93,4 @@ TEST_F(TenonCdprWorkspaceTest, RefusesBadUsage) {
                  {"cdpr_8 --set mass_kg", "--set mass_kg: "}});
 }
 
-}  // namespace
 }  // namespace tenon::tenon_cdpr_workspace_test

@@ -1,16 +1,12 @@
 #include <tenon/apps/common/columns.h>
 #include <tenon/systems/simulation.h>
-#include <tenon/tests/testing/expect_throws.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <array>
 #include <string>
 #include <vector>
 
 namespace tenon::apps::columns_test {
-namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -111,5 +107,4 @@ TEST_F(ColumnsTest, FollowTheBlockThatReplacedAnother) {
   EXPECT_FALSE(Column(names, FindCurrent(block_.robot), &Robot::first, &Leg::force));
 }
 
-}  // namespace
 }  // namespace tenon::apps::columns_test

@@ -7,7 +7,6 @@
 #include <cmath>
 
 namespace tenon::figure_text_test {
-namespace {
 
 using apps::FigureColumns;
 using apps::FigureLines;
@@ -107,5 +106,4 @@ TEST(BesideTest, EqualOnesAreShort) {
   EXPECT_EQ(Beside(1.0 / 3, 1.0 / 3), Texts("0.333", "0.333"));
 }
 
-}  // namespace
 }  // namespace tenon::figure_text_test

@@ -9,7 +9,6 @@
 #include <vector>
 
 namespace tenon::test::live_app_test {
-namespace {
 
 using ::testing::HasSubstr;
 
@@ -148,5 +147,4 @@ TEST_F(LiveUsageTest, RefusesBadUsage) {
                  {"stand --set 'parameters={loop.world.monitor.max_tilt: [1, 2]}'", parameter + "t: "}});
 }
 
-}  // namespace
 }  // namespace tenon::test::live_app_test

@@ -8,7 +8,6 @@
 #include <string>
 
 namespace tenon::test::live_browser_test {
-namespace {
 
 using testing::Browser;
 using ::testing::HasSubstr;
@@ -130,5 +129,4 @@ TEST_F(LiveBrowserTest, TheRobotIsDrivenPushedTunedSetBackAndReplayed) {
   ExpectSameReplay(TENON_QUADRUPED " flat");
 }
 
-}  // namespace
 }  // namespace tenon::test::live_browser_test

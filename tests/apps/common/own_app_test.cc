@@ -3,7 +3,6 @@
 #include <tenon/tests/apps/run_app.h>
 
 namespace tenon::own_app_test {
-namespace {
 
 namespace fs = std::filesystem;
 using test::Read;
@@ -367,5 +366,4 @@ TEST_F(OwnAppTest, RefusesBadUsage) {
                  {"nothing", "cart-app"}});
 }
 
-}  // namespace
 }  // namespace tenon::own_app_test

@@ -1,5 +1,5 @@
-#include <tenon/apps/common/blame.h>
 #include <tenon/apps/common/report_scenario.h>
+#include <tenon/apps/common/scenario_file.h>
 #include <tenon/systems/simulation.h>
 
 #include <gmock/gmock.h>
@@ -9,7 +9,6 @@
 #include <vector>
 
 namespace tenon::apps::report_scenario_test {
-namespace {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -101,5 +100,4 @@ TEST_F(LogScenarioTest, LimitsTheNumberOfSignals) {
   EXPECT_THROW(LogScenario{std::vector<std::string>(1001)}.Validate(), ParameterError);
 }
 
-}  // namespace
 }  // namespace tenon::apps::report_scenario_test

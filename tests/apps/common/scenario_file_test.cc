@@ -5,11 +5,8 @@
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
-#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <array>
 #include <filesystem>
@@ -17,7 +14,6 @@
 #include <sstream>
 
 namespace tenon::apps::scenario_file_test {
-namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -205,5 +201,17 @@ TEST_F(ScenarioFileTest, ASeedMayHaveASign) {
   EXPECT_EQ(DrawScenario(with, {}), DrawScenario(without, {}));
 }
 
-}  // namespace
+TEST(BlameTest, ErrorsOfBlocksHaveThePlaceOfTheKeyOfTheirName) {
+  const auto scenario = YamlDocument::Parse("mass: 3\nwalk:\n  pd: {kp: 1}\n", "cart.yaml");
+  const auto blames = [&](const std::string& block, const std::string& place) {
+    return Throws<ParameterError>(
+        [&] { RunBlaming(scenario, [&] { Blame("", [&] { throw ParameterError("too weak", block); }); }); },
+        place + ": too weak");
+  };
+  EXPECT_TRUE(blames("loop.pd", "cart.yaml:3:7: walk.pd"));
+  EXPECT_TRUE(blames("loop.walk.joint_0", "cart.yaml:3:3: walk")) << "the diagram around it";
+  EXPECT_TRUE(blames("loop.masses", "cart.yaml"));
+  EXPECT_TRUE(blames("", "cart.yaml"));
+}
+
 }  // namespace tenon::apps::scenario_file_test

@@ -14,7 +14,6 @@
 #include <string>
 
 namespace tenon::apps::scenario_keys_test {
-namespace {
 
 enum class Mode { kOff, kOn };
 constexpr auto EnumNames(Mode) {
@@ -107,5 +106,4 @@ TEST(ScenarioKeysTest, UnitsAreThoseOfTheNames) {
   for (const auto& [key, unit] : units) EXPECT_EQ(internal::UnitOfKey(key), unit) << key;
 }
 
-}  // namespace
 }  // namespace tenon::apps::scenario_keys_test

@@ -4,7 +4,6 @@
 #include <tenon/tests/systems/report/browser.h>
 
 namespace tenon::tenon_report_test {
-namespace {
 
 namespace fs = std::filesystem;
 using test::Result;
@@ -170,5 +169,4 @@ TEST_F(TenonReportTest, RefusesBadUsage) {
   EXPECT_THAT(RunApp(circle + " " + hang).text, HasSubstr("'" + hang + "' has no signals.csv"));
 }
 
-}  // namespace
 }  // namespace tenon::tenon_report_test

@@ -1,4 +1,4 @@
-#include <tenon/apps/common/run_options.h>
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/verdicts.h>
 
 #include <gmock/gmock.h>
@@ -9,7 +9,6 @@
 #include <string>
 
 namespace tenon::apps::verdicts_test {
-namespace {
 
 using ::testing::ContainsRegex;
 
@@ -75,5 +74,4 @@ TEST(PathVerdictTest, ARobotMayStartAsideOfItsPath) {
   EXPECT_EQ(Figure(SummaryOf(verdict), "followed"), "true");
 }
 
-}  // namespace
 }  // namespace tenon::apps::verdicts_test

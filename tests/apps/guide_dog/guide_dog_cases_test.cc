@@ -7,7 +7,6 @@
 #include <vector>
 
 namespace tenon::guide_dog_cases_test {
-namespace {
 
 using test::Case;
 
@@ -119,5 +118,4 @@ TEST_F(GuideDogCasesTest, DoesNotStartByItselfInNoise) {
   EXPECT_GT(standing, 1000);
 }
 
-}  // namespace
 }  // namespace tenon::guide_dog_cases_test

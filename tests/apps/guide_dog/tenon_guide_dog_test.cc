@@ -3,7 +3,6 @@
 #include <tenon/tests/apps/run_app.h>
 
 namespace tenon::tenon_guide_dog_test {
-namespace {
 
 using test::Read;
 using ::testing::AllOf;
@@ -81,5 +80,4 @@ TEST_F(TenonGuideDogTest, RefusesBadUsage) {
                                "supervisor.release_N=60"});
 }
 
-}  // namespace
 }  // namespace tenon::tenon_guide_dog_test

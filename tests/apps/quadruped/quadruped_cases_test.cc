@@ -9,7 +9,6 @@
 #include <limits>
 
 namespace tenon::quadruped_cases_test {
-namespace {
 
 constexpr double kAny = std::numeric_limits<double>::infinity();
 
@@ -178,5 +177,4 @@ TEST_F(QuadrupedCasesTest, WalkWithoutSensorsInTheFeet) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_cases_test

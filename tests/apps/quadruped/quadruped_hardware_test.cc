@@ -1,17 +1,12 @@
 #include <tenon/apps/quadruped/quadruped_hardware.h>
-#include <tenon/plants/model/robot_scale.h>
-#include <tenon/systems/framework/types/errors.h>
+#include <tenon/plants/model/quadruped_description.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/block_test.h>
 
-#include <gmock/gmock.h>
-
-#include <cmath>
 #include <numbers>
 
 namespace tenon::apps::quadruped_hardware_test {
-namespace {
 
 const Scale kScale = ScaleOf(test::DogBot());
 
@@ -109,5 +104,4 @@ TEST(QuadrupedHardwareTest, RefusesBadKeysWithTheirPlace) {
   EXPECT_TRUE(Throws<ParameterError>([] { Load("standart"); }, "'standart'", "'standard'"));
 }
 
-}  // namespace
 }  // namespace tenon::apps::quadruped_hardware_test

@@ -3,7 +3,6 @@
 #include <tenon/tests/apps/run_case.h>
 
 namespace tenon::quadruped_mujoco_test {
-namespace {
 
 class QuadrupedMujocoCasesTest : public test::CaseTest {
  protected:
@@ -22,5 +21,4 @@ TEST_F(QuadrupedMujocoCasesTest, BothEnginesGiveTheSameWalk) {
   EXPECT_NEAR(mujoco["torque_max_N_m"], tenon["torque_max_N_m"], 3);
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_mujoco_test

@@ -2,15 +2,10 @@
 #include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/robots/load_robot.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
@@ -18,7 +13,6 @@
 #include <sstream>
 
 namespace tenon::quadruped_proposal_test {
-namespace {
 
 using internal::LinkAxis;
 using ::testing::AllOf;
@@ -402,5 +396,4 @@ TEST_F(QuadrupedProposalTest, SkipsElementsOfSimulators) {
                             "</robot>"))));
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_proposal_test

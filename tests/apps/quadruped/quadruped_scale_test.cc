@@ -1,7 +1,7 @@
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/held_mass.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/plants/model/robot_scale.h>
+#include <tenon/plants/model/quadruped_description.h>
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
@@ -10,7 +10,6 @@
 #include <string>
 
 namespace tenon::apps::quadruped_scale_test {
-namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -89,5 +88,4 @@ TEST(QuadrupedScaleTest, JointsAreAsStiffAsTheRobotIsHeavy) {
   EXPECT_EQ(MakeStandParams(Load("stand", {"pd.stiffness_N_m_per_rad=70"})).pd.stiffness, 70);
 }
 
-}  // namespace
 }  // namespace tenon::apps::quadruped_scale_test

@@ -7,7 +7,6 @@
 #include <sstream>
 
 namespace tenon::stopped_run_test {
-namespace {
 
 namespace fs = std::filesystem;
 using test::Read;
@@ -170,5 +169,4 @@ TEST_F(TenonStoppedRunTest, TextThatIsNotUtf8IsRefusedWhenRead) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::stopped_run_test

@@ -6,7 +6,6 @@
 #include <sstream>
 
 namespace tenon::tenon_gait_stability_test {
-namespace {
 
 using test::Result;
 using test::RunCommand;
@@ -93,5 +92,4 @@ TEST(TenonGaitStabilityTest, RefusesBadUsage) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::tenon_gait_stability_test

@@ -14,7 +14,6 @@
 #include <vector>
 
 namespace tenon::tenon_quadruped_test {
-namespace {
 
 namespace fs = std::filesystem;
 using test::Column;
@@ -459,5 +458,4 @@ TEST_F(TenonQuadrupedTest, RefusesSettingsThatDoNotFitTogether) {
         "flat.yaml:11:9: walk.path.segments.1: "}});
 }
 
-}  // namespace
 }  // namespace tenon::tenon_quadruped_test

@@ -5,7 +5,6 @@
 #include <fstream>
 
 namespace tenon::test::tenon_robot_test {
-namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -107,5 +106,4 @@ TEST_F(TenonRobotTest, RefusesBadUsage) {
   EXPECT_FALSE(fs::exists(out / "a1.yaml"));
 }
 
-}  // namespace
 }  // namespace tenon::test::tenon_robot_test

@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::broken_cable_detector_test {
-namespace {
 
 CableVector Of(double a, double b, double c, double d) {
   return Eigen::Vector4d(a, b, c, d);
@@ -77,5 +76,4 @@ TEST(BrokenCableDetectorParamsTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<BrokenCableDetector>({.patience = 0}, "patience"));
 }
 
-}  // namespace
 }  // namespace tenon::broken_cable_detector_test

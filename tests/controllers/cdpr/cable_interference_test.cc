@@ -8,7 +8,6 @@
 #include <random>
 
 namespace tenon::cable_interference_test {
-namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -100,5 +99,4 @@ TEST(CableInterferenceTest, AllocatesNothing) {
   EXPECT_GT(clearance.cables, 0.1);
 }
 
-}  // namespace
 }  // namespace tenon::cable_interference_test

@@ -3,7 +3,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::cable_pd_test {
-namespace {
 
 class CablePdTest : public ::testing::Test {
  protected:
@@ -66,5 +65,4 @@ TEST(CablePdLimitsTest, EveryCableHasLimitsOfItsOwn) {
   EXPECT_EQ(rig[rig->command], (CableVector{{300, 200, 30, 10}}));
 }
 
-}  // namespace
 }  // namespace tenon::cable_pd_test

@@ -7,7 +7,6 @@
 #include <random>
 
 namespace tenon::cdpr_estimator_test {
-namespace {
 
 /// A sway at 2 Hz in closed form.
 struct Motion {
@@ -170,5 +169,4 @@ TEST(CdprEstimator, RefusesSignalsOfAnotherNumberOfCables) {
   EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "CdprEstimator", "4", "8"));
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_estimator_test

@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 
 namespace tenon::cdpr_kinematics_test {
-namespace {
 
 using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
@@ -213,5 +212,4 @@ TEST(CdprKinematics, TranslationalStiffnessIsForceOverDisplacement) {
   EXPECT_EQ(CalcLeastTranslationalStiffness(K - 2 * K.norm() * Matrix6d::Identity()), 0);
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_kinematics_test

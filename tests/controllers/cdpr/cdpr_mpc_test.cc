@@ -8,7 +8,6 @@
 #include <numeric>
 
 namespace tenon::cdpr_mpc_test {
-namespace {
 
 CdprMpcParams Holding(const CdprDescription& robot, const Eigen::Vector3d& at) {
   CdprMpcParams params;
@@ -317,5 +316,4 @@ TEST(CdprMpc, WeightsWithoutACostToGoAreRefused) {
   EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->weights, wrong); }, "Riccati"));
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_mpc_test

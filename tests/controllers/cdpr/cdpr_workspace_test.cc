@@ -9,7 +9,6 @@
 #include <vector>
 
 namespace tenon::cdpr_workspace_test {
-namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -172,5 +171,4 @@ TEST(CdprWorkspaceTest, RefusesImpossibleGrids) {
   EXPECT_TRUE(refuses({10, 10, 10}, 0.01, "cells"));
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_workspace_test

@@ -12,7 +12,6 @@
 #include <vector>
 
 namespace tenon::equilibrium_path_test {
-namespace {
 
 using Eigen::Vector3d;
 
@@ -376,5 +375,4 @@ TEST(EquilibriumPath, ACircleHasNoEndForMovingAnchors) {
       "circle", "spline"));
 }
 
-}  // namespace
 }  // namespace tenon::equilibrium_path_test

@@ -11,7 +11,6 @@
 #include <vector>
 
 namespace tenon::inverse_geometrico_static_test {
-namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -301,5 +300,4 @@ TEST(InverseGeometricoStatic, RefusesNonsense) {
   EXPECT_TRUE(RefusesPlace(test::FourCableRobot(), {0, 0, 2}, options, "warm start", "5", "4 cables"));
 }
 
-}  // namespace
 }  // namespace tenon::inverse_geometrico_static_test

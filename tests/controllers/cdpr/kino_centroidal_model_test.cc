@@ -9,7 +9,6 @@
 #include <vector>
 
 namespace tenon::kino_centroidal_model_test {
-namespace {
 
 CdprDescription RobotWith(int cables) {
   CdprDescription robot = test::RobotWithCables(cables);
@@ -262,5 +261,4 @@ TYPED_TEST(KinoCentroidalModelTest, HasTheAnchorsOfEachNode) {
   EXPECT_GT(change, 1e-3);
 }
 
-}  // namespace
 }  // namespace tenon::kino_centroidal_model_test

@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 
 namespace tenon::load_estimator_test {
-namespace {
 
 const Vec<3> kGravity(0, 0, -9.81);
 
@@ -175,5 +174,4 @@ TEST(LoadedPlatformTest, MovesAsItsParts) {
               1e-12);
 }
 
-}  // namespace
 }  // namespace tenon::load_estimator_test

@@ -8,7 +8,6 @@
 #include <random>
 
 namespace tenon::pose_feasibility_test {
-namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -184,5 +183,4 @@ TEST(PoseFeasibilityPlanarTest, APlanarRobotIsRefused) {
                                      "vertical plane"));
 }
 
-}  // namespace
 }  // namespace tenon::pose_feasibility_test

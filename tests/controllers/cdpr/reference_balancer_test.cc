@@ -10,7 +10,6 @@
 #include <initializer_list>
 
 namespace tenon::reference_balancer_test {
-namespace {
 
 const Eigen::Vector3d kGravity(0, 0, -9.81);
 
@@ -196,5 +195,4 @@ TEST(ReferenceBalancerTest, RefusesSignalsOfAnotherRobot) {
   EXPECT_TRUE(refuses(Hold(test::EightCableRobot(), {0, 0.5, 2}), 4));
 }
 
-}  // namespace
 }  // namespace tenon::reference_balancer_test

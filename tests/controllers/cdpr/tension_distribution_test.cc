@@ -10,7 +10,6 @@
 #include <vector>
 
 namespace tenon::tension_distribution_test {
-namespace {
 
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
@@ -239,5 +238,4 @@ TEST(TensionDistribution, RefusesAnotherNumberOfCables) {
       [&] { TensionDistributor(4).Solve(W, -GravityWrench(robot), All(4, 0), All(4, 800)); }, "6", "4"));
 }
 
-}  // namespace
 }  // namespace tenon::tension_distribution_test

@@ -13,7 +13,6 @@
 #include <vector>
 
 namespace tenon::wrench_feasibility_test {
-namespace {
 
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
@@ -223,5 +222,4 @@ TEST(WrenchFeasibilityTest, RefusesTooFewCablesAndOtherSizes) {
   EXPECT_TRUE(Throws<ParameterError>([&] { feasibility.SetStructure(MatrixXd::Zero(6, 7)); }, "6 x 7"));
 }
 
-}  // namespace
 }  // namespace tenon::wrench_feasibility_test

@@ -3,7 +3,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::admittance_filter_test {
-namespace {
 
 constexpr double kForward = 0.12;
 const WalkCommand kTrot{.gait = Gait::kTrot, .forward = kForward, .left = 0, .yaw_rate = 0.1};
@@ -306,5 +305,4 @@ TEST(AdmittanceFilterTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<AdmittanceFilter>({{.yield_tension = 29}}, "yield_tension", "desired_tension"));
 }
 
-}  // namespace
 }  // namespace tenon::admittance_filter_test

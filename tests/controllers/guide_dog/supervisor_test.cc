@@ -4,7 +4,6 @@
 #include <numbers>
 
 namespace tenon::supervisor_test {
-namespace {
 
 using enum GuideMode;
 
@@ -343,5 +342,4 @@ TEST(SupervisorTest, ASquatGoesOnInAllModes) {
   EXPECT_EQ(stands.walk().height, squat.height);
 }
 
-}  // namespace
 }  // namespace tenon::supervisor_test

@@ -5,7 +5,6 @@
 #include <random>
 
 namespace tenon::box_newton_test {
-namespace {
 
 template <int N>
 struct Problem {
@@ -129,5 +128,4 @@ TEST(BoxNewton, RefusesProblemsThatAreNotConvexOrNotFinite) {
   EXPECT_FALSE(box.Solve(H, g, lower, upper, x));
 }
 
-}  // namespace
 }  // namespace tenon::box_newton_test

@@ -3,14 +3,11 @@
 #include <tenon/controllers/optimization/dual_active_set.h>
 #include <tenon/tests/controllers/optimization/exact_qp.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <random>
 
 namespace tenon::dual_active_set_oracle_test {
-namespace {
 
 using test::OwnedQp;
 
@@ -52,5 +49,4 @@ TEST(DualActiveSetOracle, AgreesWithExactArithmetic) {
   EXPECT_GT(infeasible, 50);
 }
 
-}  // namespace
 }  // namespace tenon::dual_active_set_oracle_test

@@ -6,7 +6,6 @@
 #include <random>
 
 namespace tenon::dual_active_set_test {
-namespace {
 
 using test::IsOptimal;
 using test::OwnedQp;
@@ -328,5 +327,4 @@ TEST(DualActiveSet, RefusesSizesThatDoNotFit) {
   EXPECT_TRUE(Throws<ParameterError>([&] { solver.Solve(many.view()); }, "4 constraints"));
 }
 
-}  // namespace
 }  // namespace tenon::dual_active_set_test

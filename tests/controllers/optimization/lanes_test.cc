@@ -6,7 +6,6 @@
 #include <random>
 
 namespace tenon::internal::lanes_test {
-namespace {
 
 /// The error of `value` in units in the last place.
 double Units(double value, long double expected) {
@@ -100,5 +99,4 @@ TEST(SmallProduct, MirrorsTheLowerTriangle) {
   ExpectMirrored<5>();
 }
 
-}  // namespace
 }  // namespace tenon::internal::lanes_test

@@ -9,7 +9,6 @@
 #include <nlopt.hpp>
 
 namespace tenon::slq_test {
-namespace {
 
 using test::LinearProblem;
 using test::PendulumProblem;
@@ -414,5 +413,4 @@ TEST(Slq, RefusesStepsThatMakeNoSense) {
       [] { Slq<PendulumProblem>(PendulumProblem(), {0.1}, {.max_iterations = 0}); }, "max_iterations"));
 }
 
-}  // namespace
 }  // namespace tenon::slq_test

@@ -2,13 +2,9 @@
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::cdpr_loop_test {
-namespace {
 
 constexpr SimulatorOptions kOptions{.order = 2, .rtol = 1e-5, .atol = 1e-7};
 
@@ -98,5 +94,4 @@ TEST(CdprLoopTest, SlackCableEndsTheRun) {
   EXPECT_THAT(status.reason, ::testing::HasSubstr("loop.monitor.tension: cable"));
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_loop_test

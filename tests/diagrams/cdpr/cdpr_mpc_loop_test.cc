@@ -5,15 +5,11 @@
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <random>
 
 namespace tenon::cdpr_mpc_loop_test {
-namespace {
 
 using test::WithMpc;
 
@@ -127,5 +123,4 @@ TEST(CdprMpcLoop, FollowsTheCircleWithAWrongMass) {
   EXPECT_LT(run.Error(), 0.05);
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_mpc_loop_test

@@ -5,17 +5,12 @@
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <fstream>
 
 namespace tenon::cdpr_profile_test {
-namespace {
 
 const YamlFile kShipped{"cable_robot"};
 
@@ -126,5 +121,4 @@ TEST(CdprProfile, SimilarRobotsFlyAlike) {
   for (std::size_t i = 0; i < small.size(); ++i) EXPECT_THAT(large[i], IsNear(small[i], 1e-4)) << i;
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_profile_test

@@ -6,19 +6,15 @@
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
-#include <tenon/tests/testing/allocation_guard.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 #include <Eigen/Geometry>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
 namespace tenon::many_cables_test {
-namespace {
 
 /// A robot with this number of cables, read from a file.
 CdprDescription RobotFromFile(int cables) {
@@ -183,5 +179,4 @@ TEST(MovingAnchors, AreFollowedUnderPdAndMpcWithoutAllocating) {
   EXPECT_GT(error(standing, false), 0.06);
 }
 
-}  // namespace
 }  // namespace tenon::many_cables_test

@@ -1,15 +1,12 @@
 #include <tenon/diagrams/evaluation/tracking_error.h>
-#include <tenon/systems/framework/types/errors.h>
+#include <tenon/diagrams/evaluation/walk_view.h>
+#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gmock/gmock.h>
 
 namespace tenon::tracking_error_test {
-namespace {
 
 class TrackingErrorTest : public ::testing::Test {
  protected:
@@ -100,5 +97,29 @@ TEST_F(TrackingErrorTest, TheLeastSingularValueIsSetInARun) {
       Throws<ParameterError>([&] { rig_.Set(block.min_singular_value, 0); }, "min_singular_value = 0 m"));
 }
 
-}  // namespace
+TEST(WalkViewTest, ArrowsStartAtCentreAndFeet) {
+  TestRig<WalkView> rig(WalkViewParams{test::DogBot()});
+  const WalkView& view = rig.system();
+  RandomStream random(2);
+  const LeggedState x = test::RandomState(random);
+  QuadrupedDynamics dynamics;
+  QuadrupedModel(test::DogBot()).Calc(x, &dynamics);
+  BodyReference body;
+  body.com_W << 1, 2, 3;
+  LegForceEstimate legs;
+  legs.foot_force[kRearLeft] << 4, 5, 6;
+  rig.Fix(view.state, x)
+      .Fix(view.body, body)
+      .Fix(view.wrench, WrenchEstimate{{7, 8, 9}, {}})
+      .Fix(view.leg_forces, legs);
+  const Geometry& shapes = rig[view.geometry];
+  ASSERT_EQ(shapes.size(), 6);
+  EXPECT_EQ(shapes[0].p_W, body.com_W);
+  EXPECT_EQ(shapes[1].vector_W, Vec<3>(7, 8, 9));
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg)
+    EXPECT_THAT(shapes[2 + leg].p_W, IsNear(dynamics.feet[leg].p_W, 1e-12));
+  EXPECT_EQ(shapes[2 + kRearLeft].vector_W, Vec<3>(4, 5, 6));
+  EXPECT_EQ(shapes[2 + kFrontLeft].vector_W, Vec<3>(0, 0, 0));
+}
+
 }  // namespace tenon::tracking_error_test

@@ -22,7 +22,6 @@
 #include <vector>
 
 namespace tenon::leash_walk_test {
-namespace {
 
 constexpr double kForward = 0.12;  // [m/s]
 
@@ -272,5 +271,4 @@ TEST(LeashWalkTest, WaitsAtTheObstacleWithoutAPull) {
   EXPECT_LT(run("robot.pose.x", 90.0), 1.83);
 }
 
-}  // namespace
 }  // namespace tenon::leash_walk_test

@@ -11,17 +11,14 @@
 #include <tenon/plants/sensors/joint_encoders.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/matchers.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <memory>
 
 namespace tenon::disturbance_observer_test {
-namespace {
 
 using test::DogBot;
 
@@ -235,5 +232,4 @@ TEST(DisturbanceObserverTest, ForceOnAStandingLegIsCompensatedOnce) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::disturbance_observer_test

@@ -13,7 +13,6 @@
 #include <functional>
 
 namespace tenon::legged_locomotion_test {
-namespace {
 
 template <class T>
 struct OverrideParams {
@@ -173,5 +172,4 @@ TEST(LeggedLocomotionTest, EachBlockCanBeReplacedByAFunction) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::legged_locomotion_test

@@ -1,16 +1,10 @@
 #include <tenon/diagrams/legged/locomotion_profile.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::locomotion_profile_test {
-namespace {
 
 // The gains of the standard profile are round numbers in SI units for DogBot.
 TEST(LocomotionProfileTest, IsRoundInSiUnitsForDogBot) {
@@ -100,5 +94,4 @@ TEST(LocomotionProfileTest, RefusesGainsOfOneRobot) {
                                      "roughness_m", "roughness_l"));
 }
 
-}  // namespace
 }  // namespace tenon::locomotion_profile_test

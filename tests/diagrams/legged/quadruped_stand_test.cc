@@ -2,12 +2,9 @@
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <gmock/gmock.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::quadruped_stand_test {
-namespace {
 
 using test::A1;
 using test::DogBot;
@@ -100,5 +97,4 @@ TEST(QuadrupedStandTest, FeetCarryPayloadAndDisturbances) {
   EXPECT_THAT(cell[cell.loop.world.torque_sensor.measured], IsNear(cell[cell.loop.pd.torque], 1e-12));
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_stand_test

@@ -10,7 +10,6 @@
 #include <cmath>
 
 namespace tenon::quadruped_walk_estimated_test {
-namespace {
 
 /// DogBot trots from a stand, with noise on all sensors that its controller uses.
 QuadrupedWalkParams Trot() {
@@ -101,5 +100,4 @@ TEST(QuadrupedWalkEstimatedTest, WalksWithBiasedSensors) {
   EXPECT_NEAR(errors.diagnostics.specific_force_bias_B[2], 0.04, 0.005);
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_walk_estimated_test

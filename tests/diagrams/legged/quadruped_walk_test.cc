@@ -13,7 +13,6 @@
 #include <cmath>
 
 namespace tenon::quadruped_walk_test {
-namespace {
 
 WalkSegment Segment(Gait gait, double forward, double duration) {
   return {.gait = gait, .forward = forward, .duration = duration};
@@ -183,5 +182,4 @@ TEST(QuadrupedWalkTest, CompensatesWhatItEstimates) {
   EXPECT_LT(with.com, 0.5 * without.com);
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_walk_test

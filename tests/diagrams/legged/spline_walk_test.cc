@@ -11,7 +11,6 @@
 #include <algorithm>
 
 namespace tenon::spline_walk_test {
-namespace {
 
 class SplineWalkTest : public ::testing::TestWithParam<Gait> {};
 INSTANTIATE_TEST_SUITE_P(Gaits, SplineWalkTest,
@@ -43,5 +42,4 @@ TEST_P(SplineWalkTest, ThePlantFollows) {
   EXPECT_LT(end.v_W.norm(), 0.01);
 }
 
-}  // namespace
 }  // namespace tenon::spline_walk_test

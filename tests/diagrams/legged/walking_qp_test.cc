@@ -6,12 +6,9 @@
 #include <tenon/tests/controllers/optimization/exact_qp.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::walking_qp_test {
-namespace {
 
 TEST(WalkingQp, AgreesWithExactArithmetic) {
   const test::TrotLoop trot;
@@ -47,5 +44,4 @@ TEST(WalkingQp, AgreesWithExactArithmetic) {
   EXPECT_GT(with_active, 20);
 }
 
-}  // namespace
 }  // namespace tenon::walking_qp_test

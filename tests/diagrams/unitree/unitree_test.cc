@@ -8,11 +8,9 @@
 
 #include <cstddef>
 #include <cstring>
-#include <limits>
 #include <vector>
 
 namespace tenon::unitree_test {
-namespace {
 
 using test::DdsPeer;
 using test::kOwnLink;
@@ -208,5 +206,4 @@ TEST(UnitreeServerTest, AClientInAnotherProcessMovesTheRobotAndTheRunRepeats) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::unitree_test

@@ -7,7 +7,6 @@
 #include <optional>
 
 namespace tenon::cable_fault_test {
-namespace {
 
 using test::FourCableRobot;
 using test::Hanging;
@@ -124,5 +123,4 @@ TEST(CableFaultTest, ThePlantWantsOneEntryPerCable) {
   EXPECT_TRUE(Throws<RunError>([&] { rig.RunTo(0.01); }, "faults", "3", "4"));
 }
 
-}  // namespace
 }  // namespace tenon::cable_fault_test

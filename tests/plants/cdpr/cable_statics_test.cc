@@ -4,7 +4,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::cable_statics_test {
-namespace {
 
 using test::FourCableRobot;
 
@@ -155,5 +154,4 @@ TEST(CableStaticsTest, RefusesImpossibleSpansAndLengths) {
       [] { CalcRestLength(FourCableRobot(1, 0), 0, 5 * Vec<3>::UnitX(), 10, kGravity); }, "cable 0", "10 N"));
 }
 
-}  // namespace
 }  // namespace tenon::cable_statics_test

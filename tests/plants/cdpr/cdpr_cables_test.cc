@@ -7,7 +7,6 @@
 #include <numbers>
 
 namespace tenon::cdpr_cables_test {
-namespace {
 
 using test::FourCableRobot;
 using test::Hanging;
@@ -197,5 +196,4 @@ TEST(CdprCablesTest, ACableThatRunsOutEndsTheRun) {
   EXPECT_TRUE(Throws<RunError>([&] { rig[rig->cables]; }, "cable 0", "30 m"));
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_cables_test

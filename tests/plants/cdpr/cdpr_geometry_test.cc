@@ -5,7 +5,6 @@
 #include <algorithm>
 
 namespace tenon::cdpr_geometry_test {
-namespace {
 
 using test::FourCableRobot;
 using test::Hanging;
@@ -103,5 +102,4 @@ TEST(CdprGeometryTest, MovingItDoesNotAllocate) {
   EXPECT_EQ(AllocationsOf([&] { MoveCdprGeometry(robot, x, tension, cables, {}, {}, &geometry); }), 0);
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_geometry_test

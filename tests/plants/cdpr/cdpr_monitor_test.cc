@@ -3,7 +3,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::cdpr_monitor_test {
-namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -102,5 +101,4 @@ TEST(CdprMonitorTest, EndsTheRunFarFromTheAnchors) {
   EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("block.place"), HasSubstr("11.4 m")));
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_monitor_test

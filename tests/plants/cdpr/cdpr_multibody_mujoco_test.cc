@@ -6,7 +6,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::cdpr_multibody_mujoco_test {
-namespace {
 
 TEST(CdprMultibodyMuJoCoTest, AnArmInFreeFallHasTheSameTrajectory) {
   const AttachedBody upper = test::SpringLink("upper", {0.1, 0, -0.1}, {0, 1, 0}, -0.4);
@@ -44,5 +43,4 @@ TEST(CdprMultibodyMuJoCoTest, AnArmInFreeFallHasTheSameTrajectory) {
   EXPECT_GT(u.tail<2>().norm(), 0.1);
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_multibody_mujoco_test

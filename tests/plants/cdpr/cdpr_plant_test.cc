@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 
 namespace tenon::cdpr_plant_test {
-namespace {
 
 using test::FourCableRobot;
 using test::Hanging;
@@ -448,5 +447,4 @@ TEST(CdprPlantTest, ImpossibleSignalsAndStatesEndTheRun) {
   EXPECT_TRUE(Throws<RunError>([&] { reached[reached->cables]; }, "cable 3"));
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_plant_test

@@ -3,7 +3,6 @@
 #include <tenon/tests/testing/dense_algebra.h>
 
 namespace tenon::elastic_catenary_test {
-namespace {
 
 /// Taut and slack, light and heavy, stiff and soft.
 ElasticCatenary Random(RandomStream& random) {
@@ -204,5 +203,4 @@ TEST(ElasticCatenaryTest, RefusesImpossibleCables) {
   EXPECT_TRUE(refuses(1, 1, 1e3, 1, NAN));
 }
 
-}  // namespace
 }  // namespace tenon::elastic_catenary_test

@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 
 namespace tenon::free_rigid_body_test {
-namespace {
 
 using test::RandomPlatform;
 using test::RandomVector;
@@ -109,5 +108,4 @@ TEST(FreeRigidBodyTest, RefusesImpossibleInertias) {
   EXPECT_TRUE(Throws<ParameterError>([&] { FreeRigidBody body(1, long_only); }, "1, 1, 3"));
 }
 
-}  // namespace
 }  // namespace tenon::free_rigid_body_test

@@ -5,10 +5,7 @@
 #include <tenon/plants/cdpr/winch_errors.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace tenon::winches_test {

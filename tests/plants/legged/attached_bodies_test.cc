@@ -5,17 +5,13 @@
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/quadruped_test_arm.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/temporary_path.h>
-#include <tenon/tests/testing/test_rig.h>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -23,7 +19,6 @@
 #include <vector>
 
 namespace tenon::attached_bodies_test {
-namespace {
 
 using test::DogBot;
 using test::Standing;
@@ -287,5 +282,4 @@ TEST(AttachedBodiesTest, RefusesBodiesThatMakeNoSense) {
   EXPECT_TRUE(refuses({body}, "rest"));
 }
 
-}  // namespace
 }  // namespace tenon::attached_bodies_test

@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::drive_errors_test {
-namespace {
 
 TEST(DriveErrorsTest, WithoutErrorsItPassesItsInput) {
   TestRig<DriveErrors> rig;
@@ -30,5 +29,4 @@ TEST(DriveErrorsTest, RippleGrowsWithTheTorque) {
   for (int j = 0; j < 12; ++j) EXPECT_NEAR(std::sqrt(squares[j]), 0.05 * command[j], 0.003 * command[j]) << j;
 }
 
-}  // namespace
 }  // namespace tenon::drive_errors_test

@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::fall_monitor_test {
-namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -67,5 +66,4 @@ TEST(FallMonitorTest, LimitsAreSetInARun) {
   EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->max_tilt, 4); }, "max_tilt"));
 }
 
-}  // namespace
 }  // namespace tenon::fall_monitor_test

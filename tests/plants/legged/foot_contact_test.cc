@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 
 namespace tenon::foot_contact_test {
-namespace {
 
 constexpr double kRadius = 0.03, kGravity = 9.81;
 
@@ -227,5 +226,4 @@ TEST(FootContactTest, ABlockSlidesAcrossASeamOfFriction) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::foot_contact_test

@@ -8,7 +8,6 @@
 #include <optional>
 
 namespace tenon::joint_lock_test {
-namespace {
 
 using test::DogBot;
 using test::Standing;
@@ -115,5 +114,4 @@ TEST(JointLockTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<JointLock>({.damping = -1}, "damping"));
 }
 
-}  // namespace
 }  // namespace tenon::joint_lock_test

@@ -1,6 +1,6 @@
 // A quadruped in MuJoCo, against the plant that it stands in for.
 
-#include <tenon/plants/model/standing.h>
+#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/tests/plants/legged/mujoco_quadruped.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
@@ -9,7 +9,6 @@
 #include <cmath>
 
 namespace tenon::mujoco_quadruped_test {
-namespace {
 
 QuadrupedPlantParams WithLoad() {
   QuadrupedPlantParams params{.robot = test::DogBot(), .initial = test::Standing(test::DogBot())};
@@ -113,5 +112,4 @@ TEST(MujocoQuadrupedTest, RefusesWhatItCannotModel) {
   EXPECT_THROW(test::MujocoQuadruped{params}, ParameterError);
 }
 
-}  // namespace
 }  // namespace tenon::mujoco_quadruped_test

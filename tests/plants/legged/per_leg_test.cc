@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 namespace tenon::internal::per_leg_test {
-namespace {
 
 constexpr int kNumLegs = 4;
 
@@ -44,5 +43,4 @@ TEST(PerLegTest, MatricesAreThoseOfTheLegs) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::internal::per_leg_test

@@ -4,13 +4,11 @@
 #include <tenon/plants/simbody.h>
 #include <tenon/tests/plants/model/quadruped_simbody.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
 namespace tenon::quadruped_body_test {
-namespace {
 
 using test::Stacked;
 using test::Velocities;
@@ -144,5 +142,4 @@ TEST(QuadrupedBodyTest, ForcesActAtTheirPoints) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_body_test

@@ -9,7 +9,6 @@
 #include <random>
 
 namespace tenon::quadruped_clearance_test {
-namespace {
 
 using Eigen::Vector3d;
 
@@ -169,5 +168,4 @@ TEST_F(QuadrupedClearanceTest, AllocatesNothing) {
   EXPECT_EQ(AllocationsOf([&] { clearance.At(x); }), 0);
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_clearance_test

@@ -13,7 +13,6 @@
 #include <fstream>
 
 namespace tenon::quadruped_geometry_test {
-namespace {
 
 using test::A1;
 using test::DogBot;
@@ -190,5 +189,4 @@ TEST(QuadrupedGeometryTest, MovingItDoesNotAllocate) {
   EXPECT_EQ(AllocationsOf([&] { MoveQuadrupedGeometry(robot, {}, x, {}, {}, &geometry); }), 0);
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_geometry_test

@@ -6,7 +6,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::quadruped_multibody_mujoco_test {
-namespace {
 
 TEST(QuadrupedMultibodyMuJoCoTest, AnArmInFreeFallHasTheSameTrajectory) {
   const AttachedBody upper = test::SpringLink("upper", {0.1, 0.02, 0.08}, {0, 1, 0.3}, 0.3);
@@ -50,5 +49,4 @@ TEST(QuadrupedMultibodyMuJoCoTest, AnArmInFreeFallHasTheSameTrajectory) {
   EXPECT_GT(u.tail<2>().norm(), 0.1);
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_multibody_mujoco_test

@@ -5,7 +5,6 @@
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/plants/legged/ropes.h>
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>
@@ -13,7 +12,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::ropes_mujoco_test {
-namespace {
 
 constexpr double kDuration = 0.3;  // [s]
 const CableVector kTension = Vec<4>(40, 70, 55, 90);
@@ -147,5 +145,4 @@ TEST(RopesMuJoCoTest, RopesToOneAnchorKeepTheAngularMomentumAboutIt) {
   EXPECT_NEAR(run.energy_change, 0, 1e-5);
 }
 
-}  // namespace
 }  // namespace tenon::ropes_mujoco_test

@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 
 namespace tenon::ropes_test {
-namespace {
 
 const Rope kLeft{"left", {3, 1, 2}, {0.1, 0.2, 0.05}, 0, 100};
 const Rope kRight{"right", {3, -1, 2}, {0.1, -0.2, 0.05}, 0, 100};
@@ -66,5 +65,4 @@ TEST(RopesTest, ARopeWithoutLengthHasNoDirection) {
   EXPECT_TRUE(Throws<RunError>([&] { LineOf(rope, robot); }, "left"));
 }
 
-}  // namespace
 }  // namespace tenon::ropes_test

@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 
 namespace tenon::sliding_load_test {
-namespace {
 
 LeggedState Trunk(double pitch = 0) {
   LeggedState x;
@@ -119,5 +118,4 @@ TEST(SlidingLoadTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.damping_ratio = -1; }, "damping_ratio"));
 }
 
-}  // namespace
 }  // namespace tenon::sliding_load_test

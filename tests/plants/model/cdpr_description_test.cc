@@ -1,5 +1,5 @@
 #include <tenon/plants/model/cdpr_description.h>
-#include <tenon/plants/model/moving_anchors.h>
+#include <tenon/plants/model/path.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
@@ -13,7 +13,6 @@
 #include <functional>
 
 namespace tenon::cdpr_description_test {
-namespace {
 
 const std::string kRobots = TENON_ROBOTS_DIR;
 
@@ -260,5 +259,4 @@ TEST(CdprDescriptionTest, ARobotIsReadWithChanges) {
   EXPECT_EQ(WriteYaml(LoadCdpr(YamlFile{"cdpr_4"})), WriteYaml(Robot()));
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_description_test

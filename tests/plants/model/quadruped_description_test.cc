@@ -18,7 +18,6 @@
 #include <sstream>
 
 namespace tenon::quadruped_description_test {
-namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -568,5 +567,4 @@ TEST(QuadrupedDescriptionTest, RefusesImpossiblePayloadsAndMassFactors) {
   EXPECT_TRUE(Throws<ParameterError>([] { WithMassFactor(test::DogBot(), 0); }, "factor"));
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_description_test

@@ -7,7 +7,6 @@
 #include <tenon/tests/testing/dense_algebra.h>
 
 namespace tenon::quadruped_model_mujoco_test {
-namespace {
 
 class MuJoCo {
  public:
@@ -62,5 +61,4 @@ TEST(QuadrupedModelMuJoCoTest, SameDynamics) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_model_mujoco_test

@@ -4,12 +4,9 @@
 #include <tenon/plants/simbody.h>
 #include <tenon/tests/plants/model/quadruped_simbody.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/matchers.h>
-
-#include <gtest/gtest.h>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::quadruped_model_simbody_test {
-namespace {
 
 constexpr double kTolerance = 1e-10;
 
@@ -44,5 +41,4 @@ TEST(QuadrupedModelSimbodyTest, SameInEveryQuantity) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_model_simbody_test

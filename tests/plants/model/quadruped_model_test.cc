@@ -1,3 +1,4 @@
+#include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
@@ -9,7 +10,6 @@
 #include <functional>
 
 namespace tenon::quadruped_model_test {
-namespace {
 
 using test::RandomState;
 using test::RandomVector;
@@ -190,5 +190,112 @@ TEST_P(QuadrupedModelTest, LegJacobiansOfOtherPoints) {
   }
 }
 
-}  // namespace
+TEST(StandingTest, IsTheNominalStanceOnLevelGround) {
+  const QuadrupedDescription robot = test::DogBot();
+  const LeggedState x = StandingOn(robot, {});
+  EXPECT_EQ(x.q, robot.stance);
+  EXPECT_THAT(x.p_WB, IsNear(test::Standing(robot).p_WB, 1e-12));
+  EXPECT_THAT(x.R_WB(), IsNear(Eigen::Matrix3d::Identity(), 1e-15));
+}
+
+TEST(StandingTest, FeetTouchASlopeAndTheCoMIsOverThem) {
+  for (const QuadrupedDescription& robot : {test::DogBot(), test::A1()}) {
+    QuadrupedDynamics level, on_slope;
+    QuadrupedModel(robot).Calc(test::Standing(robot), &level);
+    const GroundPlane ground{.p_W = {2, -1, 0.3}, .slope = {0.3, -0.2}};
+    const LeggedState x = StandingOn(robot, ground, 0.8);
+    QuadrupedModel(robot).Calc(x, &on_slope);
+    EXPECT_THAT(x.R_WB().col(2), IsNear(ground.Normal(), 1e-12));
+    Vec<3> middle = Vec<3>::Zero(), nominal = Vec<3>::Zero();
+    for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
+      const Vec<3> contact = on_slope.feet[leg].p_W + ground.ContactArm(robot.foot_radius);
+      EXPECT_NEAR(contact[2], ground.HeightAt(contact.head<2>()), 1e-8) << kLegNames[leg];
+      middle += on_slope.feet[leg].p_W / kNumLegs;
+      nominal += level.feet[leg].p_W / kNumLegs;
+    }
+    const Eigen::Vector2d com = (level.com_W - nominal).head<2>();
+    EXPECT_THAT((on_slope.com_W - middle).head<2>(), IsNear(FootprintOnSlope(ground.slope, 0.8) * com, 1e-8));
+    EXPECT_NEAR(on_slope.com_W[2] - ground.HeightAt(on_slope.com_W.head<2>()), level.com_W[2], 1e-8);
+  }
+}
+
+TEST(StandingTest, TheFeetMayBeShifted) {
+  const QuadrupedDescription robot = test::DogBot();
+  const GroundPlane ground{.p_W = {0, 0, 0}, .slope = {0.3, 0}};
+  const Vec<2> shift(0.08, 0.02);
+  QuadrupedDynamics plain, shifted;
+  QuadrupedModel(robot).Calc(StandingOn(robot, ground), &plain);
+  QuadrupedModel(robot).Calc(StandingOn(robot, ground, 0, shift), &shifted);
+  EXPECT_THAT(shifted.com_W, IsNear(plain.com_W, 1e-8));
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg)
+    EXPECT_THAT(Vec<3>(shifted.feet[leg].p_W - plain.feet[leg].p_W), IsNear(Vec<3>(0.08, 0.02, 0.024), 1e-8));
+}
+
+TEST(StandingTest, NamesTheLegThatDoesNotReach) {
+  QuadrupedDescription robot = test::DogBot();
+  JointDescription& hip = robot.legs[kRearLeft].joints[1];
+  hip.lower = robot.stance[7] - 0.1;
+  hip.upper = robot.stance[7] + 0.1;
+  const GroundPlane gentle{.p_W = {0, 0, 0}, .slope = {0.05, 0}}, steep{.p_W = {0, 0, 0}, .slope = {0.4, 0}};
+  EXPECT_NO_THROW(StandingOn(robot, gentle));
+  EXPECT_TRUE(Throws<ParameterError>([&] { StandingOn(robot, steep); }, "rear_left", "dogbot"));
+}
+
+QuadrupedDescription Disturbed(const ModelErrorParams& error, std::uint64_t seed = 1) {
+  RandomStream random(seed);
+  return WithModelError(test::DogBot(), error, random);
+}
+
+TEST(WithModelErrorTest, WithoutErrorsTheRobotStaysAsItIs) {
+  const QuadrupedDescription robot = test::DogBot(), same = Disturbed({});
+  EXPECT_EQ(same.mass(), robot.mass());
+  EXPECT_EQ(same.trunk.com, robot.trunk.com);
+  EXPECT_EQ(same.FootPosition(kRearLeft, robot.stance), robot.FootPosition(kRearLeft, robot.stance));
+}
+
+// Every number has an independent uniform error: over 200 robots its standard deviation is the bound over
+// sqrt(3).
+TEST(WithModelErrorTest, EachBodyIsOffByItself) {
+  const QuadrupedDescription robot = test::DogBot();
+  const RigidInertia& thigh = robot.legs[kFrontRight].bodies[1];
+  const double thigh_length = robot.legs[kFrontRight].joints[2].p_PJ.norm();
+  constexpr int kRobots = 200;
+  Eigen::Array4d squares = Eigen::Array4d::Zero();
+  double together = 0;  // of the masses of two bodies
+  for (std::uint64_t seed = 0; seed < kRobots; ++seed) {
+    const QuadrupedDescription other = Disturbed({0.2, 0.05, 0.3, 0.02}, seed);
+    const LegDescription& leg = other.legs[kFrontRight];
+    const double mass = leg.bodies[1].mass / thigh.mass - 1;
+    const Eigen::Array4d errors(mass, (leg.bodies[1].com[1] - thigh.com[1]) / thigh_length,
+                                leg.bodies[1].inertia(0, 0) / thigh.inertia(0, 0) / (1 + mass) - 1,
+                                leg.joints[2].p_PJ.norm() / thigh_length - 1);
+    EXPECT_TRUE((errors.abs() <= Eigen::Array4d(0.2, 0.05, 0.3, 0.02)).all()) << errors.transpose();
+    squares += errors.square() / kRobots;
+    together += mass * (other.trunk.mass / robot.trunk.mass - 1) / kRobots;
+    EXPECT_EQ(other.stance, robot.stance);
+    EXPECT_NO_THROW(CheckInertia(leg.bodies[1].inertia));
+  }
+  const Eigen::Array4d expected = Eigen::Array4d(0.2, 0.05, 0.3, 0.02) / std::sqrt(3);
+  EXPECT_TRUE(((squares.sqrt() / expected - 1).abs() < 0.15).all())
+      << (squares.sqrt() / expected).transpose();
+  EXPECT_LT(std::abs(together), 0.2 * expected[0] * expected[0]);
+}
+
+TEST(WithModelErrorTest, TheTrunksCoMIsOffByARatioOfTheDistanceBetweenItsHips) {
+  const QuadrupedDescription robot = test::DogBot();
+  const double length = robot.legs[kFrontLeft].joints[0].p_PJ[0] - robot.legs[kRearLeft].joints[0].p_PJ[0];
+  double most = 0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed)
+    most = std::max(most, std::abs(Disturbed({.com_ratio = 0.1}, seed).trunk.com[0] - robot.trunk.com[0]));
+  EXPECT_LE(most, 0.1 * length);
+  EXPECT_GT(most, 0.095 * length);
+}
+
+TEST(WithModelErrorTest, RefusesImpossibleRatios) {
+  EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.mass_ratio = 1}); }, "mass_ratio"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.com_ratio = -0.1}); }, "com_ratio"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.inertia_ratio = NAN}); }, "inertia_ratio"));
+  EXPECT_TRUE(Throws<ParameterError>([] { Disturbed({.length_ratio = 2}); }, "length_ratio"));
+}
+
 }  // namespace tenon::quadruped_model_test

@@ -1,14 +1,9 @@
 #include <tenon/plants/model/swivel_pulley.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/tests/testing/matchers.h>
+#include <tenon/tests/testing/block_test.h>
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <numbers>
 
 namespace tenon::swivel_pulley_test {
-namespace {
 
 constexpr double kRadius = 0.04;
 constexpr double kPi = std::numbers::pi;
@@ -61,5 +56,4 @@ TEST(SwivelPulleyTest, TheDirectionIsTheGradientOfTheLength) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::swivel_pulley_test

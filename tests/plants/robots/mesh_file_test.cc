@@ -1,7 +1,6 @@
 #include <tenon/plants/robots/mesh_file.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 #include <tenon/tests/plants/model/mesh_test_files.h>
-#include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
@@ -20,7 +19,6 @@
 #include <string>
 
 namespace tenon::mesh_file_test {
-namespace {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
@@ -309,5 +307,4 @@ TEST_F(MeshFileTest, OpensNoOtherFile) {
   EXPECT_TRUE(Throws<ParameterError>([&] { ReadMesh(home / "pipe.mtl"); }, "pipe.mtl"));
 }
 
-}  // namespace
 }  // namespace tenon::mesh_file_test

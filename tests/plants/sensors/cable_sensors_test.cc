@@ -4,7 +4,6 @@
 #include <numbers>
 
 namespace tenon::cable_sensors_test {
-namespace {
 
 CableSignals Cables() {
   return {Eigen::Vector4d(5.01234, 6, 7, 8), Eigen::Vector4d(0.1, -0.2, 0, 0.4),
@@ -70,5 +69,4 @@ TEST(CableSensorsTest, RefuseNonsense) {
   EXPECT_TRUE(Refuses<CableSensors>({.num_cables = 0}, "num_cables"));
 }
 
-}  // namespace
 }  // namespace tenon::cable_sensors_test

@@ -6,7 +6,6 @@
 #include <vector>
 
 namespace tenon::pose_sensor_test {
-namespace {
 
 using Rig = TestRig<PoseSensor>;
 
@@ -79,5 +78,4 @@ TEST(PoseSensorTest, SamplesAtItsRateAndHoldsBetween) {
   EXPECT_NE(rig[rig->pose].p_WB, held.p_WB);
 }
 
-}  // namespace
 }  // namespace tenon::pose_sensor_test

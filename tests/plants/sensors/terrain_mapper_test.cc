@@ -2,10 +2,7 @@
 #include <tenon/plants/signals/quaternion.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <cmath>
-
 namespace tenon::terrain_mapper_test {
-namespace {
 
 TerrainMapperParams Params(double noise) {
   return {.terrain = {.stairs = Stairs{.rise = 0.1, .steps = 1}}, .map = {.noise = noise}};
@@ -53,5 +50,4 @@ TEST(TerrainMapperTest, NoiseBelongsToThePlace) {
   EXPECT_NE(MapOf(other, state, state).HeightAt({-5, 3}), after.HeightAt({-5, 3}));
 }
 
-}  // namespace
 }  // namespace tenon::terrain_mapper_test

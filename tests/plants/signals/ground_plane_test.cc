@@ -1,11 +1,13 @@
+#include <tenon/plants/model/vectors.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
 
+#include <numbers>
+
 namespace tenon::ground_plane_test {
-namespace {
 
 const GroundPlane kRamp{.p_W = {1, 2, 0.5}, .slope = {0.3, -0.2}};
 
@@ -42,5 +44,17 @@ TEST(GroundPlaneTest, RatesAreThoseOfDifferences) {
               IsNear((at(h) - at(-h)) / (2 * h), 1e-9));
 }
 
-}  // namespace
+TEST(EulerTest, NearIsTheSameRotationWithinHalfATurn) {
+  const Eigen::Vector3d euler(0.3, -0.2, 3.1), near(6.2, -0.1, -9.3);
+  const Eigen::Vector3d found = EulerNear(euler, near);
+  EXPECT_THAT(RotationFromEuler(found), IsNear(RotationFromEuler(euler), 1e-14));
+  EXPECT_LE((found - near).cwiseAbs().maxCoeff(), std::numbers::pi);
+  EXPECT_EQ(EulerNear(euler, euler), euler);
+}
+
+TEST(CrossMatrixTest, MultipliesAsTheCrossProduct) {
+  const Eigen::Vector3d a(0.3, -1.2, 2.5), b(-0.7, 0.4, 1.1);
+  EXPECT_THAT(CrossMatrix(a) * b, IsNear(a.cross(b), 1e-15));
+}
+
 }  // namespace tenon::ground_plane_test

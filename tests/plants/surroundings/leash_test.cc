@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 
 namespace tenon::leash_test {
-namespace {
 
 const LeashParams kParams{
     .nominal_length = 1.5, .stiffness = 120, .dissipation = 0.5, .attachment_B = {-0.3, 0.1, 0.2}};
@@ -104,5 +103,4 @@ TEST(LeashTest, IsDrawnFromTheHandToTheTrunkColouredByTension) {
   EXPECT_NEAR(rod.value, 120 * 0.25, 1e-9);
 }
 
-}  // namespace
 }  // namespace tenon::leash_test

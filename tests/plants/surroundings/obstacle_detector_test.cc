@@ -2,7 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::obstacle_detector_test {
-namespace {
 
 const ObstacleDetectorParams kParams{
     .obstacles = {{{3, 0}, 0.2}, {{-5, 4}, 0.5}}, .range = 1, .half_width = 0.4};
@@ -82,5 +81,4 @@ TEST(ObstacleDetectorTest, LooksFartherInARun) {
   EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->range, 0); }, "range"));
 }
 
-}  // namespace
 }  // namespace tenon::obstacle_detector_test

@@ -4,7 +4,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::person_test {
-namespace {
 
 constexpr double kMass = 70, kDamping = 400, kStiffness = 1300;
 
@@ -199,5 +198,4 @@ TEST(PersonTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.phases[0].force = 1; }, "phases.0"));
 }
 
-}  // namespace
 }  // namespace tenon::person_test

@@ -1,5 +1,4 @@
 #include <tenon/plants/surroundings/terrain.h>
-#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/testing/block_test.h>
 
@@ -8,7 +7,6 @@
 #include <algorithm>
 
 namespace tenon::terrain_test {
-namespace {
 
 constexpr double kRadius = 0.03;
 
@@ -230,5 +228,4 @@ TEST(TerrainTest, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.field->kinds.clear(); }, "kinds"));
 }
 
-}  // namespace
 }  // namespace tenon::terrain_test

@@ -2,7 +2,6 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 
 namespace tenon::analysis_test {

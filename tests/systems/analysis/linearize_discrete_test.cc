@@ -3,9 +3,6 @@
 #include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <cmath>
-#include <limits>
-
 namespace tenon::linearize_discrete_test {
 
 using ::testing::ElementsAre;

@@ -1,10 +1,7 @@
 #include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <cmath>
-
 namespace tenon::matrix_functions_test {
-namespace {
 
 /// Turns by `angle` [rad] per unit of time.
 Eigen::MatrixXd Turn(double angle) {
@@ -55,5 +52,4 @@ TEST(MatrixFunctions, RangeBasisSpansTheColumnsUpToTheThreshold) {
   EXPECT_THAT(range * range.transpose() * A, IsNear(A, 1e-15));
 }
 
-}  // namespace
 }  // namespace tenon::matrix_functions_test

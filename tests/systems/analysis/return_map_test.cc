@@ -4,8 +4,6 @@
 
 #include <Eigen/Core>
 
-#include <cmath>
-
 namespace tenon::return_map_test {
 
 using ::testing::ElementsAre;

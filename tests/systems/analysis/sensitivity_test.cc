@@ -4,9 +4,6 @@
 #include <tenon/systems/primitives/unit_delay.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <cmath>
-#include <limits>
-
 namespace tenon::sensitivity_test {
 
 using ::testing::ElementsAre;

@@ -4,8 +4,6 @@
 
 #include <cart.h>
 
-#include <cmath>
-
 namespace tenon {
 
 struct CartSignal {

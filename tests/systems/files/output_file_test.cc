@@ -1,8 +1,6 @@
 #include <tenon/systems/files/output_file.h>
-#include <tenon/tests/testing/expect_throws.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
-
-#include <gtest/gtest.h>
 
 #include <filesystem>
 

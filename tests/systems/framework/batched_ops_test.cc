@@ -9,7 +9,6 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 #include <functional>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>

@@ -2,7 +2,6 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <random>

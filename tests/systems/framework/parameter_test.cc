@@ -1,8 +1,6 @@
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <cmath>
-#include <limits>
 #include <vector>
 
 namespace tenon::parameter_test {

@@ -4,15 +4,12 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 #include <array>
-#include <cmath>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace tenon::range_test {
-namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -181,5 +178,4 @@ TEST(RangeTest, RunErrorsTellTheirBlock) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::range_test

@@ -1,12 +1,6 @@
 #include <tenon/systems/framework/block/internal/rational.h>
 #include <tenon/systems/framework/block/rate.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/tests/testing/expect_throws.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <limits>
+#include <tenon/tests/testing/block_test.h>
 
 namespace tenon::rate_test {
 

@@ -3,8 +3,6 @@
 #include <tenon/systems/primitives/sample_delay.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <cmath>
-
 namespace tenon::run_time_sizes_test {
 
 /// x_i' = -i x_i + u from 1, for i = 1 … n; at t = 1 the first is set to 5.

@@ -2,7 +2,6 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 #include <functional>
-#include <limits>
 #include <map>
 #include <memory>
 #include <optional>

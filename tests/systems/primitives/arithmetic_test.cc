@@ -9,7 +9,6 @@
 #include <tenon/systems/primitives/zero_order_hold.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <cmath>
 #include <vector>
 
 namespace tenon::arithmetic_test {

@@ -12,7 +12,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 namespace tenon::delays_test {

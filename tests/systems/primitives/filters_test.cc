@@ -1,6 +1,5 @@
 // Filters of first order, and limits of the rate.
 
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/primitives/discrete_derivative.h>
 #include <tenon/systems/primitives/gain.h>
 #include <tenon/systems/primitives/held_lag.h>
@@ -10,8 +9,6 @@
 #include <tenon/systems/primitives/zero_order_hold.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/testing/block_test.h>
-
-#include <cmath>
 
 namespace tenon::filters_test {
 

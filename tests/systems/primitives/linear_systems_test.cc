@@ -8,7 +8,6 @@
 
 #include <Eigen/LU>
 
-#include <cmath>
 #include <complex>
 #include <numbers>
 #include <vector>

@@ -4,7 +4,6 @@
 #include <tenon/systems/primitives/random_walk.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <cmath>
 #include <vector>
 
 namespace tenon::noises_test {

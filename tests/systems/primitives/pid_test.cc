@@ -1,8 +1,6 @@
 #include <tenon/systems/primitives/pid.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <cmath>
-
 namespace tenon::pid_test {
 
 using Params = PidParams<>;

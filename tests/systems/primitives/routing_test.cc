@@ -4,9 +4,6 @@
 #include <tenon/systems/primitives/switch.h>
 #include <tenon/systems/primitives/zero_order_hold.h>
 #include <tenon/tests/testing/block_test.h>
-#include <tenon/tests/testing/test_rig.h>
-
-#include <gtest/gtest.h>
 
 #include <vector>
 

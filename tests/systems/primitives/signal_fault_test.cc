@@ -3,8 +3,6 @@
 #include <tenon/systems/primitives/sine.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <cmath>
-
 namespace tenon::signal_fault_test {
 
 using ::testing::ElementsAre;

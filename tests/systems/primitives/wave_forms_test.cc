@@ -9,8 +9,6 @@
 #include <tenon/systems/simulation.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <cmath>
-
 namespace tenon::wave_forms_test {
 
 TEST(PulseTest, IsAStepAPulseOrASquareWave) {

@@ -1,4 +1,3 @@
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/simulation/background_log.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/testing/block_test.h>

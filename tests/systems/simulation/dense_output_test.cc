@@ -4,7 +4,6 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tenon::dense_output_test {
 

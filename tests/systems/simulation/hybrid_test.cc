@@ -5,10 +5,6 @@
 #include <tenon/systems/simulation.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <functional>
 #include <numbers>
 #include <random>

@@ -2,7 +2,6 @@
 
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <cmath>
 #include <memory>
 
 namespace tenon::large_times_test {

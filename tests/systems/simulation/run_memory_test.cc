@@ -4,10 +4,7 @@
 #include <tenon/systems/simulation.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <random>
 #include <string>

@@ -4,7 +4,6 @@
 #include <tenon/tests/testing/temporary_path.h>
 
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>

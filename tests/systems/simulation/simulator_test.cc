@@ -4,8 +4,6 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include <chrono>
-#include <cmath>
-#include <limits>
 #include <stdexcept>
 
 namespace tenon::simulator_test {

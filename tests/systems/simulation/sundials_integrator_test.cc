@@ -1,6 +1,5 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <cmath>
 #include <tuple>
 
 namespace tenon::sundials_integrator_test {

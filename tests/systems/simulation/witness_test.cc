@@ -1,6 +1,5 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <cmath>
 #include <vector>
 
 namespace tenon::witness_test {

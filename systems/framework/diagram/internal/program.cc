@@ -1,8 +1,6 @@
 #include <tenon/systems/framework/diagram/internal/program.h>
 
-#include <algorithm>
 #include <set>
-#include <unordered_map>
 
 namespace tenon::internal {
 

@@ -6,12 +6,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <map>
-#include <memory>
-#include <new>
 #include <regex>
 
 namespace tenon::internal {

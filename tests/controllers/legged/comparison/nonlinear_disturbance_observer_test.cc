@@ -5,7 +5,6 @@
 #include <tenon/tests/testing/dense_algebra.h>
 
 namespace tenon::nonlinear_disturbance_observer_test {
-namespace {
 
 using test::DogBot;
 using test::QuadrupedBench;
@@ -91,5 +90,4 @@ TEST(NonlinearDisturbanceObserverTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<NonlinearDisturbanceObserver>({}, "robot"));
 }
 
-}  // namespace
 }  // namespace tenon::nonlinear_disturbance_observer_test

@@ -8,7 +8,6 @@
 #include <algorithm>
 
 namespace tenon::com_observer_test {
-namespace {
 
 using test::A1;
 using test::DogBot;
@@ -218,5 +217,4 @@ TEST(ComObserverTest, AnotherSourceGoesOnFromTheEstimate) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::com_observer_test

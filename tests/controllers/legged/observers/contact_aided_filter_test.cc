@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 
 namespace tenon::contact_aided_filter_test {
-namespace {
 
 using Filter = ContactAidedFilter;
 constexpr double kPeriod = 1e-3, kRadius = 0.03, kGravity = 9.81;
@@ -264,5 +263,4 @@ TEST(ContactAidedFilterTest, AFootThatIsNotAnchoredHasNoCovariance) {
   EXPECT_GT((filter.covariance.block<3, 3>(Filter::kFeet + 6, 0).norm()), 0);
 }
 
-}  // namespace
 }  // namespace tenon::contact_aided_filter_test

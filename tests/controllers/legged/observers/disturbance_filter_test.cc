@@ -5,7 +5,6 @@
 #include <numbers>
 
 namespace tenon::disturbance_filter_test {
-namespace {
 
 Eigen::VectorXd AsVector(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
@@ -103,5 +102,4 @@ TEST(DisturbanceFilterTest, StepsComposeExactly) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::disturbance_filter_test

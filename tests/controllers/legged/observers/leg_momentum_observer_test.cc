@@ -7,7 +7,6 @@
 #include <numbers>
 
 namespace tenon::leg_momentum_observer_test {
-namespace {
 
 using test::A1;
 using test::DogBot;
@@ -221,5 +220,4 @@ TEST(LegMomentumObserverTest, OtherGainsGoOnFromTheEstimate) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::leg_momentum_observer_test

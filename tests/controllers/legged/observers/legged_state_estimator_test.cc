@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 
 namespace tenon::legged_state_estimator_test {
-namespace {
 
 using test::A1;
 using test::DogBot;
@@ -329,5 +328,4 @@ TEST(LeggedStateEstimatorTest, NoiseAndLimitsAreSetInARun) {
   EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->settle_time, -1); }, "settle_time"));
 }
 
-}  // namespace
 }  // namespace tenon::legged_state_estimator_test

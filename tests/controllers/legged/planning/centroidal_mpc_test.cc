@@ -2,11 +2,9 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <cmath>
 #include <numbers>
 
 namespace tenon::centroidal_mpc_test {
-namespace {
 
 using test::DogBot;
 
@@ -235,5 +233,4 @@ TEST(CentroidalMpc, RefusesParametersThatMakeNoSense) {
   EXPECT_TRUE(refuses({.gravity = 0}, "gravity"));
 }
 
-}  // namespace
 }  // namespace tenon::centroidal_mpc_test

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 namespace tenon::centroidal_walk_problem_test {
-namespace {
 
 using Problem = CentroidalWalkProblem;
 
@@ -126,5 +125,4 @@ TEST(CentroidalWalkProblem, DerivativesAreThoseOfDifferences) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::centroidal_walk_problem_test

@@ -12,7 +12,6 @@
 #include <vector>
 
 namespace tenon::com_planner_spline_test {
-namespace {
 
 ComPlannerParams SplineParams(SplineOrder order = SplineOrder::kCubic) {
   ComPlannerParams params;
@@ -244,5 +243,4 @@ TEST(ComPlannerSpline, ThePlanIsSetInARun) {
       Throws<ParameterError>([&] { set.rig().Set(set.rig()->zmp, {.horizon = 5}); }, "horizon_steps"));
 }
 
-}  // namespace
 }  // namespace tenon::com_planner_spline_test

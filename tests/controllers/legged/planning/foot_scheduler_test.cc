@@ -9,7 +9,6 @@
 #include <vector>
 
 namespace tenon::foot_scheduler_test {
-namespace {
 
 using enum ContactState;
 
@@ -486,5 +485,4 @@ TEST(FootSchedulerTest, ANewTimingCountsFromTheNextBeginningOfTheGait) {
   EXPECT_EQ(walk.Tick().timing.swing, 2 * swing);
 }
 
-}  // namespace
 }  // namespace tenon::foot_scheduler_test

@@ -3,7 +3,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::map_footholds_test {
-namespace {
 
 const MapFootholdProperties kChoice;
 
@@ -65,5 +64,4 @@ TEST(MapFootholdsTest, DoesNotAllocate) {
   EXPECT_EQ(guard.count(), 0);
 }
 
-}  // namespace
 }  // namespace tenon::map_footholds_test

@@ -1,14 +1,11 @@
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/pacer.h>
-#include <tenon/plants/model/robot_scale.h>
+#include <tenon/plants/model/quadruped_description.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <cmath>
-
 namespace tenon::pacer_test {
-namespace {
 
 PacerParams Standard() {
   PacerParams params;
@@ -103,5 +100,4 @@ TEST(PacerTest, RefusesParametersOutOfRange) {
   EXPECT_TRUE(Throws<ParameterError>([&] { Pacer pacer(params); }, "acceleration_g"));
 }
 
-}  // namespace
 }  // namespace tenon::pacer_test

@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 
 namespace tenon::periodic_pendulum_test {
-namespace {
 
 constexpr double kFrequency = 5.02;  // rad/s
 
@@ -125,5 +124,4 @@ TEST(PlanarPathTest, GoesInCirclesAndLines) {
   EXPECT_THAT(path.At(4 * M_PI).position_W, IsNear(path.position_W, 1e-14));
 }
 
-}  // namespace
 }  // namespace tenon::periodic_pendulum_test

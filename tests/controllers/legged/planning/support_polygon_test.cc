@@ -6,7 +6,6 @@
 #include <vector>
 
 namespace tenon::support_polygon_test {
-namespace {
 
 using Feet = std::vector<Eigen::Vector2d>;
 
@@ -123,5 +122,4 @@ TEST(SupportPolygon, RefusesNoFeetAndFive) {
   EXPECT_TRUE(Throws<Error>([] { SupportPolygon(Feet(5, {0, 0}), 0.1, 0); }, "5 feet"));
 }
 
-}  // namespace
 }  // namespace tenon::support_polygon_test

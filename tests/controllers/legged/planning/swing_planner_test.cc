@@ -1,7 +1,6 @@
 #include <tenon/controllers/legged/planning/quintic.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/model/standing.h>
 #include <tenon/tests/controllers/legged/planning/test_map.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
@@ -9,14 +8,12 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace tenon::swing_planner_test {
-namespace {
 
 using enum ContactState;
 
@@ -619,5 +616,4 @@ TEST(SwingPlannerTest, TheStepIsSetInARun) {
                                      "retarget_phase"));
 }
 
-}  // namespace
 }  // namespace tenon::swing_planner_test

@@ -8,7 +8,6 @@
 #include <vector>
 
 namespace tenon::trunk_planner_test {
-namespace {
 
 using test::DogBot;
 
@@ -197,5 +196,4 @@ TEST(TrunkPlannerTest, BandwidthAndLimitAreSetInARun) {
   EXPECT_TRUE(Throws<ParameterError>([&] { set.rig().Set(set.rig()->bandwidth, 0); }, "bandwidth"));
 }
 
-}  // namespace
 }  // namespace tenon::trunk_planner_test

@@ -7,7 +7,6 @@
 #include <random>
 
 namespace tenon::wrench_sinusoid_test {
-namespace {
 
 constexpr double kStep = 0.01, kTwoPi = 2 * std::numbers::pi;
 
@@ -71,5 +70,4 @@ TEST(WrenchSinusoidTest, NoiseAloneKeepsTheFrequencyWithinItsLimits) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::wrench_sinusoid_test

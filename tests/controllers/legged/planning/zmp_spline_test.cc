@@ -9,7 +9,6 @@
 #include <vector>
 
 namespace tenon::zmp_spline_test {
-namespace {
 
 using Feet = std::vector<Eigen::Vector2d>;
 constexpr double kHeight = 0.4, kGravity = 9.81;
@@ -296,5 +295,4 @@ TEST(ZmpSpline, RefusesNonsense) {
   EXPECT_TRUE(Throws<RunError>([&] { optimizer.Solve({.phases = many}, {}, &spline); }, "10 support phases"));
 }
 
-}  // namespace
 }  // namespace tenon::zmp_spline_test

@@ -7,7 +7,6 @@
 #include <algorithm>
 
 namespace tenon::foot_forces_test {
-namespace {
 
 using test::DogBot;
 using test::RandomState;
@@ -60,5 +59,4 @@ TEST(FootForcesTest, AreTheLeastOfTheirPenalisedSquares) {
   EXPECT_LT(regular, 150);
 }
 
-}  // namespace
 }  // namespace tenon::foot_forces_test

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
-#include <tenon/plants/model/cross_matrix.h>
-#include <tenon/tests/controllers/optimization/owned_qp.h>
+#include <tenon/plants/model/vectors.h>
+#include <tenon/tests/controllers/optimization/qp_certificate.h>
 
 #include <Eigen/Geometry>
 

@@ -4,7 +4,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::joint_pd_test {
-namespace {
 
 using test::A1;
 using test::DogBot;
@@ -78,5 +77,4 @@ TEST(JointPdTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<JointPd>({.robot = DogBot(), .stiffness = 40, .gravity = INFINITY}, "gravity"));
 }
 
-}  // namespace
 }  // namespace tenon::joint_pd_test

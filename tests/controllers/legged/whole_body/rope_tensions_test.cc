@@ -3,7 +3,6 @@
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::rope_tensions_test {
-namespace {
 
 constexpr double kSlope = 0.6,
                  kSide = 0.3;  // inclination of the ground, angle of the ropes to the CoM's path [rad]
@@ -140,5 +139,4 @@ TEST(RopeTensionsTest, RefuseNoFriction) {
   EXPECT_TRUE(Refuses<RopeTensions>(on.params, "friction"));
 }
 
-}  // namespace
 }  // namespace tenon::rope_tensions_test

@@ -8,7 +8,6 @@
 #include <array>
 
 namespace tenon::whole_body_controller_test {
-namespace {
 
 WholeBodyParams Params() {
   WholeBodyParams params;
@@ -459,5 +458,4 @@ TEST(WholeBodyController, SolvesAt400HzWithinTorquesAt1kHz) {
   }
 }
 
-}  // namespace
 }  // namespace tenon::whole_body_controller_test

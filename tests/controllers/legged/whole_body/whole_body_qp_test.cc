@@ -1,23 +1,16 @@
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/controllers/legged/whole_body/full_whole_body_qp.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/allocation_guard.h>
+#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace tenon::whole_body_qp_test {
-namespace {
 
 using test::IsOptimal;
 using test::RandomVector;
@@ -480,5 +473,4 @@ TEST(WholeBodyQp, RefusesLimitsOfNothing) {
   EXPECT_TRUE(Throws<ParameterError>([] { WholeBodyQp{Vec<12>::Zero()}; }, "torque limits"));
 }
 
-}  // namespace
 }  // namespace tenon::whole_body_qp_test

@@ -1,15 +1,25 @@
-#include <tenon/plants/model/segment_distance.h>
-
-#include <gtest/gtest.h>
+#include <tenon/plants/model/vectors.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <algorithm>
-#include <limits>
 #include <random>
 
-namespace tenon::segment_distance_test {
-namespace {
+namespace tenon::vectors_test {
 
 using Eigen::Vector3d;
+
+TEST(RotationBetween, IsTheShortestRotation) {
+  const Vector3d from(1, 2, 2), to(0, -3, 1);
+  const Eigen::Quaterniond rotation = RotationBetween(from, to);
+  EXPECT_THAT(rotation * from.normalized(), IsNear(to.normalized(), 1e-15));
+  EXPECT_NEAR(rotation.vec().dot(from), 0, 1e-15);
+  EXPECT_NEAR(rotation.norm(), 1, 1e-15);
+}
+
+TEST(RotationBetween, TurnsOppositeDirectionsByHalfATurn) {
+  const Vector3d from(1, 2, 2);
+  EXPECT_THAT(RotationBetween(from, -from) * from, IsNear(-from, 1e-14));
+}
 
 constexpr int kPoints = 50;  // on a segment
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -60,5 +70,4 @@ TEST_F(SegmentDistanceTest, OfABoxIsTheLeastOfAllPoints) {
   EXPECT_DOUBLE_EQ(SegmentBoxDistance({-1, 0.9, 0}, {2, 0, 0}, {0.3, 0.2, 0.1}), 0.7);
 }
 
-}  // namespace
-}  // namespace tenon::segment_distance_test
+}  // namespace tenon::vectors_test
