@@ -5,30 +5,15 @@
 #include <tenon/docs/catalogue/catalogue.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
-#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/framework/types/internal/type_info.h>
 #include <tenon/tests/testing/block_test.h>
 
 #include <array>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
 
-namespace tenon::internal {
-
-/// The offset of the initial value of a Parameter in the `params` of its block, which is private.
-std::size_t OffsetInParams(const ParameterSource& parameter);
-template <auto Offset>
-struct OffsetOfParameter {
-  friend std::size_t OffsetInParams(const ParameterSource& parameter) { return parameter.*Offset; }
-};
-template struct OffsetOfParameter<&ParameterSource::offset_in_params_>;
-
-}  // namespace tenon::internal
-
 namespace tenon::docs::every_block_test {
-namespace {
 
 /// Visits the numbers of parameters in the order of their ranges, and changes one of them.
 class Setter final : public internal::ValueVisitor {
@@ -240,8 +225,8 @@ TEST(EveryBlock, ActsOnASetParameterAsOnOneThatItIsMadeWith) {
     const std::vector<double> before = Alone(entry).Run();
     for (std::size_t k = 0; k < diagram->parameters().size(); ++k) {
       const internal::ParameterSource& parameter = *diagram->parameters()[k];
-      const std::size_t offset = internal::OffsetInParams(parameter);
-      if (offset == static_cast<std::size_t>(-1)) continue;  // it does not start from a member of params
+      const std::size_t offset = parameter.offset_in_params();
+      if (offset == parameter.kNone) continue;
       bool acts = false;
       for (std::size_t i = 0; i < parameter.initial_numbers().size(); ++i) {
         for (const Setter::Change& change : changes) {
@@ -308,5 +293,4 @@ TEST(EveryBlock, ActsOnASetParameterAsOnOneThatItIsMadeWith) {
                                          "WholeBodyController.max_failures_in_a_row"}));
 }
 
-}  // namespace
 }  // namespace tenon::docs::every_block_test

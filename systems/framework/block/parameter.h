@@ -22,6 +22,9 @@ class ParameterSource : public Source {
   const Range& range() const { return range_; }
   /// The range of each number, in the order of initial_numbers().
   std::vector<Range> ranges() const;
+  /// The place of the initial value in the block's `params` [bytes]; kNone if it is not a member of them.
+  std::size_t offset_in_params() const { return offset_in_params_; }
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
  protected:
   /// `given` is the address of the initial value in the block's source, possibly inside its `params`.
@@ -34,8 +37,7 @@ class ParameterSource : public Source {
   /// Throws ParameterError if a value is out of range or invalid.
   void Check(const void* value) const;
 
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  std::size_t offset_in_params_ = kNone;  ///< offset of `given` in the block's `params` [bytes]
+  std::size_t offset_in_params_ = kNone;
   std::string description_;
   Range range_;  ///< of each number; a struct has its own
 };
