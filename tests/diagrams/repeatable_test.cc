@@ -1,7 +1,9 @@
-// A run of a shipped diagram gives the same numbers in every thread, and after its context is restored.
+// A run of a shipped diagram, also with bodies that Simbody moves, gives the same numbers in every thread, in
+// a clone, and after its context is restored.
 
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/plants/attached_bodies.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/primitives/integrator.h>
 #include <tenon/systems/simulation/simulator.h>
@@ -18,7 +20,6 @@
 #include <thread>
 
 namespace tenon::repeatable_test {
-namespace {
 
 template <class Loop>
 std::shared_ptr<const Diagram> MakeDiagram(const auto& params) {
@@ -46,9 +47,17 @@ struct Case {
 };
 std::vector<Case> Cases() {
   const SimulatorOptions cables{.order = 2, .rtol = 1e-3, .atol = 1e-5};
+  const std::vector<AttachedBody> load{
+      {.name = "load", .position = {0, 0, 0.1}, .mass = 0.5, .centre = {0.2, 0, 0}, .radius = 0.05}};
+  CdprLoopParams flight = test::CircleWithPd();
+  flight.extend = AttachToPlatform(load);
+  QuadrupedWalkParams walk = Trot();
+  walk.world.plant.extend = Attach(load);
   return {{"pd", MakeDiagram<CdprLoop>(test::CircleWithPd()), cables},
+          {"pd with a load", MakeDiagram<CdprLoop>(flight), cables},
           {"mpc", MakeDiagram<CdprLoop>(test::CircleWithMpc()), cables},
-          {"trot", MakeDiagram<QuadrupedWalk>(Trot()), test::TrotLoop::Options()}};
+          {"trot", MakeDiagram<QuadrupedWalk>(Trot()), test::TrotLoop::Options()},
+          {"trot with a load", MakeDiagram<QuadrupedWalk>(walk), test::TrotLoop::Options()}};
 }
 
 Eigen::VectorXd EndOf(Simulator& simulator, double time) {
@@ -73,15 +82,18 @@ TEST(RepeatableTest, ThreadsGiveTheNumbersOfOne) {
 }
 
 // 0.385 s is a tick of the controllers of the cable robot; the other times lie between their ticks.
-TEST(RepeatableTest, ARestoredRunGoesOnBitForBit) {
+TEST(RepeatableTest, ARestoredOrClonedRunGoesOnBitForBit) {
   for (const auto& [name, diagram, options] : Cases()) {
     for (const double pause : {0.001, 0.333, 0.385}) {
       Simulator straight(*diagram, options);
       straight.RunTo(pause);
       auto context = diagram->CreateContext();
       context->Restore(straight.context().Save());
-      Simulator restored(std::move(context), options), fresh(*diagram, options);
-      EXPECT_EQ(EndOf(restored, 0.6), EndOf(fresh, 0.6)) << name << ", saved at " << pause << " s";
+      Simulator restored(std::move(context), options), cloned(straight.context().Clone(), options),
+          fresh(*diagram, options);
+      const Eigen::VectorXd end = EndOf(fresh, 0.6);
+      EXPECT_EQ(EndOf(restored, 0.6), end) << name << ", saved at " << pause << " s";
+      EXPECT_EQ(EndOf(cloned, 0.6), end) << name << ", cloned at " << pause << " s";
     }
   }
 }
@@ -112,5 +124,4 @@ TEST(RepeatableTest, NothingTrapsInAProgramThatEnablesTraps) {
   Simulator(*growth).RunTo(1);
 }
 
-}  // namespace
 }  // namespace tenon::repeatable_test

@@ -5,22 +5,16 @@
 #include <tenon/plants/cdpr/cdpr_multibody.h>
 #include <tenon/plants/cdpr/cdpr_plant.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <memory>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
 namespace tenon::cdpr_multibody_test {
-namespace {
 
 using test::Hanging;
 using test::RandomPlatform;
@@ -171,29 +165,6 @@ TEST(CdprMultibodyTest, AddedJointsHaveNamedPortsAndShapes) {
   EXPECT_GT(rig.Derivative(rig->added_u)[1], before[1] + 1);
 }
 
-TEST(CdprMultibodyTest, RunsInThreadsAndFromClonesAsAlone) {
-  DiagramBuilder builder;
-  auto& plant = builder.Add<CdprPlant>("plant", With(Arm()));
-  builder.Connect(builder.AddFunction("hold", Uses(builder.time),
-                                      [&](double) { return CableVector(Hanging().initial_tension); }),
-                  plant.command);
-  const auto diagram = builder.Build();
-  const auto run = [&](std::unique_ptr<Context> context) {
-    Simulator simulator(std::move(context), {.order = 3, .rtol = 1e-4, .atol = 1e-6});
-    simulator.RunTo(0.2);
-    return Eigen::VectorXd(simulator.context().continuous_state());
-  };
-  const auto context = diagram->CreateContext();
-  const Eigen::VectorXd alone = run(diagram->CreateContext());
-  Eigen::VectorXd together[2];
-  {
-    std::jthread first([&] { together[0] = run(context->Clone()); });
-    std::jthread second([&] { together[1] = run(diagram->CreateContext()); });
-  }
-  EXPECT_EQ(together[0], alone);
-  EXPECT_EQ(together[1], alone);
-}
-
 TEST(CdprMultibodyTest, RefusesAdditionsThatMakeNoSense) {
   AttachedBody body = Ball("load", AttachedJoint::kPin);
   body.on = "platfrom";
@@ -205,5 +176,4 @@ TEST(CdprMultibodyTest, RefusesAdditionsThatMakeNoSense) {
                                "added_speed_references"));
 }
 
-}  // namespace
 }  // namespace tenon::cdpr_multibody_test

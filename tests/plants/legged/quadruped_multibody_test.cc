@@ -3,21 +3,15 @@
 #include <tenon/plants/legged/quadruped_multibody.h>
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
-#include <tenon/tests/testing/expect_throws.h>
-#include <tenon/tests/testing/matchers.h>
-#include <tenon/tests/testing/test_rig.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <numbers>
-#include <thread>
 #include <utility>
 #include <vector>
 
 namespace tenon::quadruped_multibody_test {
-namespace {
 
 using test::A1;
 using test::DogBot;
@@ -262,39 +256,6 @@ TEST(QuadrupedMultibodyTest, AddedJointsHaveNamedPorts) {
               IsNear(x.p_WB + x.R_WB() * hand_B, 1e-12));
 }
 
-TEST(QuadrupedMultibodyTest, RunsInThreadsAsAlone) {
-  const Arm arm;
-  const auto run = [&] {
-    Simulator simulator(*arm.diagram, arm.options);
-    simulator.RunTo(0.1);
-    return Eigen::VectorXd(simulator.context().continuous_state());
-  };
-  const Eigen::VectorXd alone = run();
-  Eigen::VectorXd together[2];
-  {
-    std::jthread first([&] { together[0] = run(); });
-    std::jthread second([&] { together[1] = run(); });
-  }
-  EXPECT_EQ(together[0], alone);
-  EXPECT_EQ(together[1], alone);
-}
-
-TEST(QuadrupedMultibodyTest, GoesOnBitForBitFromSnapshotsAndClones) {
-  const Arm arm;
-  Simulator whole(*arm.diagram, arm.options);
-  whole.RunTo(0.1);
-  const std::vector<std::byte> snapshot = whole.context().Save();
-  Simulator cloned(whole.context().Clone(), arm.options);
-  whole.RunTo(0.2);
-  cloned.RunTo(0.2);
-  auto restored = arm.diagram->CreateContext();
-  restored->Restore(snapshot);
-  Simulator second(std::move(restored), arm.options);
-  second.RunTo(0.2);
-  EXPECT_EQ(second.context().continuous_state(), whole.context().continuous_state());
-  EXPECT_EQ(cloned.context().continuous_state(), whole.context().continuous_state());
-}
-
 TEST(QuadrupedMultibodyTest, TheLengthOfAnAddedQuaternionMeansNothingAndReturnsToOne) {
   Rig rig(InTheAir(DogBot(), [](QuadrupedMultibody& robot) {
     SimTK::MobilizedBody::Ball ball(robot.trunk(), Vec3(0, 0, -0.1), Ball(0.5), Vec3(0.1, 0, 0));
@@ -376,5 +337,4 @@ TEST(QuadrupedMultibodyTest, RefusesTheWrongNumberOfForces) {
       "added"));
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_multibody_test

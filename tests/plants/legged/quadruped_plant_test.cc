@@ -7,11 +7,9 @@
 #include <Eigen/Geometry>
 
 #include <optional>
-#include <thread>
 #include <vector>
 
 namespace tenon::quadruped_plant_test {
-namespace {
 
 using test::A1;
 using test::DogBot;
@@ -329,31 +327,6 @@ TEST(QuadrupedPlantTest, NoGroundIsTooSlipperyOrTooRough) {
     EXPECT_LE(evaluations(friction), 3 * usual) << friction;
 }
 
-/// A robot that drops by 2 cm, moving forward.
-QuadrupedPlantParams Dropping() {
-  QuadrupedPlantParams params = Params(A1());
-  params.initial.p_WB[2] += 0.02;
-  params.initial.v_W = {0.2, 0, 0};
-  return params;
-}
-
-TEST(QuadrupedPlantTest, RunsInThreadsAsAlone) {
-  const Stand stand(Dropping());
-  const auto run = [&] {
-    Simulator simulator(*stand.diagram, Options());
-    simulator.RunTo(0.3);
-    return Eigen::VectorXd(simulator.context().continuous_state());
-  };
-  const Eigen::VectorXd alone = run();
-  Eigen::VectorXd together[2];
-  {
-    std::jthread first([&] { together[0] = run(); });
-    std::jthread second([&] { together[1] = run(); });
-  }
-  EXPECT_EQ(together[0], alone);
-  EXPECT_EQ(together[1], alone);
-}
-
 TEST(QuadrupedPlantTest, TheRecommendedTolerancesGiveATenthOfAMillimetre) {
   QuadrupedPlantParams params = Params(DogBot());
   params.initial.p_WB[2] += 0.05;
@@ -393,5 +366,4 @@ TEST(QuadrupedPlantTest, RefusesParametersThatMakeNoSense) {
   EXPECT_TRUE(refuses([](auto& p) { p.terrain.friction = -1; }, "friction"));
 }
 
-}  // namespace
 }  // namespace tenon::quadruped_plant_test
