@@ -140,6 +140,7 @@ void CdprLimits::PlatformRow(std::span<const double> row, const Eigen::Vector3d&
 
 void CdprLimits::FloorRow(std::span<const double> row, const Eigen::Vector3d& p_WB,
                           const Eigen::Matrix3d& R_WB) {
+  if (robot_.on_table) return;
   double lowest = LowestCorner(box_, p_WB, R_WB);
   const char* name = "the platform";
   const auto add = [&](double height, const char* of) {
@@ -154,6 +155,7 @@ void CdprLimits::FloorRow(std::span<const double> row, const Eigen::Vector3d& p_
   added_.Visit(row, [&](const std::string& of, const Vec<3>& p_W, double radius) {
     add(p_W[2] - radius, of.c_str());
   });
+  lowest -= robot_.floor;
   heights_.Add(lowest);
   if (lowest < 0)
     breaches_.Add(row[0], "platform, load or cables went through the floor",

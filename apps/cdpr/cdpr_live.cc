@@ -83,12 +83,13 @@ LiveControls CdprLive::Controls() const {
 /// robot cannot reach.
 LiveControls::Goal CdprLive::Goal() const {
   Eigen::AlignedBox3d box;
-  const MovingAnchors anchors(RobotOf(loop_.world.plant));
+  const CdprDescription& robot = RobotOf(loop_.world.plant);
+  const MovingAnchors anchors(robot);
   for (const double time : {0.0, anchors.end_time()})
-    for (const CableDescription& cable : anchors.RobotAt(RobotOf(loop_.world.plant), time).cables)
-      box.extend(cable.anchor_W);
+    for (const CableDescription& cable : anchors.RobotAt(robot, time).cables) box.extend(cable.anchor_W);
   const Vec<3> start = PathOf(loop_)->At(0).position;
-  box.extend(start).extend(Vec<3>(start[0], start[1], 0));
+  box.extend(start);
+  if (!robot.on_table) box.extend(Vec<3>(start[0], start[1], robot.floor));
   return {"reference", {box.min(), box.max()}, [this](Context& context, const Vec<3>& place) {
             const CdprReference& reference = context.Eval(loop_.reference.reference);
             return LiveSets{SetTo(goal_.goal, goal_.GoalAt(place, context.time(), reference))};

@@ -210,7 +210,7 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   CdprLoopParams params;
   params.robot = Blame("robot", [&] { return LoadCdpr(scenario.robot); });
   CdprDescription believed = params.robot;
-  if (!scenario.known_pulleys) believed.winch.pulley_radius = 0;
+  if (!scenario.known_pulleys) believed.RemovePulleys();
   believed.mass *= 1 + scenario.mpc.mass_error;
   believed.inertia_B *= 1 + scenario.mpc.mass_error;
   const PlatformPath path = Blame("path", [&] { return scenario.path.Make(); });

@@ -70,9 +70,8 @@ int main(int argc, char** argv) {
   using namespace tenon::apps;
   CommandLine line(
       "Computes the workspace of a cable robot with six or more cables, proven cell by cell: positions at "
-      "one "
-      "attitude and attitudes at one position, at rest and with the required wrenches; with tension margins, "
-      "stiffness and interference.",
+      "one attitude and attitudes at one position, at rest and with the required wrenches; with tension "
+      "margins, stiffness and interference.",
       "tenon-cdpr-workspace");
   Arguments arguments;
   auto& params = arguments.params;
@@ -101,7 +100,6 @@ int main(int argc, char** argv) {
   line.SetFooter(
       "Writes report.html, summary.json, cells.csv and attitudes.csv to the output directory.\n"
       "Exit codes: 0 ran; 2 bad usage or robot; 4 numerical failure; 5 a file could not be written; 130, 143 "
-      "stopped "
-      "by Ctrl-C, SIGTERM.");
+      "stopped by Ctrl-C, SIGTERM.");
   return RunMain(line, argc, argv, [&] { return Run(arguments); });
 }

@@ -30,7 +30,7 @@ WorkspaceGrid PositionGrid(const CdprDescription& robot, const WorkspaceStudyPar
     low = low.cwiseMin(cable.anchor_W);
     high = high.cwiseMax(cable.anchor_W);
   }
-  low.z() = std::min(low.z(), 0.0);
+  low.z() = std::min(low.z(), robot.floor);
   if (params.low) low = *params.low;
   if (params.high) high = *params.high;
   return WorkspaceGrid::OfSize(low, high, params.cell.value_or((high - low).maxCoeff() / kCells));
@@ -243,7 +243,8 @@ WorkspaceStudy StudyWorkspace(const CdprDescription& given, const WorkspaceStudy
   WorkspaceStudy study{given, params};
   // Cables are treated as straight lines between points.
   CdprDescription& robot = study.robot;
-  robot.cable.mass_per_length = robot.winch.pulley_radius = 0;
+  robot.cable.mass_per_length = 0;
+  robot.RemovePulleys();
   const auto add = [&](const std::string& name, const std::string& title, const PlatformDemand& demand,
                        WorkspaceOptions options) {
     PoseFeasibility feasibility(robot, RequiredWrenches(robot, demand));

@@ -58,13 +58,11 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     wanted.noalias() += by_turn * (shift.turn_W / turn_scale);
     wanted.noalias() -= cables_.structure * at.tension;
   }
-  // The equations out of the plane of a planar robot become 0 = multiplier, and it turns about the normal.
-  Vector6d solved = Vector6d::Ones();
-  if (plane_) {
-    solved.setZero();
-    for (const int motion : plane_->motions) solved[motion] = 1;
-    by_turn = solved.asDiagonal() * by_turn;
-    for (const int other : {1 - plane_->normal, 2}) by_turn.col(other).setZero();
+  // The equations of motions that the cables do not govern become 0 = multiplier.
+  Vector6d solved = Vector6d::Zero();
+  for (const int motion : motions_) solved[motion] = 1;
+  if (motions_.size() < 6) {
+    by_turn = solved.asDiagonal() * by_turn * solved.tail<3>().asDiagonal();
     wanted = solved.asDiagonal() * wanted;
   }
   // Fixes tensions at the bounds that they exceed, one at a time and the largest excess first, as long as

@@ -45,7 +45,7 @@ struct ReferenceShift {
 class BalancedReference {
  public:
   explicit BalancedReference(const CdprDescription& robot)
-      : robot_(robot), anchors_(robot), plane_(PlaneOf(robot)) {}
+      : robot_(robot), anchors_(robot), motions_(MotionsOf(robot)) {}
 
   /// Balances the reference `at`, of `time` [s], when moving anchors have their places. `shift` is the start
   /// of the search and its result; without load and with all cables intact it is set to 0. `broken` has a 1
@@ -62,7 +62,7 @@ class BalancedReference {
  private:
   CdprDescription robot_;
   MovingAnchors anchors_;
-  std::optional<CablePlane> plane_;
+  std::vector<int> motions_;
   CableKinematics cables_;
   Eigen::Matrix3d R_WB_ = Eigen::Matrix3d::Identity();
   Eigen::Vector3d euler_ = Eigen::Vector3d::Zero();

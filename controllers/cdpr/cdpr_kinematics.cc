@@ -25,7 +25,7 @@ constexpr double kInPlane = 1e-9;  // [m]
 
 /// Extends `line` over a pulley; its arm must be set, and `span` is the vector from attachment to anchor.
 void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector3d& span, CableLine& line) {
-  const double radius = robot.winch.pulley_radius, x = std::hypot(span.x(), span.y()), z = -span.z();
+  const double radius = robot.pulley_radius(index), x = std::hypot(span.x(), span.y()), z = -span.z();
   const double from_centre = std::hypot(x - radius, z);
   if (x <= 0 || from_centre <= radius) {  // NaN and infinity pass and propagate
     throw RunError(fmt::format(
@@ -81,7 +81,7 @@ CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Ve
   line.exit_W = cable.anchor_W;
   line.free_length = line.length;
   line.direction = span / line.length;
-  if (robot.winch.pulley_radius > 0) LeadOverPulley(robot, index, span, line);
+  if (robot.pulley_radius(index) > 0) LeadOverPulley(robot, index, span, line);
   line.wrench << line.direction, line.arm_W.cross(line.direction);
   return line;
 }
@@ -105,7 +105,7 @@ void CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_
   cables->direction.resize(3, n);
   cables->length.resize(n);
   cables->free_length.resize(n);
-  cables->swivel.resize(3, robot.winch.pulley_radius > 0 ? n : 0);
+  cables->swivel.resize(3, robot.has_pulleys() ? n : 0);
   cables->structure.resize(6, n);
   for (int i = 0; i < n; ++i) {
     const CableLine line = CalcCableLine(robot, i, p_WB, R_WB, anchors, time);
@@ -134,6 +134,7 @@ CableVector CalcCableLengthRates(const CableKinematics& cables, const Eigen::Vec
 }
 
 std::optional<CablePlane> PlaneOf(const CdprDescription& robot) {
+  if (robot.on_table) return CablePlane{2, robot.cables[0].anchor_W.z(), {0, 1, 5}};
   for (const int normal : {0, 1}) {
     const double at = robot.cables[0].anchor_W[normal];
     const bool within = std::ranges::all_of(robot.cables, [&](const CableDescription& cable) {
@@ -149,9 +150,18 @@ std::optional<CablePlane> PlaneOf(const CdprDescription& robot) {
   return {};
 }
 
+std::vector<int> MotionsOf(const CdprDescription& robot) {
+  std::vector<int> motions{0, 1, 2, 3, 4, 5};
+  if (const auto plane = PlaneOf(robot)) motions.assign(plane->motions.begin(), plane->motions.end());
+  const bool at_com = robot.cables[0].attachment_B.isZero(0);
+  if (robot.ends_in_one_point())
+    std::erase_if(motions, [at_com](int motion) { return motion == 5 || (at_com && motion > 2); });
+  return motions;
+}
+
 Vector6d GravityWrench(const CdprDescription& robot) {
   Vector6d wrench = Vector6d::Zero();
-  wrench[2] = -robot.mass * kGravity;
+  if (!robot.on_table) wrench[2] = -robot.mass * kGravity;
   return wrench;
 }
 
@@ -177,9 +187,14 @@ double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& 
                            const Eigen::Matrix3d& R_WB, const CableVector& tension) {
   // Substitutes x = S y with S^T M S = 1.
   const Eigen::Matrix3d root = R_WB * internal::Cholesky<3>(robot.inertia_B).Lower();
-  Matrix6d S = Matrix6d::Zero();
+  Eigen::MatrixXd S = Matrix6d::Zero();
   S.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() / std::sqrt(robot.mass);
   S.bottomRightCorner<3, 3>() = internal::Inverse<3>(root.transpose());
+
+  if (robot.on_table) {
+    const Matrix6d one = Matrix6d::Identity() / std::sqrt(robot.mass);
+    S = one(Eigen::all, std::vector<int>{0, 1, 5});
+  }
 
   // Cables without tension may go slack and do not constrain the platform.
   std::vector<int> taut;
@@ -189,7 +204,7 @@ double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& 
   if (taut.empty()) return -kInfinity;
   const Eigen::MatrixXd structure = S.transpose() * cables.structure(Eigen::all, taut);
   const RangeBasis range = CalcRangeBasis(structure, kRankTolerance);
-  const int freedoms = 6 - static_cast<int>(range.rank);
+  const int freedoms = static_cast<int>(S.cols() - range.rank);
   if (freedoms == 0) return kInfinity;
 
   const Eigen::MatrixXd motions = S * range.Q.rightCols(freedoms);

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 namespace tenon {
 
@@ -83,18 +84,24 @@ CableKinematics CalcCableKinematics(const CdprDescription& robot, const Eigen::V
 CableVector CalcCableLengthRates(const CableKinematics& cables, const Eigen::Vector3d& v_W,
                                  const Eigen::Vector3d& w_W);
 
-/// The vertical plane of a planar robot: all anchors are in it, and so are all attachments of a platform with
-/// its CoM in it that has only turned about its normal. To first order the tensions neither move the platform
-/// out of the plane nor turn it out of it; there it swings like a pendulum.
+/// The plane of a planar robot: that of the table, or a vertical one if all anchors are in it, and so are all
+/// attachments of a platform with its CoM in it that has only turned about its normal. To first order the
+/// tensions neither move the platform out of the plane nor turn it out of it; it swings out of a vertical one
+/// like a pendulum.
 struct CablePlane {
-  int normal = 0;              ///< 0 for a plane of constant x, 1 for one of constant y
-  double at = 0;               ///< x or y of the plane [m]
+  int normal = 0;              ///< 0 for a plane of constant x, 1 of constant y, 2 of constant z
+  double at = 0;               ///< x, y or z of the plane [m]
   std::array<int, 3> motions;  ///< entries of the twist [v; w], and of a wrench, in the plane
 };
 /// Returns the plane of a planar robot; empty for all other robots, whose motions are in space.
 std::optional<CablePlane> PlaneOf(const CdprDescription& robot);
 
-/// The wrench of gravity on the platform, [0 0 -m 9.81 0 0] [N, N m].
+/// Returns the entries of the twist [v; w], and of a wrench, that the cables govern: those of the plane of a
+/// planar robot, otherwise all. Cables that end in one point do not turn the platform about the vertical, nor
+/// about any axis if the point is its CoM.
+std::vector<int> MotionsOf(const CdprDescription& robot);
+
+/// The wrench of gravity on the platform, [0 0 -m 9.81 0 0] [N, N m]; 0 on a table, which carries it.
 Vector6d GravityWrench(const CdprDescription& robot);
 
 /// d(W u)/d(p, theta) at constant tensions u, theta a rotation vector in W: R_WB -> exp([theta]x) R_WB.

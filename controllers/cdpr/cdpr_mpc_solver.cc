@@ -56,8 +56,8 @@ auto ForCables(int cables, const Make& make) {
 }
 
 /// Returns the infinite-horizon cost to go of the model, linearised at rest at the start of the path and
-/// discretised with `period` [s]. For a planar robot it is that of the motion in the plane; the tensions do
-/// not change the others.
+/// discretised with `period` [s]. It is that of the motions that the cables govern; the tensions do not
+/// change the others.
 template <int n>
 Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double period, const CdprMpcCost& cost) {
   using Problem = CdprTrackingProblem<n>;
@@ -76,10 +76,10 @@ Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double perio
   const Eigen::MatrixXd A = AB.leftCols(12), B = AB.rightCols(cables),
                         R = Eigen::VectorXd::Constant(cables, period * cost.R).asDiagonal(),
                         Q = (period * cost.Q).asDiagonal();
-  const auto plane = PlaneOf(robot);
-  if (!plane) return SolveDiscreteRiccati(A, B, Q, R);
-  std::vector<int> states(plane->motions.begin(), plane->motions.end());
-  for (const int motion : plane->motions) states.push_back(6 + motion);
+  const std::vector<int> motions = MotionsOf(robot);
+  if (motions.size() == 6) return SolveDiscreteRiccati(A, B, Q, R);
+  std::vector<int> states = motions;
+  for (const int motion : motions) states.push_back(6 + motion);
   Eigen::Matrix<double, 12, 12> S = Eigen::Matrix<double, 12, 12>::Zero();
   S(states, states) = SolveDiscreteRiccati(A(states, states), B(states, Eigen::all), Q(states, states), R);
   return S;

@@ -1,6 +1,7 @@
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/controllers/optimization/infinity.h>
+#include <tenon/plants/model/gravity.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/analysis/matrix_functions.h>
@@ -36,23 +37,22 @@ using Eigen::VectorXd;
 using ActiveSet = std::vector<int>;
 
 // min |u|^2 / 2 subject to F(x) = 0 and lower <= u <= upper, with x = [Theta; u]. Tensions and forces are in
-// units of the weight m g, torques in units of m g times the longest arm. For a planar robot Theta is the
-// angle in its plane, and F has the three equations in it.
+// units of the weight m g, torques in units of m g times the longest arm. Theta has the angles, and F the
+// equations, of the motions that the cables govern (MotionsOf).
 class StaticsProblem {
  public:
   StaticsProblem(const CdprDescription& robot, const Eigen::Vector3d& p_WB, const CableVector& tension_min,
                  const CableVector& tension_max)
       : robot_(robot),
         p_WB_(p_WB),
-        weight_(-GravityWrench(robot)[2]),
+        weight_(robot.mass * kGravity),
         lower_(tension_min / weight_),
-        upper_(tension_max / weight_) {
+        upper_(tension_max / weight_),
+        equations_(MotionsOf(robot)) {
     for (const CableDescription& cable : robot.cables) arm_ = std::max(arm_, cable.attachment_B.norm());
     if (!(arm_ > 0)) arm_ = 1;
-    if (const auto plane = PlaneOf(robot)) {
-      angles_ = {plane->normal};
-      equations_ = {plane->motions.begin(), plane->motions.end()};
-    }
+    for (const int motion : equations_)
+      if (motion > 2) angles_.push_back(motion - 3);
   }
 
   int num_angles() const { return static_cast<int>(angles_.size()); }
@@ -76,7 +76,7 @@ class StaticsProblem {
     const CableVector u = x.tail(n);
     const CableKinematics cables = CalcCableKinematics(robot_, p_WB_, RotationFromEuler(euler));
     Vector6d residual = cables.structure * u;
-    residual[2] -= 1;
+    residual += GravityWrench(robot_) / weight_;
     residual.tail<3>() /= arm_;
     if (jacobian) {
       Eigen::Matrix<double, 6, 3> by_angles =
@@ -283,7 +283,7 @@ class StaticsProblem {
   double weight_;
   CableVector lower_, upper_;
   double arm_ = 0;
-  std::vector<int> angles_{0, 1, 2}, equations_{0, 1, 2, 3, 4, 5};  // of roll, pitch, yaw and of the wrench
+  std::vector<int> angles_, equations_;  // of roll, pitch, yaw and of the wrench
 };
 
 [[noreturn]] void Refuse(const CdprDescription& robot, const Eigen::Vector3d& p, const std::string& reason) {
@@ -305,8 +305,9 @@ StaticEquilibrium MakeEquilibrium(const CdprDescription& robot, const Eigen::Vec
   return equilibrium;
 }
 
-bool IsStable(const StaticEquilibrium& equilibrium) {
-  return equilibrium.stiffness_min > kLeastStiffness;
+// Cables that end in one point leave some angles without stiffness.
+bool IsStable(const CdprDescription& robot, const StaticEquilibrium& equilibrium) {
+  return equilibrium.stiffness_min > (robot.ends_in_one_point() ? -kLeastStiffness : kLeastStiffness);
 }
 
 // Returns the least-norm minimum found from the grid of starts, preferably a stable one. If cables have no
@@ -329,7 +330,7 @@ std::optional<StaticEquilibrium> SearchAttitudes(const CdprDescription& robot, c
       continue;
     }
     const StaticEquilibrium found = MakeEquilibrium(robot, p_WB, problem.Euler(x), problem.Tension(x));
-    const bool stable = IsStable(found), best_stable = best && IsStable(*best);
+    const bool stable = IsStable(robot, found), best_stable = best && IsStable(robot, *best);
     if (!best || (stable && !best_stable) ||
         (stable == best_stable && found.tension.norm() < best->tension.norm())) {
       best = found;
@@ -357,10 +358,11 @@ void CheckRobot(const CdprDescription& robot, const StaticsOptions& options) {
           "that the anchors have the same x or the same y, and the attachments have x or y 0, or add a third "
           "cable");
   const int enough = plane ? 3 : 6;
-  require(!options.attitude || n >= enough,
-          fmt::format("an attitude is prescribed, which takes {} cables, and it has {}; leave the attitude "
-                      "free",
-                      enough, n));
+  require(
+      !options.attitude || (n >= enough && !robot.ends_in_one_point()),
+      fmt::format("an attitude is prescribed, which takes {} cables that do not all end in one point, and "
+                  "it has {}; leave the attitude free",
+                  enough, n));
   require(!options.warm_start || options.warm_start->tension.size() == n,
           fmt::format("the warm start has {} tensions for {} cables",
                       options.warm_start ? options.warm_start->tension.size() : 0, n));
@@ -373,18 +375,18 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
   CheckRobot(robot, options);
   if (!p_WB.allFinite()) Refuse(robot, p_WB, "the position is not finite");
   if (const auto plane = PlaneOf(robot)) {
-    const char axis = "xy"[plane->normal];
+    const char axis = "xyz"[plane->normal];
     if (std::abs(p_WB[plane->normal] - plane->at) > kInPlane)
       Refuse(robot, p_WB, fmt::format("its cables move it in the plane {} = {:.4g} m only", axis, plane->at));
-    const Eigen::Vector3d euler = options.attitude.value_or(Eigen::Vector3d::Zero());
-    if (euler[1 - plane->normal] != 0 || euler[2] != 0)
-      Refuse(robot, p_WB, fmt::format("its cables turn it about {} only", axis));
+    Eigen::Vector3d euler = options.attitude.value_or(Eigen::Vector3d::Zero());
+    euler[plane->normal] = 0;
+    if (!euler.isZero(0)) Refuse(robot, p_WB, fmt::format("its cables turn it about {} only", axis));
   }
   const CableVector lower = robot.tension_min(), upper = robot.tension_max();
   const auto refuse_if_above = [&] {
     double height = -kInfinity;
     for (const CableDescription& cable : robot.cables) height = std::max(height, cable.anchor_W.z());
-    if (p_WB.z() >= height) {
+    if (!robot.on_table && p_WB.z() >= height) {
       Refuse(robot, p_WB, fmt::format("it is not below the highest anchor, at z = {:.4g} m", height));
     }
   };
@@ -404,7 +406,7 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
       Refuse(robot, p_WB, "at the prescribed attitude " + found.reason);
     }
     const StaticEquilibrium equilibrium = MakeEquilibrium(robot, p_WB, *options.attitude, found.tension);
-    if (!IsStable(equilibrium)) {
+    if (!IsStable(robot, equilibrium)) {
       Refuse(robot, p_WB,
              fmt::format("the prescribed attitude is unstable, its least stiffness is {:.3g} N/m",
                          equilibrium.stiffness_min));
@@ -418,26 +420,21 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
     try {
       if (problem.Polish(&x)) {
         const StaticEquilibrium found = MakeEquilibrium(robot, p_WB, problem.Euler(x), problem.Tension(x));
-        if (IsStable(found)) return found;
+        if (IsStable(robot, found)) return found;
       }
     } catch (const RunError&) {  // as in the search
     }
   }
   std::string obstacle;
   const std::optional<StaticEquilibrium> found = SearchAttitudes(robot, p_WB, problem, &obstacle);
-  if (found && IsStable(*found)) return *found;
+  if (found && IsStable(robot, *found)) return *found;
 
   refuse_if_above();
-  if (found) {
-    const bool one_point = std::ranges::all_of(robot.cables, [&](const CableDescription& cable) {
-      return cable.attachment_B == robot.cables[0].attachment_B;
-    });
-    Refuse(robot, p_WB,
-           one_point ? "all cables end in one point, so that nothing holds the attitude; give them different "
-                       "attachments"
-                     : fmt::format("its equilibria are unstable, the least stiffness is {:.3g} N/m",
-                                   found->stiffness_min));
-  }
+  if (found)
+    Refuse(
+        robot, p_WB,
+        fmt::format("its equilibria are unstable, the least stiffness is {:.3g} N/m{}", found->stiffness_min,
+                    robot.ends_in_one_point() ? "; attach the cables above the CoM" : ""));
   if (!obstacle.empty()) Refuse(robot, p_WB, obstacle);
   // Finds the bound that prevents an equilibrium.
   const CableVector infinite = CableVector::Constant(robot.num_cables(), kInfinity);
@@ -447,13 +444,13 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
     const double excess = (pushed->tension - upper).cwiseMax(lower - pushed->tension).maxCoeff(&worst);
     if (excess > kLeastExcess) {
       Refuse(robot, p_WB,
-             fmt::format("cable {} of {} would need {:.2f} N, outside its bounds [{:g}, {:g}] N", worst,
+             fmt::format("cable {} of {} would need {:.5g} N, outside its bounds [{:g}, {:g}] N", worst,
                          robot.num_cables(), pushed->tension[worst], lower[worst], upper[worst]));
     }
   }
   CdprDescription point_mass = robot;
   for (CableDescription& cable : point_mass.cables) cable.attachment_B.setZero();
-  point_mass.winch.pulley_radius = 0;
+  point_mass.RemovePulleys();
   const CableKinematics cables = CalcCableKinematics(point_mass, p_WB, Eigen::Matrix3d::Identity());
   const TensionDistribution held = DistributeTension(cables.structure, -GravityWrench(robot), lower, upper);
   if (!held.feasible) Refuse(robot, p_WB, "torques aside, " + held.reason);

@@ -104,6 +104,7 @@ KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot) : cabl
   attachment_B_.setZero(anchor_W_.rows(), 3);
   for (int i = 0; i < cables_; ++i)
     anchor_W_.row(i) = robot.cables[static_cast<std::size_t>(i)].anchor_W.transpose();
+  gravity_ = robot.on_table ? 0 : kGravity;
   SetPayload(robot, {robot, {}});
 }
 
@@ -118,7 +119,7 @@ void KinoCentroidalModel<n>::SetPayload(const CdprDescription& robot, const Load
 template <int n>
 void KinoCentroidalModel<n>::SetPose(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
                                      const Eigen::Matrix3d& R_WB) {
-  if (robot.winch.pulley_radius == 0) return;
+  if (!robot.has_pulleys()) return;
   for (int i = 0; i < robot.num_cables(); ++i)
     anchor_W_.row(i) = CalcCableLine(robot, i, p_WB, R_WB).exit_W.transpose();
 }
@@ -176,7 +177,7 @@ TENON_INLINE void KinoCentroidalModel<n>::CalcRate(Eigen::Index column, const La
         inertia_inverse_(r, 0) * L_B[0] + inertia_inverse_(r, 1) * L_B[1] + inertia_inverse_(r, 2) * L_B[2];
   for (int r = 0; r < 3; ++r) w[r] = R[r][0] * w_B[0] + R[r][1] * w_B[1] + R[r][2] * w_B[2];
   attitude.EulerRate(w[0], w[1], w[2], rate);
-  dx[0] = a - Lanes{0, 0, kGravity, 0};
+  dx[0] = a - Lanes{0, 0, gravity_, 0};
   dx[1] = Lanes{b[0], b[1], x[0][0], x[0][1]};
   dx[2] = Lanes{x[0][2], rate[0], rate[1], rate[2]};
 }
@@ -303,7 +304,7 @@ TENON_INLINE void KinoCentroidalModel<n>::LinearizeFour(const int (&node)[4], co
       f.momentum_by_pose[3 + c][3 + r] = mass_inverse_ * by_euler[1][c];
     }
   }
-  dx[2] -= kGravity;
+  dx[2] -= gravity_;
 
   const Lanes L[3] = {x[3], x[4], x[5]};
   Lanes mobility[3][3], w[3];

@@ -106,6 +106,7 @@ class KinoCentroidalModel {
                          const double* wrench, internal::Lanes (&sum)[12]);
 
   int cables_;
+  double gravity_;  // 0 on a table [m/s^2]
   double mass_inverse_;
   Eigen::Matrix3d inertia_inverse_;  // m I^{-1}, in B
   // One row per cable; anchors that move have three columns per node of the horizon.

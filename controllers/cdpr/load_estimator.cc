@@ -43,7 +43,8 @@ LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const Imu
     pull += cables.tension[i] *
             CalcCableLine(robot, i, estimate.platform.p_WB, R_WB, anchors, estimate.time).wrench;
   const Eigen::Vector3d w = R_WB * inertial.angular_velocity_B;
-  const Eigen::Vector3d specific_force = R_WB * inertial.specific_force_B;
+  Eigen::Vector3d specific_force = R_WB * inertial.specific_force_B;
+  if (robot.on_table) specific_force[2] = 0;  // the table carries the weight
   const Eigen::Vector3d momentum = R_WB * (robot.inertia_B * inertial.angular_velocity_B);
   if (!memory.started) {
     memory.started = true;

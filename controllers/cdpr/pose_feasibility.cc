@@ -26,16 +26,15 @@ double Lever(const CdprDescription& robot) {
 
 int WrenchRows(const CdprDescription& robot) {
   if (PlaneOf(robot))
-    throw ParameterError(fmt::format(
-        "robot '{}' moves in a vertical plane; workspaces are computed only for robots that move in space",
-        robot.name));
+    throw ParameterError(
+        fmt::format("robot '{}' moves in a plane; workspaces are computed only for robots that move in space",
+                    robot.name));
   const int rows = Lever(robot) > kPoint ? 6 : 3;
   if (robot.num_cables() < rows) {
     throw ParameterError(fmt::format(
         "robot '{}' has {} cables, too few for a wrench-feasible workspace, which takes six: with fewer the "
         "platform's attitude cannot be prescribed, and it rests at single attitudes; take another robot, or "
-        "let "
-        "tenon-cdpr find them along a path",
+        "let tenon-cdpr find them along a path",
         robot.name, robot.num_cables()));
   }
   return rows;
@@ -86,7 +85,7 @@ PoseFeasibility::PoseFeasibility(const CdprDescription& robot, const WrenchBox& 
       derivative_(static_cast<std::size_t>(robot.num_cables()), Matrix6d::Zero()),
       gain_(robot.num_cables()),
       spread_(robot.num_cables()) {
-  robot_.winch.pulley_radius = 0;
+  robot_.RemovePulleys();
   if (rows_ == 6) {
     required_.centre.tail(3) /= lever_;
     required_.half_width.tail(3) /= lever_;

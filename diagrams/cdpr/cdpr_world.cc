@@ -16,6 +16,7 @@ CdprPlantParams AtRest(const CdprLoopParams& loop) {
   CdprPlantParams params;
   params.robot = loop.robot;
   params.extend = loop.extend;
+  if (loop.robot.on_table) params.gravity = 0;
   params.p_WB = start.position + loop.start_offset;
   params.euler = start.euler + loop.start_turn;
   params.initial_tension = start.tension;
@@ -79,7 +80,7 @@ const OutputPort<ImuMeasurement>& AddImuErrors(Subdiagram& loop, const CdprHardw
   }
   const Eigen::Matrix3d R_WB = RotationFromEuler(start.euler);
   return Late<ImuMeasurement>(loop, "inertial", *measured,
-                              {Vec<3>::Zero(), R_WB.transpose() * Vec<3>(0, 0, start.gravity)},
+                              {Vec<3>::Zero(), R_WB.transpose() * Vec<3>(0, 0, imu.params.gravity)},
                               imu.params.rate, hardware.imu_delay);
 }
 

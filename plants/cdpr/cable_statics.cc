@@ -112,7 +112,7 @@ CableStatics CalcCableStatics(const CdprDescription& robot, int index, const Vec
 
   CableStatics out;
   out.anchor_W = out.exit_W = robot.cables[static_cast<std::size_t>(index)].anchor_W;
-  Lead lead{robot.winch.pulley_radius, std::hypot(span_W[0], span_W[1]), -span_W[2]};
+  Lead lead{robot.pulley_radius(index), std::hypot(span_W[0], span_W[1]), -span_W[2]};
   if (lead.x > 0) out.plane_W = Vec<3>(-span_W[0], -span_W[1], 0) / lead.x;
   const double from_center = std::hypot(lead.x - lead.radius, lead.z);
   if (lead.radius > 0 && !(from_center > lead.radius && lead.x > 0))

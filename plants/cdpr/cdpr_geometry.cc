@@ -34,12 +34,12 @@ double Thickening(const CdprDescription& robot) {
   return span / kSpan;
 }
 
-/// Places an anchor and the post that follows it.
-void PlaceFixture(const Vec<3>& anchor_W, Shape* anchor) {
+/// Places an anchor and the post that follows it, up from the floor.
+void PlaceFixture(const Vec<3>& anchor_W, double floor, Shape* anchor) {
   Shape* const post = anchor + 1;
   anchor->p_W = anchor_W;
-  post->p_W = {anchor_W[0], anchor_W[1], 0};
-  post->vector_W = {0, 0, anchor_W[2]};
+  post->p_W = {anchor_W[0], anchor_W[1], floor};
+  post->vector_W = {0, 0, anchor_W[2] - floor};
 }
 
 }  // namespace
@@ -61,16 +61,16 @@ Geometry MakeCdprGeometry(const CdprDescription& robot) {
     for (std::size_t k = 0; k < PiecesPerCable(robot); ++k)
       shapes.push_back(
           Shape::Segment(ShapeRole::kLine, "cable " + std::to_string(i), thicker * kCableRadius, "N"));
-  if (robot.winch.pulley_radius > 0)
+  if (robot.has_pulleys())
     for (std::size_t i = 0; i < robot.cables.size(); ++i)
       shapes.push_back(Shape::Cylinder(ShapeRole::kFixture, "pulley " + std::to_string(i),
-                                       robot.winch.pulley_radius, kPulleyWidth));
+                                       robot.pulley_radius(static_cast<Eigen::Index>(i)), kPulleyWidth));
   for (std::size_t i = 0; i < robot.cables.size(); ++i) {
     Shape anchor = Shape::Sphere(ShapeRole::kFixture, "anchor " + std::to_string(i), thicker * kAnchorRadius);
     Shape post = Shape::Segment(ShapeRole::kFixture, "post " + std::to_string(i), thicker * kPostRadius);
     shapes.push_back(std::move(anchor));
     shapes.push_back(std::move(post));
-    PlaceFixture(robot.cables[i].anchor_W, &shapes[shapes.size() - 2]);
+    PlaceFixture(robot.cables[i].anchor_W, robot.floor, &shapes[shapes.size() - 2]);
   }
   return shapes;
 }
@@ -88,11 +88,11 @@ void MoveCdprGeometry(const CdprDescription& robot, const PlatformState& platfor
   ball.visible = payload.mass > 0;
   ball.p_W = platform.p_WB + R_WB * payload.p_B;
   const std::size_t pieces = PiecesPerCable(robot);
-  const double radius = robot.winch.pulley_radius;
-  const std::size_t first_fixture = kFirstCable + robot.cables.size() * (pieces + (radius > 0 ? 1 : 0));
+  const bool has_pulleys = robot.has_pulleys();
+  const std::size_t first_fixture = kFirstCable + robot.cables.size() * (pieces + (has_pulleys ? 1 : 0));
   for (std::size_t i = 0; i < robot.cables.size(); ++i) {
     const CableStatics& cable = cables[i];
-    PlaceFixture(cable.anchor_W, &shapes[first_fixture + 2 * i]);
+    PlaceFixture(cable.anchor_W, robot.floor, &shapes[first_fixture + 2 * i]);
     const Vec<3> attachment_W = platform.p_WB + R_WB * robot.cables[i].attachment_B;
     Vec<3> from_W = attachment_W;
     for (std::size_t k = 0; k < pieces; ++k) {
@@ -108,8 +108,10 @@ void MoveCdprGeometry(const CdprDescription& robot, const PlatformState& platfor
       piece.value = tension[static_cast<Eigen::Index>(i)];
       from_W = to_W;
     }
-    if (radius == 0) continue;
+    if (!has_pulleys) continue;
+    const double radius = robot.pulley_radius(static_cast<Eigen::Index>(i));
     Shape& pulley = shapes[kFirstCable + robot.cables.size() * pieces + i];
+    pulley.visible = radius > 0;
     pulley.p_W = cable.anchor_W + radius * cable.plane_W;
     // A quarter turn about the horizontal direction of the plane brings z to the pulley's axle.
     const double half = std::numbers::sqrt2 / 2;

@@ -23,7 +23,9 @@ Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,
 
 Verdict CdprMonitor::CheckPlace(double time, const PlatformState& platform, double floor) const {
   const double lowest = LowestCorner(half_, platform.p_WB, platform.R_WB());
-  if (lowest < floor) return fmt::format("the platform reaches {:.3g} m below the floor", floor - lowest);
+  if (lowest < floor && !params.robot.on_table)
+    return fmt::format("the platform reaches {:.3g} m below the floor at {:.3g} m (floor_m of the robot)",
+                       floor - lowest, floor);
 
   const auto anchor_W = [&](int i) -> Eigen::Vector3d {
     return params.robot.cables[static_cast<std::size_t>(i)].anchor_W + anchors_.At(i, time).position;

@@ -12,14 +12,13 @@ struct CdprMonitorParams {
   CdprDescription robot;
   bool forbid_slack = true;        ///< a slack cable ends the run
   double max_tension_ratio = 1.1;  ///< largest tension over the winches' tension_max
-  double floor = 0;                ///< minimum height of the platform's box in W [m]
   Rate rate = Hz(1000);
 };
 
 /// Ends the run of a cable robot if
 ///  - a cable is slack, unless `forbid_slack` is false;
 ///  - a tension exceeds max_tension_ratio tension_max;
-///  - the PlatformBox reaches below the floor;
+///  - the PlatformBox reaches below the floor, unless it slides on a table;
 ///  - the distance of the CoM from the centre of the anchors exceeds twice that of the farthest anchor.
 ///
 /// The reason names the cable and the excess.
@@ -36,7 +35,7 @@ class CdprMonitor final : public LeafSystem<CdprMonitorParams> {
                                       "maximum tension over the winches' tension_max",
                                       Range().AtLeast(1).Because("commands go up to tension_max")};
   Parameter<double> floor{
-      this, {"floor", "m"}, params.floor, "minimum height of the platform's box", Range().Finite()};
+      this, {"floor", "m"}, params.robot.floor, "minimum height of the platform's box", Range().Finite()};
   Monitor tension{this, "tension", Sampled{params.rate}, Uses(cables, forbid_slack, max_tension_ratio),
                   &CdprMonitor::CheckTension};
   Monitor place{this, "place", Sampled{params.rate}, Uses(time, platform, floor), &CdprMonitor::CheckPlace};

@@ -41,6 +41,11 @@ void CdprPlantParams::Validate() const {
   CheckFinite("v_W", v_W);
   CheckFinite("w_W", w_W);
   if (!std::isfinite(gravity)) throw ParameterError(fmt::format("gravity is {}; give m/s^2", gravity));
+  if (robot.on_table && (gravity != 0 || extend))
+    throw ParameterError(
+        fmt::format("robot '{}' slides on a table, which carries its weight; give gravity 0, and attach no "
+                    "bodies to it",
+                    robot.name));
   if (gravity < 0 && robot.cable.mass_per_length > 0)
     throw ParameterError(
         fmt::format("gravity is {} m/s^2, but cables with mass hang downwards; give 0 or more", gravity));
@@ -184,7 +189,11 @@ void CdprPlant::CalcBody(const PlatformState& x, const CableForces& cables, cons
                          const PlatformWrench& wrench, FreeRigidBody* out) const {
   if (payload.mass < 0)
     throw RunError(fmt::format("the payload's mass is {} kg; give 0 for none, or more", payload.mass));
-  if (!params.extend) out->Calc(x, Sum(cables.wrench, wrench), payload, params.gravity);
+  if (params.extend) return;
+  if (!params.robot.on_table) return out->Calc(x, Sum(cables.wrench, wrench), payload, params.gravity);
+  PlatformWrench level = Sum(cables.wrench, wrench);
+  level.force_W[2] = level.torque_W[0] = level.torque_W[1] = 0;
+  out->Calc(x, level, {payload.mass, {payload.p_B[0], payload.p_B[1], 0}}, 0);
 }
 
 void CdprPlant::CalcExtended(double time, const PlatformState& x, const Eigen::VectorXd& q,

@@ -104,6 +104,25 @@ double CdprDescription::tension_max(Eigen::Index i) const {
   return cables[static_cast<std::size_t>(i)].tension_max.value_or(cable.tension_max);
 }
 
+double CdprDescription::pulley_radius(Eigen::Index i) const {
+  return cables[static_cast<std::size_t>(i)].pulley_radius.value_or(winch.pulley_radius);
+}
+
+bool CdprDescription::has_pulleys() const {
+  return std::ranges::any_of(
+      cables, [this](const auto& each) { return each.pulley_radius.value_or(winch.pulley_radius) > 0; });
+}
+
+void CdprDescription::RemovePulleys() {
+  winch.pulley_radius = 0;
+  for (CableDescription& each : cables) each.pulley_radius.reset();
+}
+
+bool CdprDescription::ends_in_one_point() const {
+  return std::ranges::all_of(
+      cables, [this](const auto& each) { return each.attachment_B == cables[0].attachment_B; });
+}
+
 CableVector CdprDescription::tension_min() const {
   return CableVector::NullaryExpr(num_cables(), [this](Eigen::Index i) { return tension_min(i); });
 }
@@ -137,6 +156,13 @@ void CdprDescription::Validate() const {
                       "tension_max_N or lower its tension_min_N, or those of cable_properties",
                       i, tension_min(i), tension_max(i)));
   winch.Validate();
+  const bool level = std::ranges::all_of(cables, [this](const CableDescription& each) {
+    return each.anchor_W.z() == cables[0].anchor_W.z() && each.attachment_B.z() == 0 && !each.anchor_path;
+  });
+  if (on_table && (!level || has_pulleys() || cable.mass_per_length > 0))
+    throw ParameterError(
+        "on_table is true, but the cables are not level; give all anchors the same z and all attachments z = "
+        "0, and no anchor_path, pulley_radius_m or mass_kg_per_m");
   if (!winch.differential) return;
   for (const auto& [i, j] : winch.differential->pairs)
     if (std::max(i, j) >= num_cables())

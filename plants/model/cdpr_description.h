@@ -36,6 +36,7 @@ struct CableDescription {
       Eigen::Vector3d::Zero();                 ///< attachment, from the CoM, in the platform frame [m]
   std::optional<double> tension_min = {};      ///< limit of this cable; empty: that of all cables [N]
   std::optional<double> tension_max = {};      ///< limit of this cable; empty: that of all cables [N]
+  std::optional<double> pulley_radius = {};    ///< of this cable's pulley; empty: that of all winches [m]
   std::optional<AnchorPath> anchor_path = {};  ///< motion of the anchor; empty: it stands
 
   static FieldList Fields() {
@@ -43,6 +44,7 @@ struct CableDescription {
             Required("attachment_m", &CableDescription::attachment_B),
             Field("tension_min_N", &CableDescription::tension_min).AtLeast(0).Because("a cable cannot push"),
             Field("tension_max_N", &CableDescription::tension_max).Finite(),
+            Field("pulley_radius_m", &CableDescription::pulley_radius).AtLeast(0),
             {"anchor_path", &CableDescription::anchor_path}};
   }
 };
@@ -134,8 +136,9 @@ struct WinchProperties {
   double reel_damping =
       0;  ///< tension error per reeling speed in tension mode, friction in torque mode [N s/m]
   double effective_mass =
-      0;                     ///< rotor inertia over drum radius squared, gear included [kg]; torque mode only
-  double pulley_radius = 0;  ///< radius of the pulley at the anchor; 0: a point [m]
+      0;  ///< rotor inertia over drum radius squared, gear included [kg]; torque mode only
+  double pulley_radius =
+      0;  ///< radius of the pulleys at the anchors, where a cable has none of its own; 0: a point [m]
   std::optional<DrumProperties> drum = {};                  ///< constant radius if not given
   std::optional<DifferentialProperties> differential = {};  ///< none: a motor per drum
 
@@ -166,10 +169,18 @@ struct CdprDescription {
   std::vector<CableDescription> cables;                 ///< two cables or more
   CableProperties cable;                                ///< properties of all cables
   WinchProperties winch;                                ///< properties of all winches
+  double floor = 0;                                     ///< height of the floor in W [m]
+  /// Whether the platform slides without friction on a level table, which carries its weight and all forces
+  /// and torques that would lift or tilt it.
+  bool on_table = false;
 
   int num_cables() const { return static_cast<int>(cables.size()); }
-  double tension_min(Eigen::Index i) const;  ///< lower bound of the commanded tension of a cable [N]
-  double tension_max(Eigen::Index i) const;  ///< upper bound of the commanded tension of a cable [N]
+  double tension_min(Eigen::Index i) const;    ///< lower bound of the commanded tension of a cable [N]
+  double tension_max(Eigen::Index i) const;    ///< upper bound of the commanded tension of a cable [N]
+  double pulley_radius(Eigen::Index i) const;  ///< radius of the pulley of a cable; 0: none [m]
+  bool has_pulleys() const;                    ///< whether a cable has a pulley
+  void RemovePulleys();                        ///< makes all cables leave from points
+  bool ends_in_one_point() const;              ///< whether all cables have the same attachment
   CableVector tension_min() const;
   CableVector tension_max() const;
   void LimitTension(CableVector* tension) const;  ///< clamps tensions [N] to these bounds; does not allocate
@@ -180,10 +191,13 @@ struct CdprDescription {
             Required("inertia_kg_m2", &CdprDescription::inertia_B),
             Required("cables", &CdprDescription::cables),
             Required("cable_properties", &CdprDescription::cable),
-            Required("winch", &CdprDescription::winch)};
+            Required("winch", &CdprDescription::winch),
+            Field("floor_m", &CdprDescription::floor).Finite(),
+            {"on_table", &CdprDescription::on_table}};
   }
   /// Throws ParameterError for a mass that is not positive, an inertia that no rigid body has, too few
-  /// cables, two cables in one place, and invalid properties of the parts.
+  /// cables, two cables in one place, cables on a table that are not level, and invalid properties of the
+  /// parts.
   void Validate() const;
 };
 

@@ -209,6 +209,34 @@ TEST(InverseGeometricoStatic, FourCablesOfAPlanarRobotHaveTheLeastTensions) {
   EXPECT_LT(RelativeResidual(robot, turned), 1e-12);
 }
 
+// The platform hangs upright below the point, and the forces at the point balance.
+TEST(InverseGeometricoStatic, CablesInOnePointHoldTheCom) {
+  for (const int cables : {3, 4})
+    for (const double above : {0.0, 0.1}) {
+      SCOPED_TRACE(std::to_string(cables) + " cables, above by " + std::to_string(above));
+      CdprDescription robot = test::OnePointRobot(cables, above);
+      robot.cable.tension_min = 1;
+      const StaticEquilibrium found = SolveInverseGeometricoStatic(robot, {1, 0.5, 2});
+      EXPECT_THAT(found.euler, IsNear(Vector3d::Zero(), 1e-9));
+      Vector3d force(0, 0, -9.81 * robot.mass);
+      for (int i = 0; i < cables; ++i)
+        force +=
+            found.tension[i] *
+            (robot.cables[static_cast<std::size_t>(i)].anchor_W - Vector3d(1, 0.5, 2 + above)).normalized();
+      EXPECT_THAT(force, IsNear(Vector3d::Zero(), 1e-9));
+      EXPECT_GE(found.tension.minCoeff(), 1 - 1e-9);
+    }
+}
+
+// The table carries the weight: tensions are as low as their bound permits, and balance in the plane.
+TEST(InverseGeometricoStatic, ATableCarriesTheWeight) {
+  const CdprDescription robot = test::TableRobot();
+  const StaticEquilibrium found = SolveInverseGeometricoStatic(robot, {0.3, 0.2, 1});
+  EXPECT_LT((CalcCableKinematics(robot, found.p_WB, found.R_WB).structure * found.tension).norm(), 1e-9);
+  EXPECT_NEAR(found.tension.minCoeff(), 30, 1e-9);
+  EXPECT_EQ(found.euler.head<2>(), Eigen::Vector2d::Zero());
+}
+
 TEST(InverseGeometricoStatic, RefusesPlacesOutOfThePlane) {
   const CdprDescription planar = test::PlanarRobot(4);
   EXPECT_TRUE(RefusesPlace(planar, {0, 0.1, 2}, {}, "'planar'", "in the plane y = 0 m only"));
@@ -217,9 +245,10 @@ TEST(InverseGeometricoStatic, RefusesPlacesOutOfThePlane) {
       RefusesPlace(test::PlanarRobot(2), {0, 0, 2}, {.attitude = Vector3d::Zero()}, "takes 3 cables"));
   CdprDescription oblique = test::PlanarRobot(2);
   oblique.cables[0].anchor_W[1] = 1;
-  CdprDescription point = test::ThreeCableRobot();
-  for (CableDescription& cable : point.cables) cable.attachment_B = {0, 0, 0.1};
-  EXPECT_TRUE(RefusesPlace(point, {0.5, 0, 2}, {}, "all cables end in one point"));
+  EXPECT_TRUE(RefusesPlace(test::TableRobot(), {0, 0, 2}, {}, "in the plane z = 1 m only"));
+  EXPECT_TRUE(RefusesPlace(test::OnePointRobot(4, -0.1), {0.5, 0, 2}, {}, "attach the cables above the CoM"));
+  EXPECT_TRUE(RefusesPlace(test::OnePointRobot(4, 0.1), {0, 0, 2}, {.attitude = Vector3d::Zero()},
+                           "cables that do not all end in one point"));
   EXPECT_TRUE(RefusesPlace(oblique, {0, 0, 2}, {}, "the vertical plane of their anchors"));
 }
 

@@ -180,7 +180,7 @@ TEST(PoseFeasibilityTest, RefusesRobotsThatHaveNoSuchWorkspace) {
 TEST(PoseFeasibilityPlanarTest, APlanarRobotIsRefused) {
   const CdprDescription robot = test::PlanarRobot(4);
   EXPECT_TRUE(Throws<ParameterError>([&] { PoseFeasibility(robot, RequiredWrenches(robot, {})); }, "'planar'",
-                                     "vertical plane"));
+                                     "in a plane"));
 }
 
 }  // namespace tenon::pose_feasibility_test

@@ -148,6 +148,35 @@ TEST(FewCables, FollowTheCircleUnderPdAndMpc) {
   }
 }
 
+// Cables in one point, at the CoM and above it, and a platform on a table, which a gust cannot lift or tilt.
+TEST(FewCables, FollowTheCircleInOnePointAndOnATable) {
+  for (const CdprDescription& robot :
+       {test::OnePointRobot(4, 0), test::OnePointRobot(4, 0.1), test::TableRobot()}) {
+    const auto path =
+        std::make_shared<EquilibriumPath>(robot, Path::Circle({0, 0, robot.on_table ? 1 : 2}, 0.3, 12, 2));
+    for (const bool mpc : {false, true}) {
+      SCOPED_TRACE(robot.name + (mpc ? ", MPC" : ", PD"));
+      CdprLoopParams params = mpc ? test::WithMpc(robot, path) : test::WithPd(robot, path);
+      if (mpc) params.offset_free = true;
+      params.forbid_slack = false;
+      if (robot.on_table) params.gusts.gusts.push_back({{1, 0, 50}, 1, 0.5});
+      DiagramBuilder builder;
+      auto& loop = builder.Add<CdprLoop>("loop", params);
+      const auto diagram = builder.Build();
+      Simulator simulator(*diagram, {.order = 2, .rtol = 1e-4, .atol = 1e-6});
+      const RunStatus status = simulator.AdvanceTo(6);
+      ASSERT_FALSE(status.ended) << status.reason;
+      const PlatformState platform = simulator.context().Eval(loop.platform);
+      const CdprReference reference = simulator.context().Eval(loop.reference.reference);
+      const Vec<3> euler = EulerFromRotation(platform.R_WB());
+      EXPECT_LT((platform.p_WB - reference.position).norm(), mpc ? 0.005 : 0.03);
+      EXPECT_LT(euler.head<2>().norm(), 0.05);
+      if (robot.on_table) EXPECT_EQ(Vec<3>(euler[0], euler[1], platform.p_WB[2]), Vec<3>(0, 0, 1));
+      if (mpc) EXPECT_EQ(simulator.context().Eval(loop.control.mpc->diagnostics).fallbacks, 0);
+    }
+  }
+}
+
 // The platform holds its place while every anchor moves. Controllers that do not know of it err much more.
 TEST(MovingAnchors, AreFollowedUnderPdAndMpcWithoutAllocating) {
   const CdprDescription standing = test::FourCableRobot();

@@ -90,6 +90,13 @@ TEST(CdprMonitorTest, EndsTheRunWhenTheBoxReachesBelowTheFloor) {
   EXPECT_FALSE(tilted.RunOn().ended);
   tilted.SetPlatform(on_edge - 0.001, M_PI / 4);
   EXPECT_TRUE(tilted.RunOn().ended);
+  CdprMonitorParams deep{.robot = test::FourCableRobot()};
+  deep.robot.floor = -1;
+  Rig low(deep);
+  low.SetPlatform(-0.9);
+  EXPECT_FALSE(low.RunOn().ended);
+  low.SetPlatform(-0.92);
+  EXPECT_THAT(low.RunOn().reason, HasSubstr("below the floor at -1 m"));
 }
 
 // The anchors are sqrt(3.5² + 4.5²) = 5.701 m from their middle, which is 4 m high.

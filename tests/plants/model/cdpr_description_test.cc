@@ -179,6 +179,7 @@ TEST(CdprDescriptionTest, RefusesImpossibleNumbers) {
       {[](auto& robot) { robot.cables[2].tension_min = 800; }, "cables.2"},
       {[](auto& robot) { robot.cables[3].tension_min = -5; }, "tension_min"},
       {[](auto& robot) { robot.cable.mass_per_length = -1; }, "mass_kg_per_m"},
+      {[](auto& robot) { robot.on_table = true; }, "on_table"},
       {[](auto& robot) { robot.winch.time_constant = 0; }, "time_constant"},
       {[](auto& robot) { robot.winch.reel_damping = 0; }, "reel_damping"},
       {[](auto& robot) { robot.winch.effective_mass = -1; }, "effective_mass"},
@@ -225,9 +226,12 @@ TEST(CdprDescriptionTest, ACableMayHaveLimitsOfItsOwn) {
   auto document = YamlDocument::Load(kRobots + "/cdpr_4.yaml");
   document.Set("cables.1.tension_max_N", "300");
   document.Set("cables.2.tension_min_N", "5");
+  document.Set("cables.3.pulley_radius_m", "0.03");
   const auto robot = document.Read<CdprDescription>();
   EXPECT_EQ(robot.tension_max(), (CableVector{{800, 300, 800, 800}}));
   EXPECT_EQ(robot.tension_min(), (CableVector{{0, 0, 5, 0}}));
+  EXPECT_EQ(robot.pulley_radius(0), 0);
+  EXPECT_EQ(robot.pulley_radius(3), 0.03);
   CableVector tension{{900, 900, 0, 100}};
   robot.LimitTension(&tension);
   EXPECT_EQ(tension, (CableVector{{800, 300, 5, 100}}));

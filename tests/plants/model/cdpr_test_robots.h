@@ -54,6 +54,28 @@ inline CdprDescription ThreeCableRobot() {
   return robot;
 }
 
+/// Three or four cables from 4 m high to one point `above` the CoM [m].
+inline CdprDescription OnePointRobot(int cables, double above) {
+  CdprDescription robot = FourCableRobot();
+  robot.name = "point";
+  robot.cables.resize(static_cast<std::size_t>(cables));
+  for (CableDescription& cable : robot.cables) cable.attachment_B = {0, 0, above};
+  return robot;
+}
+
+/// Four cables that draw a bar over a level table, 1 m high.
+inline CdprDescription TableRobot() {
+  CdprDescription robot = FourCableRobot();
+  robot.name = "table";
+  robot.on_table = true;
+  robot.cable.tension_min = 30;
+  for (CableDescription& cable : robot.cables) {
+    cable.anchor_W = {cable.anchor_W.x() / 2, cable.anchor_W.y() / 2, 1};
+    cable.attachment_B = {2 * cable.attachment_B.x(), 0, 0};
+  }
+  return robot;
+}
+
 /// A planar robot in y = 0 with two cables from above or, with four, two from below as well.
 inline CdprDescription PlanarRobot(int cables) {
   CdprDescription robot = FourCableRobot();
