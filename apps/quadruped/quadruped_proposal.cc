@@ -56,10 +56,12 @@ struct Foot {
 
 class Proposal {
  public:
-  Proposal(const std::filesystem::path& path, const UrdfLegsOptions& options, bool strict)
+  Proposal(const std::filesystem::path& path, const UrdfLegsOptions& options, bool strict,
+           std::optional<double> mass)
       : path_(path),
         file_(internal::ReadUrdfFile(path)),
         strict_(strict),
+        mass_(mass),
         found_(FindUrdfLegs(file_, options)),
         notes_(found_.notes) {
     for (std::size_t i = 0; i < kNumLegs; ++i) feet_[i] = FindFoot(legs_[i]);
@@ -142,8 +144,8 @@ class Proposal {
     if (!shank.inertia || !(shank.inertia->mass > 0))
       Fail(
           "link '{}', below the knee '{}', has no foot: no frame on a fixed joint, no sphere among its "
-          "collision "
-          "shapes, no mesh that can be read, no mass; add a link by a fixed joint at the centre of the foot",
+          "collision shapes, no mesh that can be read, no mass; add a link by a fixed joint at the centre of "
+          "the foot",
           shank.name, leg.back()->name);
     const Vector3d centre = thigh * shank.inertia->com.normalized();
     if (feet_[0].link.empty())
@@ -191,6 +193,7 @@ class Proposal {
   void Read() {
     internal::UrdfReading reading;
     reading.strict = strict_;
+    reading.mass = mass_;
     reading.trunk = found_.trunk;
     reading.forward = found_.forward;
     reading.up = found_.up;
@@ -228,16 +231,14 @@ class Proposal {
       if (!limits_[k].torque && torque > kMostTorque * torque_unit) {
         Note(
             "the URDF's torque limit of the {} joints, {:.4g} N m, is {:.0f} times weight times leg length "
-            "and "
-            "taken as a placeholder: guessed, see joint_limits",
+            "and taken as a placeholder: guessed, see joint_limits",
             kKinds[k], torque, torque / torque_unit);
         limits_[k].torque = 1;
       }
       if (!limits_[k].speed && speed < kLeastSpeed * speed_unit) {
         Note(
             "the URDF's speed limit of the {} joints, {:.3g} rad/s, is below the {:.2g} rad/s that a trot "
-            "needs "
-            "and taken as a placeholder: guessed, see joint_limits",
+            "needs and taken as a placeholder: guessed, see joint_limits",
             kKinds[k], speed, 1.5 * speed_unit);
         limits_[k].speed = 1;
       }
@@ -396,8 +397,7 @@ class Proposal {
       text += fmt::format("  {}: {{{}}}\n", kKinds[k], fmt::join(own, ", "));
     }
     if (text.empty()) return "";
-    return "\n# Limits that the URDF does not give, equal in all legs. They are guesses: half the weight "
-           "times the\n"
+    return "\n# Limits that the URDF does not give. They are guesses: half the weight times the\n"
            "# length of the leg, and 3 rad in the time sqrt(leg / g). Replace them by the drives' data.\n"
            "joint_limits:\n" +
            text;
@@ -408,8 +408,7 @@ class Proposal {
 
   std::string WriteFeet() {
     std::string text = fmt::format(
-        "\n# Links of the feet, which are spheres: the farthest from the knee below it. A leg is the chain "
-        "of\n"
+        "\n# Links of the feet, spheres: the farthest from the knee below it. A leg is the chain of\n"
         "# three joints above its foot: abduction, hip pitch, knee. The hips tell front from rear.\n"
         "feet: {{{}}}\n",
         PerLeg([&](std::size_t i) { return internal::YamlScalar(feet_[i].link); }));
@@ -441,14 +440,12 @@ class Proposal {
       }
     }
     return fmt::format(
-        "\n# One drive for all joints. Damping and friction are means of the URDF, which has no rotor "
-        "inertia.\n"
+        "\n# One drive for all joints. Damping and friction are means of the URDF; it has no rotor inertia.\n"
         "drive:\n"
         "  rotor_inertia_kg_m2: 0               # at the joint: times the gear ratio squared\n"
         "  damping_N_m_s_per_rad: {:.4g}\n"
         "  friction_N_m: {:.4g}\n"
-        "  full_torque_speed_ratio: 0.5         # full torque up to this part of the speed limit, "
-        "a choice\n"
+        "  full_torque_speed_ratio: 0.5         # full torque up to this part of the limit, a choice\n"
         "  stop_stiffness_N_m_per_rad: {}      # end stops: 4 times weight times leg length, a choice\n"
         "  stop_dissipation_s_per_rad: 0.5\n",
         damping, friction, Round(4 * weight_ * length_));
@@ -457,8 +454,7 @@ class Proposal {
   std::string WriteContact() const {
     const double depth = length_ / 600, time = std::sqrt(length_ / kGravity);
     return fmt::format(
-        "\n# Contact of the feet: a foot that carries a quarter of the weight, {:.0f} N, sinks in by 1/600 "
-        "of the\n"
+        "\n# Contact: a foot that carries a quarter of the weight, {:.0f} N, sinks in by 1/600 of the\n"
         "# leg, {:.2g} mm. The other values are those of DogBot, scaled to this weight and size.\n"
         "contact:\n"
         "  stiffness_N_per_m: {}\n"
@@ -480,6 +476,8 @@ class Proposal {
         "name: {}\nurdf: {}\n",
         file_.robot, robot_.mass(), length_, internal::YamlScalar(name),
         internal::YamlScalar(path_.filename().string()));
+    if (mass_)
+      text += fmt::format("mass_kg: {}     # shared by the bodies without mass in the URDF\n", *mass_);
     if (!found_.trunk.empty())
       text += fmt::format("trunk_link: {}     # its origin is that of the robot's frame\n",
                           internal::YamlScalar(found_.trunk));
@@ -490,12 +488,9 @@ class Proposal {
       text +=
           fmt::format("up: \"{}\"          # axis of the trunk link that points up\n", EnumName(found_.up));
     text += WriteFeet();
-    text +=
-        "imu_position_m: [0, 0, 0]     # inertial unit on the trunk, in the axes of the root link; a "
-        "guess\n";
+    text += "imu_position_m: [0, 0, 0]     # inertial unit on the trunk, in the root link's axes; a guess\n";
     text += fmt::format(
-        "\n# Joint angles of the nominal stance: feet below the hips at {} of the leg's length. The knees "
-        "point\n"
+        "\n# Joint angles of the stance: feet below the hips at {} of the leg's length. The knees point\n"
         "# to the side with less bending, within the joints' ranges: {}.\n{}"
         "nominal_stance:\n",
         std::ranges::count(bending_, bending_[0]) == kNumLegs
@@ -532,6 +527,7 @@ class Proposal {
   const std::filesystem::path path_;
   const internal::UrdfFile file_;
   const bool strict_;
+  const std::optional<double> mass_;  ///< [kg]
   const UrdfLegs found_;
   const std::array<UrdfChain, kNumLegs>& legs_ = found_.legs;
   std::array<Foot, kNumLegs> feet_;
@@ -549,13 +545,13 @@ class Proposal {
 }  // namespace
 
 QuadrupedProposal ProposeQuadruped(const std::filesystem::path& urdf, const UrdfLegsOptions& options,
-                                   bool strict) {
-  Proposal proposal(urdf, options, strict);
+                                   bool strict, std::optional<double> mass) {
+  Proposal proposal(urdf, options, strict, mass);
   if (proposal.stands() || options.up) return proposal.Make();
   UrdfLegsOptions upside_down = options;
   const int up = static_cast<int>(proposal.up());
   upside_down.up = static_cast<LinkAxis>((up + 3) % 6);
-  Proposal other(urdf, upside_down, strict);
+  Proposal other(urdf, upside_down, strict, mass);
   return (other.stands() ? other : proposal).Make();
 }
 

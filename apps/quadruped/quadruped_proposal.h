@@ -3,6 +3,7 @@
 #include <tenon/apps/quadruped/urdf_legs.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,11 +33,12 @@ struct QuadrupedProposal {
 /// stiffness of 4 W l per rad. The ground yields by l/600 under a foot that carries W/4; its other parameters
 /// are those of DogBot in units of W, l and sqrt(l/g).
 ///
-/// Impossible inertias are corrected, with a note, or refused if `strict`.
+/// Impossible inertias are corrected, with a note, or refused if `strict`. With a `mass` of the robot [kg],
+/// bodies without mass get theirs by the volume of their shapes.
 ///
 /// Throws ParameterError with file, joints or links, and the remedy, if the URDF has no such legs, or if
 /// there is no foot or no stance; and the errors of ReadUrdf.
 QuadrupedProposal ProposeQuadruped(const std::filesystem::path& urdf, const UrdfLegsOptions& options = {},
-                                   bool strict = false);
+                                   bool strict = false, std::optional<double> mass = {});
 
 }  // namespace tenon

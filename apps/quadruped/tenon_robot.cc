@@ -24,6 +24,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,22 +43,6 @@ struct View {
   Eigen::Vector3d right, up, towards;
 };
 
-/// Positions of abduction joint, hip, knee and foot of a leg in B [m].
-std::array<Eigen::Vector3d, 4> Points(const QuadrupedDescription& robot, int leg) {
-  const LegDescription& at = robot.legs[static_cast<std::size_t>(leg)];
-  std::array<Eigen::Vector3d, 4> points;
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  for (int i = 0; i < kJointsPerLeg; ++i) {
-    const JointDescription& joint = at.joints[static_cast<std::size_t>(i)];
-    p += R * joint.p_PJ;
-    R = R * Eigen::AngleAxisd(robot.stance[kJointsPerLeg * leg + i], joint.axis);
-    points[static_cast<std::size_t>(i)] = p;
-  }
-  points[3] = p + R * at.foot_J;
-  return points;
-}
-
 /// Draws the robot in its nominal stance as SVG: from the left, from the front and from above, to one scale,
 /// with a scale bar of 0.1 m. Trunk, links and feet are plain shapes.
 std::string DrawQuadruped(const QuadrupedDescription& robot) {
@@ -68,7 +53,8 @@ std::string DrawQuadruped(const QuadrupedDescription& robot) {
   std::array<std::array<Eigen::Vector3d, 4>, kNumLegs> legs;
   Eigen::AlignedBox3d box, trunk;
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    legs[static_cast<std::size_t>(leg)] = Points(robot, leg);
+    const LegPose pose = robot.PoseOfLeg(leg, robot.stance);
+    legs[static_cast<std::size_t>(leg)] = {pose.p_BJ[0], pose.p_BJ[1], pose.p_BJ[2], pose.foot_B};
     for (const Eigen::Vector3d& p : legs[static_cast<std::size_t>(leg)]) box.extend(p);
     trunk.extend(legs[static_cast<std::size_t>(leg)][0]);
   }
@@ -136,6 +122,7 @@ struct RobotArguments {
   std::vector<std::string> locks;  ///< fixed joints as JOINT=ANGLE [rad]
   std::string forward;             ///< axis along which the robot faces: x, y, z, -x, -y or -z; empty: found
   std::string up;                  ///< axis that points up, likewise
+  std::optional<double> mass;      ///< of the robot, shared by the bodies without mass in the URDF [kg]
   bool strict = false;             ///< refuse impossible inertias instead of correcting them
 };
 
@@ -169,11 +156,11 @@ std::string NameOf(const fs::path& file) {
   return (stem.extension() == ".urdf" ? stem.stem() : stem).string();
 }
 
-/// Expands a xacro file into a URDF in `out`, if xacro is installed. Returns the file itself otherwise, and
-/// if it is a URDF.
-fs::path Expanded(const fs::path& file, const fs::path& out) {
+/// Expands a xacro file into a URDF in `out`, which it locks, if xacro is installed. Returns the file itself
+/// otherwise, and if it is a URDF.
+fs::path Expanded(const fs::path& file, const fs::path& out, std::optional<OutputLock>& lock) {
   if (ReadText(file).find("<xacro:") == std::string::npos) return file;
-  const OutputLock lock(out);
+  lock.emplace(out);
   const std::string name = NameOf(file);
   std::error_code error;
   fs::path urdf = out / (name + ".urdf");
@@ -208,7 +195,8 @@ std::string Shown(const Summary& trial, const char* name) {
 int ProposeRobot(const RobotArguments& arguments) {
   const fs::path given = arguments.urdf;
   const fs::path out = arguments.out.empty() ? fs::path("out") / NameOf(given) : fs::path(arguments.out);
-  const fs::path urdf = Expanded(given, out);
+  std::optional<OutputLock> lock;
+  const fs::path urdf = Expanded(given, out, lock);
   const std::string name = urdf.stem().string();
   const UrdfLegsOptions options{.locked = LockedJoints(arguments.locks),
                                 .forward = AxisOf("--forward", arguments.forward),
@@ -217,9 +205,9 @@ int ProposeRobot(const RobotArguments& arguments) {
       internal::Along(*options.forward).dot(internal::Along(*options.up)) != 0)
     throw ParameterError(fmt::format("--up {}: the axis must be at right angles to --forward {}",
                                      arguments.up, arguments.forward));
-  const QuadrupedProposal proposal = ProposeQuadruped(urdf, options, arguments.strict);
+  const QuadrupedProposal proposal = ProposeQuadruped(urdf, options, arguments.strict, arguments.mass);
 
-  const OutputLock lock(out);
+  if (!lock) lock.emplace(out);
   std::error_code error;
   const fs::path beside = out / urdf.filename(), yaml = out / (name + ".yaml");
   if (!fs::equivalent(urdf, beside, error)) {
@@ -272,11 +260,12 @@ int main(int argc, char** argv) {
            "axis of the trunk's link along which the robot faces: x, y, z, -x, -y or -z (default: found from "
            "joints and names)");
   line.Add("--up", &arguments.up, "axis of the trunk's link that points up, likewise");
+  line.Add("--mass", &arguments.mass,
+           "mass of the robot, shared by the bodies without mass by the volume of their shapes [kg]");
   line.Add("--strict", &arguments.strict,
            "refuse inertias that no body can have, instead of correcting them");
   line.SetFooter(
       "Exit codes: 0 the robot trots; 2 bad usage or URDF; 3 it fell or exceeded physical limits; 4 "
-      "numerical "
-      "failure; 5 a file could not be written; 130, 143 stopped by Ctrl-C, SIGTERM.");
+      "numerical failure; 5 a file could not be written; 130, 143 stopped by Ctrl-C, SIGTERM.");
   return RunMain(line, argc, argv, [&] { return ProposeRobot(arguments); });
 }

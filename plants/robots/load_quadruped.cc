@@ -95,6 +95,7 @@ struct LimitsOfJoints {
 struct RobotFile {
   std::string name;
   std::string urdf;
+  std::optional<double> mass;
   std::string trunk_link;
   internal::LinkAxis forward = internal::LinkAxis::kX, up = internal::LinkAxis::kZ;
   PerLeg<std::string> feet;
@@ -111,6 +112,7 @@ struct RobotFile {
   static FieldList Fields() {
     return {Required("name", &RobotFile::name),
             Required("urdf", &RobotFile::urdf),
+            Field("mass_kg", &RobotFile::mass).Positive(),
             {"trunk_link", &RobotFile::trunk_link},
             {"forward", &RobotFile::forward},
             {"up", &RobotFile::up},
@@ -154,8 +156,7 @@ void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& f
     if ((p[0] > 0) != front || (p[1] > 0) != left)
       throw ParameterError(fmt::format(
           "{}: '{}' is at ({:.3g}, {:.3g}, {:.3g}) m from the root link in the nominal stance, which is {} "
-          "{} "
-          "(x points forward, y to the left); swap the names of the feet, or turn the URDF's root link",
+          "{} (x points forward, y to the left); swap the names of the feet, or turn the URDF's root link",
           document.PlaceOf(fmt::format("feet.{}", kLegNames[at])), feet.InOrder()[at], p[0], p[1], p[2],
           p[0] > 0 ? "front" : "rear", p[1] > 0 ? "left" : "right"));
   }
@@ -179,6 +180,7 @@ QuadrupedDescription ReadRobot(const YamlDocument& document, std::vector<std::st
     robot.stance.segment<kJointsPerLeg>(kJointsPerLeg * leg) =
         file.stance.InOrder()[static_cast<std::size_t>(leg)];
   internal::UrdfReading reading;
+  reading.mass = file.mass;
   reading.trunk = file.trunk_link;
   reading.forward = file.forward;
   reading.up = file.up;

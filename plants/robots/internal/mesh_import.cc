@@ -79,22 +79,35 @@ const char* EndingFor(std::string_view text) {
   throw Unreadable("it is neither STL nor OBJ nor COLLADA");
 }
 
-/// The files that assimp sees: only the mesh.
-class OneFile : public Assimp::IOSystem {
+/// The files that assimp sees: the mesh, and the materials (MTL) that it names, which stand beside it.
+class TheseFiles : public Assimp::IOSystem {
  public:
-  OneFile(std::string name, std::string_view text) : name_(std::move(name)), text_(text) {}
-  bool Exists(const char* name) const override { return name_ == name; }
+  TheseFiles(std::string name, std::string_view text, fs::path folder)
+      : name_(std::move(name)), text_(text), folder_(std::move(folder)) {}
+  bool Exists(const char* name) const override { return name_ == name || IsMaterial(name); }
   char getOsSeparator() const override { return '/'; }
   Assimp::IOStream* Open(const char* name, const char*) override {
     if (!Exists(name)) return nullptr;
-    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(text_.data()), text_.size(),
-                                      false);
+    if (name_ != name) materials_ = ReadFile(Beside(name));
+    const std::string_view text = name_ == name ? text_ : materials_;
+    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(text.data()), text.size(), false);
   }
   void Close(Assimp::IOStream* stream) override { delete stream; }
+  bool has_materials() const { return !materials_.empty(); }
 
  private:
+  fs::path Beside(std::string_view name) const {
+    return folder_ / name.substr(0, name.find_last_not_of(" \t") + 1);
+  }
+  bool IsMaterial(std::string_view name) const {
+    std::error_code error;
+    return Beside(name).extension() == ".mtl" && fs::is_regular_file(Beside(name), error);
+  }
+
   std::string name_;
   std::string_view text_;
+  fs::path folder_;
+  std::string materials_;
 };
 
 /// The diffuse colour of a part, see TriangleMesh; none if the part has a texture.
@@ -110,12 +123,13 @@ MeshColour ColourOf(const aiScene& scene, const aiMesh& part) {
   return ColourFrom(diffuse.r, diffuse.g, diffuse.b);
 }
 
-TriangleMesh Import(std::string_view text) {
+TriangleMesh Import(std::string_view text, const fs::path& file) {
   const std::string name = std::string("mesh.") + EndingFor(text);
   const bool collada = name.ends_with("dae");
   if (collada) CheckCollada(text);
   Assimp::Importer importer;
-  importer.SetIOHandler(new OneFile(name, text));  // the importer deletes it
+  auto* const files = new TheseFiles(name, text, file.parent_path());
+  importer.SetIOHandler(files);  // the importer deletes it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene =
@@ -125,7 +139,8 @@ TriangleMesh Import(std::string_view text) {
   for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
     const aiMesh& part = *scene->mMeshes[m];
     const auto first = static_cast<std::uint32_t>(mesh.corners.size());
-    if (collada) mesh.colours.resize(first + part.mNumVertices, ColourOf(*scene, part));
+    if (collada || files->has_materials())
+      mesh.colours.resize(first + part.mNumVertices, ColourOf(*scene, part));
     for (unsigned i = 0; i < part.mNumVertices; ++i) {
       const aiVector3D& p = part.mVertices[i];
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
@@ -177,12 +192,12 @@ struct Header {
   std::uint32_t corners = 0, triangles = 0, colours = 0;  // all 0 before the text of an error
 };
 
-[[noreturn]] void ReadInChild(std::string_view text, const std::function<TriangleMesh(TriangleMesh)>& reduce,
-                              int to) {
+[[noreturn]] void ReadInChild(std::string_view text, const fs::path& file,
+                              const std::function<TriangleMesh(TriangleMesh)>& reduce, int to) {
   LimitSelf(text.size());
   std::string failure;
   try {
-    const TriangleMesh mesh = reduce(Import(text));
+    const TriangleMesh mesh = reduce(Import(text, file));
     const Header header{static_cast<std::uint32_t>(mesh.corners.size()),
                         static_cast<std::uint32_t>(mesh.triangles.size()),
                         static_cast<std::uint32_t>(mesh.colours.size())};
@@ -239,14 +254,15 @@ TriangleMesh MeshFrom(std::string_view all) {
   return mesh;
 }
 
-TriangleMesh ReadInLimits(std::string_view text, const std::function<TriangleMesh(TriangleMesh)>& reduce) {
+TriangleMesh ReadInLimits(std::string_view text, const fs::path& file,
+                          const std::function<TriangleMesh(TriangleMesh)>& reduce) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw Unreadable(std::strerror(errno));
   const ::pid_t child = ::fork();
   if (child == 0) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     ::close(ends[0]);
-    ReadInChild(text, reduce, ends[1]);
+    ReadInChild(text, file, reduce, ends[1]);
   }
   ::close(ends[1]);
   std::string all;
@@ -269,7 +285,7 @@ TriangleMesh ReadInLimits(std::string_view text, const std::function<TriangleMes
 
 TriangleMesh ImportMesh(const fs::path& file, const std::function<TriangleMesh(TriangleMesh)>& reduce) {
   try {
-    return ReadInLimits(ReadFile(file), reduce);
+    return ReadInLimits(ReadFile(file), file, reduce);
   } catch (const Unreadable& error) {
     throw ParameterError(fmt::format("the mesh '{}' cannot be read: {}; export it as STL, OBJ or COLLADA",
                                      file.string(), error.what()));

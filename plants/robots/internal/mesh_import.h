@@ -24,7 +24,8 @@ inline MeshColour ColourFrom(float red, float green, float blue) {
 /// Reads a mesh in STL, OBJ or COLLADA, which its content determines, not its name. The library assimp reads
 /// it in a child process, because a damaged file may let it crash or use all time and memory: the child has
 /// 1 s of processor time and 200 MB of memory, and more for files of more than a few megabytes. It opens no
-/// other file. `reduce` is called in the child. Throws ParameterError with the name of the file.
+/// other file but the MTL file that an OBJ names. `reduce` is called in the child. Throws ParameterError with
+/// the name of the file.
 TriangleMesh ImportMesh(const std::filesystem::path& file,
                         const std::function<TriangleMesh(TriangleMesh)>& reduce);
 

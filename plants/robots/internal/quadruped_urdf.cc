@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 namespace tenon::internal {
@@ -46,7 +47,7 @@ class Reader {
     for (int leg = 0; leg < kNumLegs; ++leg) FindLeg(leg, reading_.feet[static_cast<std::size_t>(leg)]);
     Add(file_.FloatingLink(), 0, PoseOfRoot());
     MeasureExtents();
-    CheckMasses();
+    ShareMass();
     KeepTrunkShapes();
     for (const auto& [body, link] : missing_at_)
       if (IsMain(link, parts_[body])) looks_[body] = {};
@@ -187,10 +188,14 @@ class Reader {
     if (link.inertia)
       parts_[static_cast<std::size_t>(body)].push_back(
           {link.name, link.inertia->In(T_BL.linear(), T_BL.translation())});
+    if (reading_.mass)
+      for (const UrdfShape& shape : link.collisions.empty() ? link.visuals : link.collisions)
+        volumes_[static_cast<std::size_t>(body)] = volumes_[static_cast<std::size_t>(body)] +
+                                                   FilledShape(shape).In(T_BL.linear(), T_BL.translation());
     for (const UrdfShape& visual : link.visuals)
       if (visual.kind == UrdfShape::Kind::kMesh) AddMesh(link.name, visual, body, T_BL * visual.pose);
     for (const UrdfShape& collision : link.collisions)
-      if (body == 0) AddCollision(collision, T_BL * collision.pose);
+      if (body == 0) AddCollision(link.name, collision, T_BL * collision.pose);
     for (const UrdfJoint* joint : link.joints) {
       Eigen::Isometry3d T_BJ = T_BL * joint->pose;
       int child = body;
@@ -210,27 +215,60 @@ class Reader {
 
   /// Adds a collision shape to those of the trunk. A cylinder becomes the capsule that it contains, or if it
   /// is flat, a rounded box; a mesh becomes the box about it.
-  void AddCollision(const UrdfShape& shape, const Eigen::Isometry3d& T_BS) {
+  void AddCollision(const std::string& link, const UrdfShape& shape, const Eigen::Isometry3d& T_BS) {
     using Kind = UrdfShape::Kind;
     RoundedBox box{T_BS.translation(), T_BS.linear(), shape.edges / 2, 0};
     if (shape.kind == Kind::kMesh) {
-      const std::optional<std::filesystem::path> file = FindMesh(shape.mesh, file_.name);
-      if (!file) return;
-      try {
-        Eigen::AlignedBox3d around;
-        for (const auto& [x, y, z] : ReadMesh(*file)->corners)
-          around.extend(Eigen::Vector3d(x, y, z).cwiseProduct(shape.scale));
-        box.p_B = T_BS * around.center();
-        box.half = around.sizes() / 2;
-      } catch (const ParameterError&) {
+      const Eigen::AlignedBox3d around = BoxAbout(shape);
+      if (around.isEmpty()) {
+        unjudged_.push_back(
+            fmt::format("link '{}': the mesh '{}' of its collision shape is not found or cannot be read",
+                        link, shape.mesh));
         return;
       }
+      box.p_B = T_BS * around.center();
+      box.half = around.sizes() / 2;
     } else if (shape.kind != Kind::kBox) {
       box.radius = shape.kind == Kind::kSphere ? shape.radius : std::min(shape.radius, shape.length / 2);
       const double flat = shape.radius - box.radius;
       if (shape.kind == Kind::kCylinder) box.half << flat, flat, shape.length / 2 - box.radius;
     }
     robot_.trunk_shapes.push_back(box);
+  }
+
+  /// The box about the mesh of a shape, in its frame; empty if the mesh is not found or cannot be read.
+  Eigen::AlignedBox3d BoxAbout(const UrdfShape& shape) const {
+    Eigen::AlignedBox3d box;
+    try {
+      if (const auto file = FindMesh(shape.mesh, file_.name))
+        for (const auto& [x, y, z] : ReadMesh(*file)->corners)
+          box.extend(Eigen::Vector3d(x, y, z).cwiseProduct(shape.scale));
+    } catch (const ParameterError&) {
+    }
+    return box;
+  }
+
+  /// The inertia of a shape filled with 1 kg/m^3, in its link, for a mesh that of the box about it.
+  RigidInertia FilledShape(const UrdfShape& shape) const {
+    using Kind = UrdfShape::Kind;
+    const bool is_mesh = shape.kind == Kind::kMesh, is_ball = shape.kind == Kind::kSphere;
+    const Eigen::AlignedBox3d about = is_mesh ? BoxAbout(shape) : Eigen::AlignedBox3d();
+    // A ball and a bar have the radii of gyration of a box, of which they have a part of the volume.
+    const double thick = std::sqrt(is_ball ? 2.4 : 3.0) * shape.radius;
+    double part = 1;
+    Eigen::Vector3d edges = shape.edges;
+    if (is_mesh) edges = about.sizes().cwiseMax(0);
+    if (is_ball || shape.kind == Kind::kCylinder) {
+      edges << thick, thick, is_ball ? thick : shape.length;
+      part = is_ball ? 4 * std::numbers::pi / 3 / std::pow(2.4, 1.5) : std::numbers::pi / 3;
+    }
+    const double volume = part * edges.prod();
+    const Eigen::Vector3d squares = edges.cwiseAbs2(),
+                          moments = volume / 12 * (Eigen::Vector3d::Constant(squares.sum()) - squares);
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    if (!about.isEmpty()) centre = about.center();
+    return RigidInertia{volume, centre, moments.asDiagonal()}.In(shape.pose.linear(),
+                                                                 shape.pose.translation());
   }
 
   /// Removes the collision shapes of the trunk if they are only those of small parts of it.
@@ -292,17 +330,22 @@ class Reader {
   }
 
   void WarnOfMeshes() {
-    const auto warn = [&](const std::vector<std::string>& list, const char* remedy) {
+    const auto warn = [&](const std::vector<std::string>& list, const char* effect) {
       if (list.empty()) return;
       const std::size_t others = list.size() - 1;
       const std::string more = others == 0 ? ""
                                            : fmt::format(", nor {} {} other{}", others == 1 ? "is" : "are",
                                                          others, others == 1 ? "" : "s");
-      Warn("{}{}; without the mesh of its main link, a body is drawn as a plain shape ({})", list[0], more,
-           remedy);
+      Warn("{}{}; {}", list[0], more, effect);
     };
-    warn(not_found_, "packages are looked for around the URDF and in ROS_PACKAGE_PATH");
-    warn(unreadable_, "the file exists, but is no mesh that can be read");
+    warn(
+        not_found_,
+        "without the mesh of its main link, a body is drawn as a plain shape (packages are looked for around "
+        "the URDF and in ROS_PACKAGE_PATH)");
+    warn(unreadable_,
+         "without the mesh of its main link, a body is drawn as a plain shape (the file exists, but is no "
+         "mesh that can be read)");
+    warn(unjudged_, "contact of the trunk is judged without it");
   }
 
   Eigen::Vector3d AxisOf(const UrdfJoint& joint) const {
@@ -384,6 +427,7 @@ class Reader {
     moving_.bodies.push_back(std::move(body));
     parts_.emplace_back();
     names_.emplace_back();
+    volumes_.emplace_back();
     looks_.emplace_back();
     return static_cast<int>(parts_.size()) - 1;
   }
@@ -462,8 +506,7 @@ class Reader {
       given.inertia *= std::pow(usual / gyration, 2);
       Warn(
           "link '{}': its inertia is that of a body with a radius of gyration of {:.3g} m, which is too "
-          "large "
-          "for this robot and may be a placeholder; taken with {:.3g} m",
+          "large for this robot and may be a placeholder; taken with {:.3g} m",
           part.link, gyration, usual);
     }
     try {
@@ -479,17 +522,40 @@ class Reader {
     }
   }
 
-  /// Refuses bodies without mass, all in one message.
-  void CheckMasses() const {
+  /// Shares what the robot's mass exceeds the masses in the URDF among the bodies without mass, by the volume
+  /// of their shapes. Refuses bodies that then have none, all in one message.
+  void ShareMass() {
     std::string without;
-    for (std::size_t body = 0; body < parts_.size(); ++body)
-      if (std::ranges::none_of(parts_[body], [](const Part& part) { return part.inertia.mass != 0; }))
+    std::vector<std::size_t> bodies;
+    double given = 0, volume = 0;
+    for (std::size_t body = 0; body < parts_.size(); ++body) {
+      double own = 0;
+      for (const Part& part : parts_[body]) own += part.inertia.mass;
+      given += own;
+      if (own != 0) continue;
+      bodies.push_back(body);
+      volume += volumes_[body].mass;
+      if (!(volumes_[body].mass > 0))
         without += fmt::format("{}{}", without.empty() ? "" : "; ", names_[body]);
+    }
     if (!without.empty())
       Fail(
           "no mass is given for the bodies of link {}; give a link of each one an <inertial> with a positive "
-          "mass",
-          without);
+          "mass, or {}",
+          without,
+          reading_.mass ? "a <collision> with a volume whose mesh is found"
+                        : "the robot's mass by --mass KG or mass_kg");
+    if (!reading_.mass) return;
+    const double left = *reading_.mass - given;
+    if (bodies.empty() || left <= 0)
+      Fail("the robot's mass is given as {} kg, but its links have {:.4g} kg{}", *reading_.mass, given,
+           bodies.empty() ? ", and no body is without mass; take it out" : "; give more");
+    for (const std::size_t body : bodies) {
+      const auto& [filled, com, inertia] = volumes_[body];
+      parts_[body].push_back({names_[body], {left / volume * filled, com, left / volume * inertia}});
+    }
+    Warn("{:.4g} kg are spread by the volume of their shapes over the bodies without mass: {} of {}", left,
+         bodies.size(), parts_.size());
   }
 
   /// Returns the inertia of a body in B.
@@ -518,14 +584,15 @@ class Reader {
   std::map<std::string, int> joints_;                     // indices of the legs' joints by name
   std::map<std::string, Eigen::Isometry3d> poses_;        // poses of the links in B by name
   std::vector<std::vector<Part>> parts_{1 + kNumJoints};  // parts of each body
+  std::vector<RigidInertia> volumes_{1 + kNumJoints};     // bodies' shapes, filled with 1 kg/m^3
   std::vector<std::string> names_{1 + kNumJoints};        // names of the links of each body
   std::vector<TriangleMesh> looks_{1 + kNumJoints};       // appearance of the bodies that have meshes
   MovingParts moving_;
   std::vector<Eigen::Isometry3d> moving_poses_;                  // poses of the moving bodies at rest in B
   double leg_extent_ = 0, trunk_extent_ = 0;                     // length of a leg, distance of the hips [m]
   std::vector<std::pair<std::size_t, std::string>> missing_at_;  // bodies and links that lack meshes
-  std::vector<std::string> not_found_,
-      unreadable_;  // reasons for meshes that are not found or cannot be read
+  std::vector<std::string> not_found_, unreadable_,
+      unjudged_;  // reasons for meshes that are not found, cannot be read, and of the trunk
   std::vector<std::string> warnings_;
 };
 

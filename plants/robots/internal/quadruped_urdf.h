@@ -44,6 +44,7 @@ Eigen::Matrix3d RotationOf(LinkAxis forward, LinkAxis up);
 /// Properties in a robot's YAML file that determine how its URDF is read.
 struct UrdfReading {
   bool strict = false;              ///< refuse inertias that no body has, instead of correcting them
+  std::optional<double> mass;       ///< of the robot, shared by the bodies that have none in the URDF [kg]
   std::string trunk;                ///< link whose origin is that of the robot's frame; empty: the root
   LinkAxis forward = LinkAxis::kX;  ///< axis of that link along which the robot faces
   LinkAxis up = LinkAxis::kZ;       ///< axis of that link that points up

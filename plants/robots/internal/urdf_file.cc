@@ -334,8 +334,7 @@ class UrdfReader {
       if (child.parent_joint != nullptr)
         Fail(joint,
              "the link '{}' has two parent joints, '{}' and '{}', which close a loop; the links must form a "
-             "tree: "
-             "remove one of the joints",
+             "tree: remove one of the joints",
              joint.child, child.parent_joint->name, name);
       child.parent_joint = &joint;
       child.parent = &parent;

@@ -81,8 +81,7 @@ class Parser {
     if (name.starts_with("xacro:"))
       Fail(
           "this is a xacro file; expand its macros first: xacro {} -o {} (xacro is part of ROS; without ROS: "
-          "pipx "
-          "install xacro)",
+          "pipx install xacro)",
           file_, FreeName());
     if (++count_ > kMaxElements) Fail("there are more than {} elements; check the file", kMaxElements);
     Element element{std::string(name), LineOf(parser_.get())};

@@ -351,6 +351,10 @@ TEST(QuadrupedDescriptionTest, WarnsOnceAboutMissingMeshes) {
   EXPECT_THAT(warnings[0], AllOf(HasSubstr("a1.urdf:"), HasSubstr("link 'trunk'"),
                                  HasSubstr("package://a1/no.stl"), HasSubstr("1 other")));
   EXPECT_EQ(files.Load().meshes[0], nullptr);
+  files.Change(&RobotFiles::urdf, "<visual><geometry><mesh", "<collision><geometry><mesh");
+  files.Change(&RobotFiles::urdf, "</visual>", "</collision>");
+  EXPECT_THAT(files.Warnings(),
+              Contains(AllOf(HasSubstr("link 'trunk'"), HasSubstr("contact of the trunk"))));
 }
 
 // The mesh of a camera alone would hide the trunk, but a trunk without its camera is still one.
@@ -400,6 +404,48 @@ TEST(QuadrupedDescriptionTest, ReadsTheCollisionShapesOfTheTrunk) {
   const RoundedBox capsule = with("trunk", "<cylinder radius=\"0.1\" length=\"0.6\"/>").at(0);
   EXPECT_EQ(capsule.radius, 0.1);
   EXPECT_THAT(capsule.half, IsNear(Eigen::Vector3d(0, 0, 0.2), 1e-15));
+}
+
+TEST(QuadrupedDescriptionTest, SharesAMassByTheVolumeOfShapes) {
+  const double mass = LoadQuadruped(kRobots + "/a1.yaml").mass();
+  const auto without = [](const std::string& shape) {
+    RobotFiles files("a1");
+    files.Change(&RobotFiles::urdf, "<mass value=\"6\"/>", "<mass value=\"0\"/>");
+    for (int leg = 0; leg < kNumLegs; ++leg)  // shanks and feet
+      files.Change(&RobotFiles::urdf, "<mass value=\"0.151\"/>", "<mass value=\"0\"/>")
+          .Change(&RobotFiles::urdf, "<mass value=\"0.06\"/>", "<mass value=\"0\"/>");
+    for (const auto& [link, geometry] : {std::pair<std::string, std::string>{"trunk", shape},
+                                         {"FL_calf", "<sphere radius=\"0.03\"/>"},
+                                         {"FR_calf", "<cylinder radius=\"0.02\" length=\"0.1\"/>"},
+                                         {"RL_calf", "<sphere radius=\"0.03\"/>"},
+                                         {"RR_calf", "<sphere radius=\"0.03\"/>"}})
+      if (!geometry.empty())
+        files.Change(&RobotFiles::urdf, "<link name=\"" + link + "\">",
+                     "<link name=\"" + link + "\"><collision><origin xyz=\"0 0 -0.1\"/><geometry>" +
+                         geometry + "</geometry></collision>");
+    return files;
+  };
+  RobotFiles files = without("<box size=\"0.3 0.2 0.1\"/>");
+  EXPECT_TRUE(Refused(files, "'trunk'", "'FL_calf'", "--mass"));
+  files.yaml += "mass_kg: 10\n";
+  const QuadrupedDescription robot = files.Load();
+  EXPECT_NEAR(robot.mass(), 10, 1e-12);
+  const double given = mass - 6 - 4 * 0.211, ball = 4 * M_PI / 3 * 2.7e-5, bar = M_PI * 4e-5,
+               density = (10 - given) / (0.006 + 3 * ball + bar);
+  EXPECT_NEAR(robot.trunk.mass, density * 0.006, 1e-12);
+  EXPECT_NEAR(robot.trunk.inertia(0, 0), robot.trunk.mass / 12 * 0.05, 1e-12);
+  const RigidInertia& shank = robot.legs[kFrontRight].bodies[2];
+  EXPECT_NEAR(shank.mass, density * bar, 1e-12);
+  EXPECT_NEAR(shank.inertia(0, 0), shank.mass * (4e-4 / 4 + 0.01 / 12), 1e-12);
+  EXPECT_NEAR(shank.com.z(), -0.1, 1e-12);
+  EXPECT_THAT(files.Warnings(), Contains(HasSubstr("without mass: 5 of 13")));
+  RobotFiles less = without("<box size=\"0.3 0.2 0.1\"/>"), bare = without(""), whole("a1");
+  less.yaml += "mass_kg: 1\n";
+  bare.yaml += "mass_kg: 10\n";
+  whole.yaml += "mass_kg: 20\n";
+  EXPECT_TRUE(Refused(less, "1 kg", "give more"));
+  EXPECT_TRUE(Refused(bare, "'trunk'", "<collision>"));
+  EXPECT_TRUE(Refused(whole, "take it out"));
 }
 
 // Links that only mark a frame: impossible inertias are corrected, inertias without mass ignored, each with a

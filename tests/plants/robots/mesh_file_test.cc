@@ -118,6 +118,19 @@ TEST_F(MeshFileTest, ReadsTheColoursOfCollada) {
   EXPECT_TRUE(ReadMesh(home / "t.stl")->colours.empty());
 }
 
+TEST_F(MeshFileTest, ReadsTheColoursOfTheMaterialsOfAnObj) {
+  std::ofstream(home / "paint.mtl") << "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 0.5\n";
+  std::ofstream(home / "two.obj") << "# two\nmtllib paint.mtl \nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                     "usemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\n";
+  const TriangleMesh mesh = *ReadMesh(home / "two.obj");
+  ASSERT_EQ(mesh.colours.size(), mesh.corners.size());
+  std::multiset<std::uint8_t> red;
+  for (const auto& [a, b, c] : mesh.triangles) red.insert(mesh.colours[a][0]);
+  EXPECT_EQ(red, (std::multiset<std::uint8_t>{0, 255}));
+  std::ofstream(home / "bare.obj") << "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n";
+  EXPECT_TRUE(ReadMesh(home / "bare.obj")->colours.empty());
+}
+
 // A simplified mesh has the colours of the corners that remain.
 TEST_F(MeshFileTest, SimplifyingKeepsColours) {
   TriangleMesh ball = Sphere(60);
