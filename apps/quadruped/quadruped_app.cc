@@ -40,8 +40,7 @@ void AddWalkArguments(CommandLine& line, WalkArguments& walk) {
            {.excludes = "--observer"});
   line.Add("--serve", &walk.serve,
            "serve a standing robot in real time to a client on DDS, as a Go2 or B2 does: unitree, which is "
-           "on this "
-           "machine, or unitree:INTERFACE[,DOMAIN]",
+           "on this machine, or unitree:INTERFACE[,DOMAIN]",
            {.excludes = "--live"});
 }
 

@@ -249,8 +249,7 @@ class LegFinder {
     if (const UrdfJoint* knee = joints == 2 ? slides(slides, LinkOf(*limbs[0][0])) : nullptr)
       Fail(
           "{}, and a prismatic knee, joint '{}', but the knees of Tenon's quadrupeds turn: make it revolute, "
-          "or "
-          "give another robot",
+          "or give another robot",
           kind, knee->name);
     const std::string locks = LocksOf(limbs);
     if (!locks.empty())
@@ -261,9 +260,8 @@ class LegFinder {
     const Vector3d a = AxisOf(first), b = AxisOf(second);
     Fail(
         "{}{}, but the legs of Tenon's quadrupeds have abduction, hip pitch and knee, the first at right "
-        "angles "
-        "to the others: joint '{}' turns about ({:.2g}, {:.2g}, {:.2g}) of '{}', joint '{}' about ({:.2g}, "
-        "{:.2g}, {:.2g}); give another robot",
+        "angles to the others: joint '{}' turns about ({:.2g}, {:.2g}, {:.2g}) of '{}', joint '{}' about "
+        "({:.2g}, {:.2g}, {:.2g}); give another robot",
         kind,
         follower == limbs[0].end() ? ""
                                    : fmt::format(", where '{}' moves with '{}' (<mimic>)", (*follower)->name,
@@ -394,10 +392,8 @@ class LegFinder {
     if (spread[along] < kBehind * spread.maxCoeff())
       Fail(
           "joint '{}' and the first joints of the other legs turn about '{}' of '{}', along which no hips "
-          "are "
-          "behind each other, like those of a spider, but the first joint of a leg must be its abduction, "
-          "about "
-          "the axis along which the robot faces; give another robot",
+          "are behind each other, like those of a spider, but the first joint of a leg must be its "
+          "abduction, about the axis along which the robot faces; give another robot",
           legs[0][0]->name, EnumName(AxisAt(along, 1)), TrunkName());
     const Eigen::Index vertical = options_.up ? IndexOf(*options_.up) : is_up(a) > is_up(b) ? a : b;
     share_axes_ = spread[3 - along - vertical] < kBeside * length;
