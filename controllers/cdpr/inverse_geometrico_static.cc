@@ -1,7 +1,7 @@
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/controllers/optimization/infinity.h>
-#include <tenon/plants/model/gravity.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/analysis/matrix_functions.h>
