@@ -5,6 +5,7 @@
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
+#include <tenon/apps/quadruped/serving.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/plants/robots/load_robot.h>
 
@@ -26,6 +27,7 @@ struct WalkArguments {
   std::string observer;         ///< name of an ObserverKind; empty: the scenario's
   bool compare = false;         ///< one run for each observer
   std::string serve;            ///< see Serve; empty: the robot is not served
+  std::string drive;            ///< see Drive; empty: the robot is simulated
 
   bool any() const { return !gait.empty() || speed || !observer.empty() || compare; }
 };
@@ -41,6 +43,10 @@ void AddWalkArguments(CommandLine& line, WalkArguments& walk) {
   line.Add("--serve", &walk.serve,
            "serve a standing robot in real time to a client on DDS, as a Go2 or B2 does: unitree, which is "
            "on this machine, or unitree:INTERFACE[,DOMAIN]",
+           {.excludes = "--live"});
+  line.Add("--drive", &walk.drive,
+           "walk with a robot on DDS, a Go2 or B2, in real time, in place of the simulated one: unitree or "
+           "unitree:INTERFACE[,DOMAIN]",
            {.excludes = "--live"});
 }
 
@@ -112,6 +118,7 @@ int RunCommand(YamlDocument document, const CommonArguments& arguments, const Wa
                const RunOptions& options, const WalkCustomisation& customisation) {
   if (walk.any()) SetWalk(walk, arguments.scenario, document);
   if (!walk.serve.empty()) SetServed(arguments.scenario, document);
+  if (!walk.drive.empty()) SetDriven(arguments.scenario, document);
   return RunBlaming(document, [&] {
     QuadrupedScenario scenario = ReadScenario(document, customisation);
     if (arguments.duration) scenario.duration_s = *arguments.duration;
@@ -119,6 +126,7 @@ int RunCommand(YamlDocument document, const CommonArguments& arguments, const Wa
       CheckJudged(scenario.walk->judged_from_s, Duration(scenario), arguments.duration.has_value());
     for (const std::string& warning : Blame("robot", [&] { return QuadrupedWarnings(scenario.robot); }))
       Say(fmt::format("warning: {}\n", warning));
+    if (!walk.drive.empty()) return PrintResult(Drive(walk.drive, scenario, options).summary, options);
     if (walk.compare) return CompareObservers(options, scenario, customisation);
     return PrintResult(RunQuadruped(scenario, options, customisation, walk.serve).summary, options);
   });

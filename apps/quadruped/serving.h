@@ -1,6 +1,8 @@
 #pragma once
 
+#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/summary.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 
 #include <functional>
@@ -14,5 +16,14 @@ namespace tenon::apps {
 /// of late ticks to the figures. Throws ParameterError, also in a build without Cyclone DDS.
 std::function<void(Summary&, const Simulator&)> Serve(const std::string& where, DiagramBuilder& builder,
                                                       QuadrupedStand& loop);
+
+/// The option --drive: the scenario's controller walks a robot on DDS, with `where` as above, in real time
+/// and under a supervisor. However the run ends, its last command damps the joints. Throws as Serve does.
+RunResult Drive(const std::string& where, QuadrupedScenario scenario, const RunOptions& options);
+
+/// The scenario that Drive needs: a Go2 in place of DogBot, the state estimated, no foot sensors, and by
+/// default a supervisor that lets a lying robot stand up, walk and lie down. Throws ParameterError for a
+/// scenario that stands.
+void SetDriven(const std::string& name, YamlDocument& document);
 
 }  // namespace tenon::apps

@@ -115,6 +115,8 @@ void WriteState(const UnitreeState& state, LowState& message) {
     const double force = std::round(std::clamp(state.foot_force[leg], -kMost, kMost));
     message.foot_force[OfRobot(leg)] = static_cast<std::int16_t>(force);
   }
+  message.wireless_remote[2] = static_cast<std::uint8_t>(state.buttons & 0xFF);
+  message.wireless_remote[3] = static_cast<std::uint8_t>(state.buttons >> 8 & 0xFF);
   message.tick = static_cast<std::uint32_t>(static_cast<std::uint64_t>(std::llround(1e3 * state.time)));
   message.crc = CrcOf(message);
 }
@@ -133,6 +135,7 @@ std::string ReadState(const LowState& message, UnitreeState& state) {
     state.inertial.specific_force_B[i] = message.imu_state.accelerometer[i];
   }
   for (int leg = 0; leg < kNumLegs; ++leg) state.foot_force[leg] = message.foot_force[OfRobot(leg)];
+  state.buttons = message.wireless_remote[2] | message.wireless_remote[3] << 8;
   state.time = 1e-3 * message.tick;
   return "";
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/plants/signals/imu_signals.h>
-#include <tenon/plants/signals/legged_signals.h>
+#include <tenon/plants/signals/joint_command.h>
 #include <tenon/systems/dds/dds.h>
 
 #include <cstdint>
@@ -13,26 +13,9 @@ namespace tenon {
 /// Signals of the low-level interface of Unitree's Go2 and B2, in Tenon's order of legs and joints. The
 /// messages are those of unitree_go.idl; their mapping is in unitree_messages.cc alone.
 
-/// Command of a client, topic "rt/lowcmd". Each motor applies
-///
-///     tau + kp (q - q_now) + kd (qd - qd_now).
-///
-/// A motor that is off, and a gain whose target is absent, have zeros.
-struct UnitreeCommand {
-  Vec<12> q = Vec<12>::Zero();       ///< [rad]
-  Vec<12> qd = Vec<12>::Zero();      ///< [rad/s]
-  Vec<12> torque = Vec<12>::Zero();  ///< [N m]
-  Vec<12> kp = Vec<12>::Zero();      ///< [N m/rad]
-  Vec<12> kd = Vec<12>::Zero();      ///< [N m s/rad]
-
-  static FieldList Fields() {
-    return {{"q", &UnitreeCommand::q, "rad", kJointElements},
-            {"qd", &UnitreeCommand::qd, "rad/s", kJointElements},
-            {"torque", &UnitreeCommand::torque, "N m", kJointElements},
-            {"kp", &UnitreeCommand::kp, "N m/rad", kJointElements},
-            {"kd", &UnitreeCommand::kd, "N m s/rad", kJointElements}};
-  }
-};
+/// Command of a client, topic "rt/lowcmd". A motor that is off, and a gain whose target is absent, have
+/// zeros.
+struct UnitreeCommand : JointCommand {};
 
 /// State of a robot, topic "rt/lowstate".
 struct UnitreeState {
@@ -42,6 +25,9 @@ struct UnitreeState {
   ImuMeasurement inertial;
   Vec<4> q_WB{1, 0, 0, 0};             ///< attitude of the inertial unit, (w, x, y, z)
   Vec<4> foot_force = Vec<4>::Zero();  ///< magnitudes, in whole units of the robot's sensors [N]
+  int buttons = 0;                     ///< bits of the remote's pressed buttons
+
+  static constexpr int kL2 = 5, kB = 9;  ///< bits of two buttons
 
   static FieldList Fields() {
     return {{"time", &UnitreeState::time, "s"},
@@ -49,7 +35,8 @@ struct UnitreeState {
             {"torque", &UnitreeState::torque, "N m", kJointElements},
             {"inertial", &UnitreeState::inertial},
             {"q_WB", &UnitreeState::q_WB, "", "w,x,y,z"},
-            {"foot_force", &UnitreeState::foot_force, "N", kLegElements}};
+            {"foot_force", &UnitreeState::foot_force, "N", kLegElements},
+            {"buttons", &UnitreeState::buttons}};
   }
 };
 

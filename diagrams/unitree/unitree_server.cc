@@ -1,4 +1,5 @@
 #include <tenon/diagrams/unitree/unitree_server.h>
+#include <tenon/plants/legged/joint_drives.h>
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/systems/primitives/unit_delay.h>
 
@@ -27,12 +28,12 @@ UnitreeServer::UnitreeServer(const UnitreeServerParams& params)
                                                               .link = params.link,
                                                               .rate = params.state_rate,
                                                               .lock_step = params.lock_step})) {
-  const auto& motors =
-      AddFunction({"motors", "N m", kJointElements}, Sampled{params.command_rate}, Uses(command.y, joints),
-                  [](const UnitreeCommand& c, const JointMotion& now) -> Vec<12> {
-                    return c.torque + c.kp.cwiseProduct(c.q - now.q) + c.kd.cwiseProduct(c.qd - now.qd);
-                  });
-  Connect(motors, torque);
+  auto& drives = Add<JointDrives>("drives", {.rate = params.command_rate});
+  Connect(AddFunction({"joint_command"}, Uses(command.y),
+                      [](const UnitreeCommand& c) -> JointCommand { return c; }),
+          drives.command);
+  Connect(joints, drives.joints);
+  Connect(drives.torque, torque);
   // Torque and acceleration depend on the command of the tick, which in lock-step is the answer to the state.
   const auto delayed = [&]<class T>(const char* name, const InputPort<T>& from, const T& initial) -> auto& {
     auto& delay = Add<UnitDelay<T>>(name, {.initial = initial, .rate = params.command_rate});

@@ -84,7 +84,7 @@ struct DeploymentLimits {
   double timeout = 0.015;      ///< longest time without a new state; damping sets in at the tick after it [s]
   double tilt = 0.8;           ///< largest angle between the trunk's z axis and the vertical [rad]
   double angle_margin = 0.15;  ///< largest angle of a joint beyond its range [rad]
-  double speed = 1;            ///< largest ratio of a joint's speed
+  double speed = 1.3;          ///< largest ratio of a joint's speed; falling feet drive joints beyond 1
   double trunk_speed = 5;      ///< largest estimated speed of the trunk [m/s]
   double torque = 1;           ///< largest ratio of a torque
   double torque_change = 0.5;  ///< largest change of a torque from tick to tick, as a ratio
@@ -103,7 +103,7 @@ struct DeploymentLimits {
 
 /// A goal from a time on.
 struct DeploymentGoalAt {
-  double start = 0;                             ///< [s]
+  double start = 0;                             ///< time from which the goal holds [s]
   DeploymentGoal goal = DeploymentGoal::kWalk;  ///< lie, stand, walk, or stop, as by the stop button
 
   static FieldList Fields() {
@@ -137,8 +137,8 @@ struct DeploymentParams {
   }
 };
 
-/// Joint angles of a robot that lies: knees folded nearly to the end of their range, the feet
-/// below the places that they have in the stance, seen from above.
+/// Joint angles of a robot that lies: knees folded nearly to the end of their range, the feet below the
+/// places that they have in the stance, seen from above.
 Vec<12> LyingPosture(const QuadrupedDescription& robot);
 
 /// Mode of Deployment, and what it remembers.

@@ -139,7 +139,9 @@ TEST_F(TenonQuadrupedTest, ServesAStandingRobotInRealTime) {
                  {"stand --serve spot", "unitree:eth0,0"},
                  {"stand --serve unitree:lo,x", "unitree:eth0,0"},
                  {"stand --serve unitree:nix0", "'nix0'"},
-                 {"stand --serve unitree:lo,300", "domain = 300"}});
+                 {"stand --serve unitree:lo,300", "domain = 300"},
+                 {"stand --drive unitree", "'stand' stands"},
+                 {"flat --drive unitree:lo,300", "domain = 300"}});
 }
 
 TEST_F(TenonQuadrupedTest, DampsTheJointsWithin20MillisecondsOfALostLinkAndAtTheButton) {
@@ -286,7 +288,7 @@ TEST_F(TenonQuadrupedTest, AFallIsExitCode3AndSaysWhy) {
 
 // Torques beyond the drives and bodies in the ground do not end a run: the verdict names them.
 TEST_F(TenonQuadrupedTest, ARunThatNoRobotPerformsIsNotFinished) {
-  // A contact that is too soft for the weight of the robot, and joints that are too soft.
+  // A contact that is too soft for the weight of the robot, and a fall on joints that are too soft.
   const std::string stand = "stand --set fall.min_height_ratio=0 --set fall.max_tilt_rad=3 ";
   for (const auto& [run, reason] : {
            std::pair<std::string, std::string>{"flat --duration 1.5 --set limit_speed=false",
@@ -294,7 +296,7 @@ TEST_F(TenonQuadrupedTest, ARunThatNoRobotPerformsIsNotFinished) {
            {stand + "--duration 0.2 --set robot.contact.stiffness_N_per_m=2000",
             "a foot went into the ground: "},
            {stand + "--set pd.stiffness_N_m_per_rad=1 --set pd.damping_N_m_s_per_rad=0.5 "
-                    "--set pd.gravity_compensation=false --duration 0.35",
+                    "--set pd.gravity_compensation=false --set start_height_m=1.5 --duration 1",
             "trunk, hip or knee went into the ground: "},
        }) {
     Run(run, 3);

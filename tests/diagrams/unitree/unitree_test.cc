@@ -1,5 +1,6 @@
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/diagrams/unitree/unitree_server.h>
+#include <tenon/diagrams/unitree/unitree_world.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/tests/systems/dds/dds_peer.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
@@ -8,6 +9,10 @@
 
 #include <cstddef>
 #include <cstring>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace tenon::unitree_test {
@@ -139,12 +144,15 @@ TEST(UnitreeMessagesTest, AStateIsWrittenAsTheRobotsDo) {
   state.q_WB = Vec<4>(std::cos(0.1), 0, 0, std::sin(0.1));
   state.inertial.specific_force_B = Vec<3>(1, 2, 9.5);
   state.foot_force = Vec<4>(10.4, 20.6, 30, 1e6);
+  state.buttons = 1 << UnitreeState::kL2 | 1 << UnitreeState::kB;
   LowState message{};
   std::memset(&message, 0, sizeof message);
   DdsMessageOf<UnitreeState>::Get().write(&state, &message);
   EXPECT_EQ(message.crc, CrcOfTheMaker(&message, 294));
   EXPECT_EQ(message.head[0], 0xFE);
   EXPECT_EQ(message.tick, 1234u);
+  EXPECT_EQ(message.wireless_remote[2], 0x20);
+  EXPECT_EQ(message.wireless_remote[3], 0x02);
   EXPECT_EQ(message.motor_state[0].q, 3);
   EXPECT_EQ(message.motor_state[11].tau_est, -8);
   EXPECT_FLOAT_EQ(message.imu_state.rpy[2], 0.2f);
@@ -206,4 +214,152 @@ TEST(UnitreeServerTest, AClientInAnotherProcessMovesTheRobotAndTheRunRepeats) {
   }
 }
 
+// ---- The robot as the plant ----
+
+/// A walk of a Go2 by inertial unit and encoders, without foot sensors.
+QuadrupedWalkParams WalkOfGo2() {
+  const QuadrupedDescription robot = LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/go2.yaml");
+  QuadrupedWalkParams params = MakeQuadrupedWalk(robot);
+  params.world.foot_sensor.mounted = FootSensing::kNone;
+  params.walk.segments = {{.gait = Gait::kStand, .duration = 0.5},
+                          {.gait = Gait::kTrot, .forward = 0.3, .duration = 2.5}};
+  params.estimator.emplace();
+  params.estimator->robot = robot;
+  params.estimator->initial = params.world.plant.initial;
+  params.deployment = DeploymentParams{.robot = robot, .initial = DeploymentMode::kWalk};
+  return params;
+}
+
+/// Where the robot is, with the mean height and the largest tilt of its trunk.
+struct Walked {
+  LeggedState end;
+  double height = 0, tilt = 0;
+};
+Walked Follow(DiagramBuilder& builder, const QuadrupedWorld& world, double end) {
+  Simulator simulator(builder.Build(), RecommendedOptions(world));
+  Walked walked;
+  for (int i = 0; i <= std::lround(100 * end); ++i) {
+    simulator.RunTo(0.01 * i);
+    const LeggedState& x = simulator.context().Eval(world.state);
+    walked.height += (x.p_WB[2] - walked.height) / (i + 1);
+    walked.tilt = std::max(walked.tilt, std::acos(std::min(1.0, x.R_WB()(2, 2))));
+    walked.end = x;
+  }
+  return walked;
+}
+
+// In 3 s, 0.614 m in two processes and 0.615 m in one.
+TEST(UnitreeWorldTest, AControllerInAnotherProcessWalksAsInOne) {
+  constexpr double kEnd = 3;
+  const QuadrupedWalkParams params = WalkOfGo2();
+  const auto alone = [&] {
+    DiagramBuilder builder;
+    return Follow(builder, builder.Add<QuadrupedWalk>("walk", params).world, kEnd);
+  }();
+  const auto apart = [&] {
+    test::SecondProcess controller([&] {
+      DiagramBuilder builder;
+      auto& walk = builder.Add<QuadrupedWalk>("walk", params);
+      DriveUnitree(builder, walk,
+                   {.link = kOwnLink, .initial = params.world.plant.initial, .lock_step = true});
+      Simulator simulator(builder.Build());
+      simulator.RunTo(kEnd);
+      if (simulator.context().Eval(walk.deployment->status).mode != DeploymentMode::kWalk)
+        throw RunError("the joints were damped");
+    });
+    DiagramBuilder builder;
+    auto& world = builder.Add<QuadrupedWorld>("world", params.world);
+    auto& server = builder.Add<UnitreeServer>("server", {.link = kOwnLink, .lock_step = true});
+    builder.Connect(world.joints, server.joints);
+    builder.Connect(server.torque, world.torque);
+    server.ConnectSensors(builder, world);
+    Walked walked = Follow(builder, world, kEnd);
+    EXPECT_TRUE(controller.Succeeds());
+    return walked;
+  }();
+  EXPECT_GT(apart.end.p_WB[0], 0.6);
+  EXPECT_NEAR(apart.end.p_WB[0], alone.end.p_WB[0], 0.03);
+  EXPECT_NEAR(apart.end.p_WB[1], alone.end.p_WB[1], 0.03);
+  EXPECT_NEAR(apart.height, alone.height, 0.003);
+  EXPECT_NEAR(apart.tilt, alone.tilt, 0.02);
+}
+
+/// A robot that sends states, and the supervisor that watches them.
+struct Watched {
+  Watched() {
+    DiagramBuilder builder;
+    const QuadrupedDescription robot = LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/go2.yaml");
+    LeggedState initial;
+    initial.q = robot.stance;
+    world = &builder.Add<UnitreeWorld>("world", {.link = kOwnLink, .initial = initial});
+    deployment = &builder.Add<Deployment>("deployment", {.robot = robot, .initial = DeploymentMode::kWalk});
+    builder.Connect(world->joints, deployment->joints);
+    builder.Connect(world->state, deployment->state);
+    builder.Connect(world->heartbeat, deployment->heartbeat);
+    builder.Connect(world->goal, deployment->goal);
+    builder.Connect(builder.AddFunction({"torque", "N m"}, Uses(world->joints),
+                                        [](const JointMotion&) -> Vec<12> { return Vec<12>::Ones(); }),
+                    deployment->torque);
+    builder.Connect(deployment->command, world->command);
+    simulator.emplace(builder.Build());
+    peer.emplace("rt/lowstate", unitree_go_msg_dds__LowState__desc);  // after a block has joined
+    state.joints.q = robot.stance;
+  }
+  /// A message with the next state; `damage` changes it.
+  template <class F>
+  void Send(const F& damage) {
+    state.time += 0.002;
+    state.joints.qd[0] = random.Uniform(-0.1, 0.1);
+    LowState message;
+    std::memset(&message, 0, sizeof message);
+    DdsMessageOf<UnitreeState>::Get().write(&state, &message);
+    damage(message);
+    peer->Send(&message, state.time);
+  }
+  /// One period of 2 ms; true if the command damps the joints.
+  bool Damps() {
+    time += 0.002;
+    simulator->RunTo(time);
+    const JointCommand& c = simulator->context().Eval(deployment->command);
+    return c.kp.isZero(0) && c.torque.isZero(0) && c.kd.minCoeff() > 0;
+  }
+  UnitreeWorld* world;
+  Deployment* deployment;
+  std::optional<Simulator> simulator;
+  std::optional<DdsPeer> peer;
+  UnitreeState state;
+  RandomStream random{5, "robot"};
+  double time = 0;
+};
+
+TEST(UnitreeWorldTest, DamagedStatesAndTheRemoteDampTheJointsWithin20Milliseconds) {
+  const auto sign = [](LowState& m) { m.crc = CrcOfTheMaker(&m, sizeof m / 4 - 1); };
+  using Damage = std::function<void(LowState&)>;
+  const std::pair<DeploymentFault, Damage> cases[] = {
+      {DeploymentFault::kLost, nullptr},  // nothing is sent
+      {DeploymentFault::kLost, [](LowState& m) { ++m.crc; }},
+      {DeploymentFault::kLost,
+       [&](LowState& m) { m.motor_state[3].q = std::numeric_limits<float>::quiet_NaN(), sign(m); }},
+      {DeploymentFault::kMissed, [&](LowState& m) { m.tick += 1000, sign(m); }},
+      {DeploymentFault::kStop, [&](LowState& m) {
+         m.wireless_remote[2] = 0x20, m.wireless_remote[3] = 0x02;  // L2 and B
+         sign(m);
+       }}};
+  for (const auto& [fault, damage] : cases) {
+    Watched robot;
+    for (int i = 0; i < 20; ++i) {
+      robot.Send([](LowState&) {});
+      EXPECT_FALSE(robot.Damps()) << "the robot lives";
+    }
+    int periods = 1;
+    for (; periods < 20; ++periods) {
+      if (damage) robot.Send(damage);
+      if (robot.Damps()) break;
+    }
+    EXPECT_LE(2 * periods, 20) << EnumName(fault);
+    EXPECT_EQ(robot.simulator->context().Eval(robot.deployment->status).fault, fault);
+  }
+}
+
+}  // namespace
 }  // namespace tenon::unitree_test

@@ -43,11 +43,12 @@ class DdsPeer {
   dds_entity_t participant_, writer_ = 0;
 };
 
-/// Runs a function in a second process, which must not have joined DDS before.
+/// Runs a function in a second process, for at most a minute; this process must not have joined DDS before.
 class SecondProcess {
  public:
   explicit SecondProcess(const std::function<void()>& body) : child_(fork()) {
     if (child_ != 0) return;
+    alarm(60);  // ends a process that hangs
     try {
       body();
     } catch (const std::exception& error) {

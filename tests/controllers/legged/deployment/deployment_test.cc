@@ -174,7 +174,7 @@ TEST(DeploymentTest, EachLimitDampsAtTheTickThatSeesIt) {
   };
   expect(Fault::kTilt, [](Robot& r) { r.state_.q_WB = QuaternionFromRotationVector({0.81, 0, 0}); });
   expect(Fault::kAngle, [](Robot& r) { r.joints_.q[4] = Go2().joint(4).upper + 0.16; });
-  expect(Fault::kSpeed, [](Robot& r) { r.joints_.qd[7] = -1.01 * Go2().joint(7).speed_limit; });
+  expect(Fault::kSpeed, [](Robot& r) { r.joints_.qd[7] = -1.31 * Go2().joint(7).speed_limit; });
   expect(Fault::kEstimator, [](Robot& r) { r.state_.v_W[1] = 5.1; });
 }
 
