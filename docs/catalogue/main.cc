@@ -1,4 +1,4 @@
-// Writes the generated pages and pictures of docs/; run by tools/docs.
+// Writes blocks.md, scenarios.md, keys/meanings.yaml and diagrams/*.svg of docs/; run by tools/docs.
 
 #include <tenon/docs/catalogue/documents.h>
 #include <tenon/docs/catalogue/scenario_page.h>
@@ -10,10 +10,7 @@
 
 int main(int argc, char** argv) {
   if (argc != 3) {
-    std::fputs(
-        "usage: tenon-catalogue SOURCE_DIR OUT_DIR     writes blocks.md, scenarios.md, keys/meanings.yaml "
-        "and diagrams/*.svg\n",
-        stderr);
+    std::fputs("usage: tenon-catalogue SOURCE_DIR OUT_DIR\n", stderr);
     return 2;
   }
   const std::filesystem::path source = argv[1], out = argv[2];
