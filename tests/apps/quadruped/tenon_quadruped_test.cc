@@ -288,15 +288,14 @@ TEST_F(TenonQuadrupedTest, AFallIsExitCode3AndSaysWhy) {
 
 // Torques beyond the drives and bodies in the ground do not end a run: the verdict names them.
 TEST_F(TenonQuadrupedTest, ARunThatNoRobotPerformsIsNotFinished) {
-  // A contact that is too soft for the weight of the robot, and a fall on joints that are too soft.
+  // Contacts that are too soft for the weight of the robot, and for its fall.
   const std::string stand = "stand --set fall.min_height_ratio=0 --set fall.max_tilt_rad=3 ";
   for (const auto& [run, reason] : {
            std::pair<std::string, std::string>{"flat --duration 1.5 --set limit_speed=false",
                                                "a drive exceeded its torque-speed line: "},
            {stand + "--duration 0.2 --set robot.contact.stiffness_N_per_m=2000",
             "a foot went into the ground: "},
-           {stand + "--set pd.stiffness_N_m_per_rad=1 --set pd.damping_N_m_s_per_rad=0.5 "
-                    "--set pd.gravity_compensation=false --set start_height_m=1.5 --duration 1",
+           {"stop_button --set robot.contact.stiffness_N_per_m=8000 --duration 3.1",
             "trunk, hip or knee went into the ground: "},
        }) {
     Run(run, 3);
