@@ -1,3 +1,4 @@
+#include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/text/excerpt.h>

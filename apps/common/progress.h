@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tenon/apps/common/progress.h>
 #include <tenon/systems/live/live_server.h>
 #include <tenon/systems/simulation/simulator.h>
 
