@@ -3,7 +3,6 @@
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/text/excerpt.h>
 
-#include <fmt/core.h>
 #include <fmt/format.h>
 #include <sys/time.h>
 #include <unistd.h>
