@@ -361,5 +361,4 @@ TEST(UnitreeWorldTest, DamagedStatesAndTheRemoteDampTheJointsWithin20Millisecond
   }
 }
 
-}  // namespace
 }  // namespace tenon::unitree_test
