@@ -254,6 +254,7 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   params.pd_stiffness_N_per_m = gains.pd.stiffness;
   params.pd_damping_N_s_per_m = gains.pd.damping;
   params.payload = scenario.payload;
+  if (scenario.dynamics == Dynamics::kSimbody) params.extend = [](CdprMultibody&) {};
   if (!scenario.attached.empty()) params.extend = AttachToPlatform(scenario.attached);
   params.known_additions = scenario.known_additions;
   params.gusts.gusts = scenario.gusts;

@@ -9,6 +9,7 @@
 #include <tenon/diagrams/faults/cdpr_faults.h>
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/model/attached_body.h>
+#include <tenon/plants/multibody/extended_robot.h>
 #include <tenon/systems/framework/types/fields.h>
 
 #include <Eigen/Core>
@@ -239,6 +240,8 @@ struct CdprScenario {
   /// with changes.
   YamlFile hardware{"ideal"};
   std::vector<CdprFault> faults;  ///< faults of signals, winches and cables, in the order of their insertion
+  /// Source of the platform's acceleration; with attached bodies, always Simbody.
+  Dynamics dynamics = Dynamics::kClosedForm;
   CdprIntegration integrator;
   double log_rate_hz = 200;                           ///< sample rate of signals.csv
   bool forbid_slack = CdprLoopParams().forbid_slack;  ///< whether a slack cable ends the run with exit code 3
@@ -279,6 +282,7 @@ struct CdprScenario {
             {"noise", &CdprScenario::noise},
             {"hardware", &CdprScenario::hardware},
             {"faults", &CdprScenario::faults},
+            {"dynamics", &CdprScenario::dynamics},
             {"integrator", &CdprScenario::integrator},
             Field("log_rate_hz", &CdprScenario::log_rate_hz).In(Rates()),
             {"forbid_slack", &CdprScenario::forbid_slack},

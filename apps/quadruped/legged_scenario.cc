@@ -34,6 +34,7 @@ FieldList LeggedScenario::Fields() {
           {"fall", &S::fall},
           {"live", &S::live},
           {"limit_speed", &S::limit_speed},
+          {"dynamics", &S::dynamics},
           {"integrator", &S::integrator},
           {"scale_forces", &S::scale_forces},
           {"report", &S::report},

@@ -12,6 +12,7 @@
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/multibody/extended_robot.h>
 #include <tenon/plants/sensors/terrain_mapper.h>
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/yaml/yaml.h>
@@ -169,6 +170,8 @@ struct LeggedScenario {
   /// Whether the torque-speed line limits the torque of the drives. If not, a run that exceeds the line
   /// counts as not finished.
   bool limit_speed = QuadrupedPlantParams().limit_speed;
+  /// Source of the accelerations; with attached bodies, always Simbody.
+  Dynamics dynamics = Dynamics::kClosedForm;
   LeggedIntegration integrator;
   /// Whether forces, loads, steps and blocks are given for DogBot and scaled to the robot, see ScaledToRobot.
   bool scale_forces = false;

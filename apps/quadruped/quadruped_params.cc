@@ -93,6 +93,7 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
   SetPayload(scenario.payload, robot.StanceHeight(), world);
   MovingParts moving = LoadMovingParts(scenario.robot);
   moving.bodies.insert(moving.bodies.end(), scenario.attached.begin(), scenario.attached.end());
+  if (scenario.dynamics == Dynamics::kSimbody) world.plant.extend = [](QuadrupedMultibody&) {};
   if (!moving.bodies.empty()) world.plant.extend = Attach(moving.bodies, moving.at_rest);
   Blame("hardware", [&] {
     SetHardware(LoadHardware(scenario.hardware, ScaleOf(robot, world.plant.gravity), scenario.sensors), rate,

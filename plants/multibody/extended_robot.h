@@ -3,11 +3,13 @@
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/multibody/point_force.h>
 #include <tenon/plants/signals/cdpr_signals.h>
+#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
 #include <tenon/systems/geometry.h>
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -17,6 +19,13 @@
 namespace tenon {
 
 class RobotMultibody;
+
+/// Source of the accelerations of a robot without additions: the equations of its plant, or the forward
+/// dynamics of Simbody. A plant takes Simbody's if its `extend` is a function, even one that adds nothing.
+enum class Dynamics { kClosedForm, kSimbody };
+constexpr auto EnumNames(Dynamics) {
+  return std::array{Named{Dynamics::kClosedForm, "closed_form"}, Named{Dynamics::kSimbody, "simbody"}};
+}
 
 /// Rates of the added states.
 struct AddedRates {

@@ -106,6 +106,16 @@ TEST_F(TenonCdprTest, RefusesAProfileOfAWalkingRobot) {
   ExpectSettingsRefused("circle", {"profile=standard"});
 }
 
+TEST_F(TenonCdprTest, FliesOnSimbodysDynamics) {
+  const auto error = [&](const std::string& dynamics) {
+    Run("D1 --duration 0.5 --set dynamics=" + dynamics);
+    return nlohmann::json::parse(Summary()).at("tracking_error_rms_m").get<double>();
+  };
+  const double closed_form = error("closed_form"), simbody = error("simbody");
+  EXPECT_NE(simbody, closed_form);
+  EXPECT_NEAR(simbody, closed_form, 1e-8 * closed_form);
+}
+
 TEST_F(TenonCdprTest, FliesWithASwingingArm) {
   Run("D1-arm --duration 2");
   EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));

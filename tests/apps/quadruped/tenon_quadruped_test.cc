@@ -70,6 +70,16 @@ TEST_F(TenonQuadrupedTest, WalksWithAnArmThatMoves) {
   EXPECT_LT(summary.at("force_estimate_error_rms_N").get<double>(), 5) << "the arm weighs 29 N";
 }
 
+TEST_F(TenonQuadrupedTest, WalksOnSimbodysDynamics) {
+  const auto error = [&](const std::string& dynamics) {
+    Run("A1 --duration 1 --set dynamics=" + dynamics);
+    return nlohmann::json::parse(Summary()).at("com_error_max_m").get<double>();
+  };
+  const double closed_form = error("closed_form"), simbody = error("simbody");
+  EXPECT_NE(simbody, closed_form);
+  EXPECT_NEAR(simbody, closed_form, 1e-8 * closed_form);
+}
+
 // The observer leaves the known arm of 43 N to the controller.
 TEST_F(TenonQuadrupedTest, WalksWithAKnownArm) {
   Run("A1-arm --duration 1.5 --set 'forces=[]' --set known_additions=true --set observer=com");
