@@ -116,9 +116,10 @@ struct Optimisation {
 /// figure counts as beyond any bound, and the worst value counts if a figure has several, such as one for
 /// each leg.
 struct QuantileGoal {
-  std::string figure;
-  double quantile = 0.99;  ///< share of the runs that must keep the bound
-  std::optional<double> at_most, at_least;
+  std::string figure;              ///< name of the figure in the table of the runs
+  double quantile = 0.99;          ///< share of the runs that must keep the bound
+  std::optional<double> at_most;   ///< upper bound; empty: none
+  std::optional<double> at_least;  ///< lower bound; empty: none
 
   static FieldList Fields() {
     return {Required("figure", &QuantileGoal::figure),

@@ -35,7 +35,8 @@ class PathVerdict {
 
 /// Bounds of a figure in the task of a case, which must have a value between them.
 struct TaskBounds {
-  std::optional<double> at_least, at_most;
+  std::optional<double> at_least;  ///< lower bound; empty: none
+  std::optional<double> at_most;   ///< upper bound; empty: none
 
   static FieldList Fields() {
     return {{"at_least", &TaskBounds::at_least}, {"at_most", &TaskBounds::at_most}};
