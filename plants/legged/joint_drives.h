@@ -22,7 +22,7 @@ class JointDrives final : public LeafSystem<JointDrivesParams> {
       {"torque", "N m", kJointElements},
       Sampled{params.rate},
       Uses(command, joints),
-      [](const JointCommand& command, const JointMotion& now) { return command.TorqueAt(now); }};
+      [](const JointCommand& given, const JointMotion& now) { return given.TorqueAt(now); }};
 };
 
 }  // namespace tenon
