@@ -4,6 +4,7 @@
 #include <tenon/systems/campaign/statistics.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/report/campaign_report.h>
+#include <tenon/systems/report/internal/run_log.h>
 #include <tenon/systems/text/excerpt.h>
 #include <tenon/systems/text/nearest_name.h>
 #include <tenon/systems/text/parse_number.h>
@@ -184,15 +185,13 @@ std::string SurvivalText(const Tally& tally, double confidence) {
 }
 
 /// Value of a goal's figure in a run, with its sign changed for at_least; infinite if the run counts as
-/// beyond any bound.
-double BeyondBy(const QuantileGoal& goal, const CampaignReport& report, const CampaignReport::Run& run) {
+/// beyond any bound. `columns` are those of the figure.
+double BeyondBy(const QuantileGoal& goal, const std::vector<std::size_t>& columns,
+                const CampaignReport::Run& run) {
   constexpr double kBeyond = std::numeric_limits<double>::infinity();
   double worst = -kBeyond;
-  for (std::size_t i = 0; i < report.figures.size(); ++i) {
-    const std::string& name = report.figures[i];
-    if (name != goal.figure && !name.starts_with(goal.figure + ".")) continue;
+  for (const std::size_t i : columns)
     if (!std::isnan(run.figures[i])) worst = std::max(worst, goal.at_most ? run.figures[i] : -run.figures[i]);
-  }
   return run.survived && std::isfinite(worst) ? worst : kBeyond;
 }
 
@@ -200,16 +199,14 @@ double BeyondBy(const QuantileGoal& goal, const CampaignReport& report, const Ca
 /// quantile keeps the bound, missed if all of it is beyond, and open in between.
 void JudgeGoals(const CampaignFile& file, const CampaignReport& report, nlohmann::ordered_json* summary) {
   for (const QuantileGoal& goal : file.goals) {
-    const auto has = [&](const std::string& name) {
-      return name == goal.figure || name.starts_with(goal.figure + ".");
-    };
-    if (std::ranges::none_of(report.figures, has)) {
+    const std::vector<std::size_t> columns = internal::FindColumns(report.figures, goal.figure);
+    if (columns.empty()) {
       Say(fmt::format("warning: goals: no run has a figure '{}'; did you mean '{}'?\n",
                       internal::Excerpt(goal.figure), internal::NearestName(goal.figure, report.figures)));
       continue;
     }
     std::vector<double> values;
-    for (const CampaignReport::Run& run : report.runs) values.push_back(BeyondBy(goal, report, run));
+    for (const CampaignReport::Run& run : report.runs) values.push_back(BeyondBy(goal, columns, run));
     const double sign = goal.at_most ? 1 : -1;
     const double bound = sign * (goal.at_most ? *goal.at_most : *goal.at_least);
     const auto [value, interval] = EstimateQuantile(values, goal.quantile, file.confidence);

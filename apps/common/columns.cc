@@ -1,5 +1,6 @@
 #include <tenon/apps/common/columns.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/report/internal/run_log.h>
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>
@@ -37,9 +38,7 @@ LoggedPart ItemOf(const LoggedPart& part, std::size_t item) {
 }
 
 std::vector<std::size_t> Columns(const std::vector<std::string>& names, const std::string& signal) {
-  std::vector<std::size_t> columns;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i] == signal || names[i].starts_with(signal + ".")) columns.push_back(i);
+  std::vector<std::size_t> columns = internal::FindColumns(names, signal);
   if (columns.empty()) throw Error(fmt::format("the log has no signal '{}'", signal));
   return columns;
 }
