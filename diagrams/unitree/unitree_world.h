@@ -20,17 +20,17 @@ struct UnitreeWorldParams {
 /// A Unitree robot, Go2 or B2, on DDS in the place of a QuadrupedWorld: it has the ports that a walking
 /// controller needs.
 ///
-///     auto& walk = builder.Add<QuadrupedWalk>("walk", params);   // with an estimator, and without foot
-///     sensors auto& robot = DriveUnitree(builder, walk, {.initial = params.world.plant.initial});
+///     // The walk has an estimator and no foot sensors.
+///     auto& walk = builder.Add<QuadrupedWalk>("walk", params);
+///     auto& robot = DriveUnitree(builder, walk, {.initial = params.world.plant.initial});
 ///
 /// It takes the robot's state from "rt/lowstate" and sends the command to "rt/lowcmd", both at `rate`. The
 /// built-in mode of the robot must have left before, see docs/robot.md.
 ///
 ///     ports in   torque           torques, without gains [N m]; zero if not connected
 ///                command          added to these torques; zeros if not connected
-///     ports out  state            attitude, angular velocity and joints; position and velocity, which the
-///     robot
-///                                 does not measure, are those of `initial` and 0
+///     ports out  state            attitude, angular velocity and joints; the robot does not measure its
+///                                 position and velocity, which are those of `initial` and 0
 ///                ground_forces, foot_forces   magnitudes that the feet measure, upwards [N]
 ///                external_torque, added_wrench   zero, for they are not measured
 ///                joints, measured_torque, inertial

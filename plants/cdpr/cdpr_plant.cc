@@ -43,8 +43,8 @@ void CdprPlantParams::Validate() const {
   if (!std::isfinite(gravity)) throw ParameterError(fmt::format("gravity is {}; give m/s^2", gravity));
   if (robot.on_table && (gravity != 0 || extend))
     throw ParameterError(
-        fmt::format("robot '{}' slides on a table, which carries its weight; give gravity 0, and attach no "
-                    "bodies to it",
+        fmt::format("robot '{}' slides on a table, which carries its weight; give gravity 0, attach no "
+                    "bodies to it, and do not run it on Simbody's dynamics",
                     robot.name));
   if (gravity < 0 && robot.cable.mass_per_length > 0)
     throw ParameterError(

@@ -184,8 +184,8 @@ struct DeploymentStatus {
 ///                torque     of the walking controller [N m]
 ///                joints     measured
 ///                state      that the controller reads
-///                heartbeat  the robot's time of the last state that arrived; not watched if not connected
-///                [s]
+///                heartbeat  the robot's time of the last state that arrived [s]; not watched if not
+///                           connected
 ///     parameter  limits     DeploymentLimits
 ///     ports out  status     sampled; the walking controller must stand unless its mode is kWalk
 ///                command    sampled
