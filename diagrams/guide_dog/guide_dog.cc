@@ -26,7 +26,7 @@ void GuideDog::ConnectCommand() {
   Connect(walk.command, supervisor.command);
   Connect(observer.wrench, supervisor.wrench);
   Connect(state, supervisor.state);
-  Connect(obstacles.obstacle, supervisor.obstacle);
+  Connect(obstacles.in_sight, supervisor.obstacle);
   Connect(world.state, obstacles.state);
 
   Connect(supervisor.walk, admittance.command);

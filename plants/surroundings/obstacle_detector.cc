@@ -4,6 +4,7 @@
 #include <string>
 
 namespace tenon {
+
 bool ObstacleDetector::CalcObstacle(const LeggedState& state, double range, double half_width) const {
   const Eigen::Vector2d heading = state.R_WB().col(0).head<2>().normalized();
   for (const Obstacle& obstacle : params.obstacles) {
@@ -13,6 +14,11 @@ bool ObstacleDetector::CalcObstacle(const LeggedState& state, double range, doub
       return true;
   }
   return false;
+}
+
+bool ObstacleDetector::CalcInSight(const LeggedState& state, double range, double half_width,
+                                   bool& saw) const {
+  return saw = CalcObstacle(state, saw ? range + params.margin : range, half_width);
 }
 
 Geometry ObstacleDetector::MakeGeometry(const ObstacleDetectorParams& params) {

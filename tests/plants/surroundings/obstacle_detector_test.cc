@@ -53,6 +53,21 @@ TEST(ObstacleDetectorTest, TurnsWithTheRobotAndSeesAllObstacles) {
   EXPECT_FALSE(Sees(-5, 2.6, 0));
 }
 
+TEST(ObstacleDetectorTest, KeepsAnObstacleInSightThatTheRobotSwaysAwayFrom) {
+  TestRig<ObstacleDetector> rig(kParams);
+  const auto in_sight = [&](double x) {
+    LeggedState state;
+    state.p_WB = {x, 0, 0.4};
+    rig.Fix(rig->state, state);
+    return rig.Tick()[rig->in_sight];
+  };
+  EXPECT_FALSE(in_sight(1.79));
+  EXPECT_TRUE(in_sight(1.81));
+  EXPECT_TRUE(in_sight(1.76)) << "0.04 m beyond the range";
+  EXPECT_FALSE(in_sight(1.74)) << "0.06 m";
+  EXPECT_FALSE(in_sight(1.76)) << "it would be a new one";
+}
+
 TEST(ObstacleDetectorTest, DrawsThePillars) {
   TestRig<ObstacleDetector> rig(kParams);
   rig.Fix(rig->state, LeggedState());
