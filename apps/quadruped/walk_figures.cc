@@ -104,6 +104,8 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   if (loop_.tensions) rope_force_ = Columns(names, loop_.tensions->wrench, &WrenchEstimate::force_W);
   slip_ = Columns(names, FindCurrent(plant.foot_slips));
   touch_ = Columns(names, FindCurrent(plant.foot_forces));
+  torque_ = Columns(names, FindCurrent(plant.joint_torque));
+  speed_ = Columns(names, plant.state, &LeggedState::qd);
   position_ = Columns(names, plant.state, &LeggedState::p_WB);
   attitude_ = Columns(names, plant.state, &LeggedState::q_WB);
   told_attitude_ = Columns(names, loop_.locomotion.body, &BodyReference::q_WB);
@@ -157,6 +159,7 @@ void WalkFigures::Row(std::span<const double> row) {
   if (!touch_.empty())
     flight_.Add(std::ranges::all_of(touch_, [&](std::size_t column) { return row[column] == 0; }) ? 1 : 0);
   for (std::size_t leg = 0; leg < kNumLegs; ++leg) LegRow(row, leg);
+  if (!torque_.empty()) JointRow(row);
   estimate_.Row(row);
   time_ = row[0];
 }
@@ -188,6 +191,15 @@ void WalkFigures::LegRow(std::span<const double> row, std::size_t leg) {
   }
 }
 
+void WalkFigures::JointRow(std::span<const double> row) {
+  const Vec<12> torque = VectorIn<12>(row, torque_), speed = VectorIn<12>(row, speed_);
+  if (const double dt = row[0] - time_; last_torque_ && dt > 0) {
+    work_ += dt * torque.cwiseProduct(speed).cwiseAbs().sum();
+    for (const double change : torque - *last_torque_) torque_rates_.Add(change / dt);
+  }
+  last_torque_ = torque;
+}
+
 void WalkFigures::AddTo(Summary& summary) const {
   const auto largest_by_leg = [&](Tally LegFigures::*figure) {
     std::vector<std::pair<std::string, std::optional<double>>> values;
@@ -211,6 +223,8 @@ void WalkFigures::AddTo(Summary& summary) const {
               {{"x", estimates_[0].mean()}, {"y", estimates_[1].mean()}, {"z", estimates_[2].mean()}});
   summary.Set("force_estimate_error_rms_N", estimate_errors_.rms());
   summary.Set("slip_max_m", largest_by_leg(&LegFigures::slips));
+  summary.Set("joint_work_J", last_torque_ ? std::optional(work_) : std::nullopt);
+  summary.Set("torque_rate_rms_Nm_per_s", torque_rates_.rms());
   summary.Set("distance_m", distance);
   summary.Set("climb_m", climb_.max());
   summary.Set("flight_ratio", flight_.mean());

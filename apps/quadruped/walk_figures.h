@@ -26,7 +26,8 @@ void CheckJudged(double from, double end, bool cut = false);
 /// Errors are those of QuadrupedWalk::errors. The error of the ground forces is the mean over all stance
 /// phases without `kEdge` seconds at both ends of each phase. The slip of a foot is the distance that its
 /// contact point moves along the ground in one stance phase. The climb is the largest height of the ground
-/// under the trunk above that at the start.
+/// under the trunk above that at the start. The work of the joints is the integral of the sum of |tau_i
+/// qd_i|: drives that brake recover nothing. The rate of the torque is that from tick to tick, of all joints.
 class WalkFigures final : public LogSink {
  public:
   static constexpr double kEdge = 0.012;  ///< [s]
@@ -81,6 +82,7 @@ class WalkFigures final : public LogSink {
   };
 
   void LegRow(std::span<const double> row, std::size_t leg);
+  void JointRow(std::span<const double> row);
 
   const QuadrupedWalk& loop_;
   double from_;
@@ -88,7 +90,7 @@ class WalkFigures final : public LogSink {
   PathVerdict path_;
   std::vector<std::size_t> external_force_, added_force_, estimated_force_, rope_force_;
   std::vector<std::size_t> com_, foot_, ground_force_, slip_, touch_, position_, attitude_, told_attitude_,
-      command_;
+      command_, torque_, speed_;
   std::array<std::size_t, kNumLegs> contact_{};
   std::optional<std::size_t> solve_time_, failures_, mpc_time_, mpc_failures_;
 
@@ -98,6 +100,9 @@ class WalkFigures final : public LogSink {
   Vec<2> commanded_ = Vec<2>::Zero();             // in the commanded heading at `from_` [m]
   double commanded_yaw_ = 0;                      // [rad]
   double time_ = 0;                               // [s]
+  double work_ = 0;                               // [J]
+  std::optional<Vec<12>> last_torque_;            // [N m]
+  Tally torque_rates_;                            // [N m/s]
   Tally com_errors_, force_errors_;               // [m], [N]
   std::array<Tally, 3> estimates_;                // [N]
   Tally estimate_errors_;                         // [N]

@@ -69,7 +69,7 @@ TEST_F(ResultsTest, JudgesFinishedCampaigns) {
   EXPECT_THAT(
       Page(),
       AllOf(HasSubstr("*Commit abcdef0, 2026-01-02, a machine.*"),
-            HasSubstr("| yes | 2.0 | 3.5 | 11.0 | 1.5 | CoM ≤ 3 mm; foot ≤ 4 mm; GRF ≤ 2 N | yes |"),
+            HasSubstr("| yes | 2.0 | 3.5 | 11.0 | 1.5 | – | – | CoM ≤ 3 mm; foot ≤ 4 mm; GRF ≤ 2 N | yes |"),
             HasSubstr("| A1 | none | **falls at 12.3 s** | 500.0 | 250.00 | 3.5 | 1.00 |"),
             HasSubstr("| **2 of 3** (first falls at 12.3 s) | 9.0 / 300.0 | 3.5 / 3.5 |"),
             HasSubstr(

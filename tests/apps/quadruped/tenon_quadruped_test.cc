@@ -47,6 +47,25 @@ TEST_F(TenonQuadrupedTest, WalksWithAllFigures) {
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100) << line;
 }
 
+TEST_F(TenonQuadrupedTest, IntegratesTheWorkAndTheRateOfTheTorques) {
+  Run("A4 --duration 0.8 --set log_rate_hz=1000");
+  double work = 0, squares = 0;
+  std::size_t count = 0;
+  for (const char* leg : {"front_left", "front_right", "rear_left", "rear_right"})
+    for (const char* joint : {"abduction", "hip_pitch", "knee"}) {
+      const std::string name = std::string(leg) + "_" + joint;
+      const auto torque = Column(out, "loop.world.plant.joint_torque." + name + " [N m]");
+      const auto speed = Column(out, "loop.world.plant.state.qd." + name + " [rad/s]");
+      for (std::size_t i = 1; i < torque.size(); ++i, ++count) {
+        work += 1e-3 * std::abs(torque[i] * speed[i]);
+        squares += std::pow((torque[i] - torque[i - 1]) / 1e-3, 2);
+      }
+    }
+  const auto summary = nlohmann::json::parse(Summary());
+  EXPECT_NEAR(summary["joint_work_J"], work, 1e-6 * work);
+  EXPECT_NEAR(summary["torque_rate_rms_Nm_per_s"], std::sqrt(squares / count), 1e-3);
+}
+
 // An arm of the robot's URDF swings, with a load on its last joint. The controller believes that it is
 // locked.
 TEST_F(TenonQuadrupedTest, WalksWithAnArmThatMoves) {
