@@ -60,11 +60,11 @@ void CdprFigures::Row(std::span<const double> row) {
   if (settle_from_ > loaded_from_) release_error_.Add(error);
   const bool inside = std::abs(row[position_[0]] - row[ref_position_[0]]) <= kSettled &&
                       std::abs(row[position_[1]] - row[ref_position_[1]]) <= kSettled;
-  if (inside && !settled_) settled_since_ = row[0];
-  settled_ = inside;
+  if (!inside) settled_since_.reset();
+  if (inside && !settled_since_) settled_since_ = row[0] - settle_from_;
 }
 
-std::optional<double> CdprFigures::loaded_swing() const {
+std::optional<double> CdprFigures::LoadedSwing() const {
   double variance = 0;
   for (const Tally& angle : loaded_euler_) {
     if (!angle.rms()) return std::nullopt;
@@ -73,9 +73,19 @@ std::optional<double> CdprFigures::loaded_swing() const {
   return std::sqrt(variance);
 }
 
-std::optional<double> CdprFigures::settling_time() const {
-  if (!settled_) return std::nullopt;
-  return settled_since_ - settle_from_;
+void CdprFigures::AddTo(Summary& summary) const {
+  summary.Set("tension_min_N", tension_.min());
+  summary.Set("tension_max_N", tension_.max());
+  summary.Set("command_min_N", command_.min());
+  summary.Set("command_max_N", command_.max());
+  summary.Set("tension_rate_rms_N_per_s", tension_rate_.rms());
+  summary.Set("euler_oscillation_rms_rad", oscillation_.rms());
+  summary.Set("acceleration_rms_m_per_s2", acceleration_.rms());
+  summary.Set("tracking_error_rms_m", error_.rms());
+  summary.Set("loaded_error_rms_m", loaded_error_.rms());
+  summary.Set("loaded_swing_rms_rad", LoadedSwing());
+  summary.Set("settling_time_s", settled_since_);
+  summary.Set("release_peak_m", release_error_.max());
 }
 
 void MpcFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
@@ -87,6 +97,12 @@ void MpcFigures::Row(std::span<const double> row) {
   if (!time_) return;
   times_.Add(row[*time_]);
   fallbacks_ = row[*count_];
+}
+
+void MpcFigures::AddTo(Summary& summary) const {
+  summary.Set("mpc_time_median_us", Microseconds(times_.Quantile(0.5)));
+  summary.Set("mpc_time_p99_us", Microseconds(times_.Quantile(0.99)));
+  summary.Set("mpc_fallbacks", fallbacks_);
 }
 
 }  // namespace tenon::apps

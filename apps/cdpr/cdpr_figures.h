@@ -25,24 +25,15 @@ class CdprFigures final : public LogSink {
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
-  const Tally& tension() const { return tension_; }            ///< true tension of all cables [N]
-  const Tally& tension_rate() const { return tension_rate_; }  ///< [N/s]
-  const Tally& command() const { return command_; }            ///< [N]
-  const Tally& oscillation() const { return oscillation_; }  ///< attitude minus that of the equilibrium [rad]
-  const Tally& acceleration() const { return acceleration_; }  ///< [m/s^2]
-  const Tally& tracking_error() const { return error_; }       ///< [m]
-  /// Tracking error from 3 s after the load is attached until it is released [m].
-  const Tally& loaded_error() const { return loaded_error_; }
-  /// Standard deviation of roll, pitch and yaw from 3 s after the load is attached until it is released
-  /// [rad]; empty without such a time.
-  std::optional<double> loaded_swing() const;
-  /// Time from `settle_from` until x and y stay within 0.02 m of the reference [s]; empty if they do not.
-  std::optional<double> settling_time() const;
-  /// Tracking error from the release of a load on [m]; empty without a load.
-  const Tally& release_error() const { return release_error_; }
+  /// Adds the figures, without that of the path.
+  void AddTo(Summary& summary) const;
   const PathVerdict& path() const { return path_; }
 
  private:
+  /// Standard deviation of roll, pitch and yaw from 3 s after the load is attached until it is released
+  /// [rad]; empty without such a time.
+  std::optional<double> LoadedSwing() const;
+
   const CdprLoop& loop_;
   double loaded_from_, settle_from_;
   PathVerdict path_;
@@ -50,10 +41,12 @@ class CdprFigures final : public LogSink {
 
   double last_time_ = 0;
   std::vector<double> last_tension_;
-  Tally tension_, tension_rate_, command_, oscillation_, acceleration_, error_, loaded_error_, release_error_;
+  Tally tension_, tension_rate_, command_;  // of all cables [N], [N/s], [N]
+  Tally oscillation_, acceleration_;        // attitude minus that of the equilibrium [rad], [m/s^2]
+  /// Tracking error, the one from 3 s after a load is attached until its release, and that from then on [m].
+  Tally error_, loaded_error_, release_error_;
   std::array<Tally, 3> loaded_euler_;
-  double settled_since_ = 0;
-  bool settled_ = false;
+  std::optional<double> settled_since_;  // since when x and y are within 0.02 m of the reference [s]
 };
 
 /// Statistics of an MPC's solves, from a log of Signals at its rate. There are none if a controller without
@@ -68,13 +61,12 @@ class MpcFigures final : public LogSink {
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
   void Row(std::span<const double> row) override;
 
-  const TimeQuantiles& times() const { return times_; }  ///< wall-clock times of the solves [s]
-  std::optional<double> fallbacks() const { return fallbacks_; }
+  void AddTo(Summary& summary) const;
 
  private:
   const CdprMpc& mpc_;
   std::optional<std::size_t> time_, count_;
-  TimeQuantiles times_;
+  TimeQuantiles times_;  // wall-clock times of the solves [s]
   std::optional<double> fallbacks_;
 };
 

@@ -84,18 +84,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   const std::string controller(IsReplaced(control) ? kMine : EnumName(scenario.controller));
   const auto judge = [&](Summary& summary) {
     summary.Set("controller", controller);
-    summary.Set("tension_min_N", figures->tension().min());
-    summary.Set("tension_max_N", figures->tension().max());
-    summary.Set("command_min_N", figures->command().min());
-    summary.Set("command_max_N", figures->command().max());
-    summary.Set("tension_rate_rms_N_per_s", figures->tension_rate().rms());
-    summary.Set("euler_oscillation_rms_rad", figures->oscillation().rms());
-    summary.Set("acceleration_rms_m_per_s2", figures->acceleration().rms());
-    summary.Set("tracking_error_rms_m", figures->tracking_error().rms());
-    summary.Set("loaded_error_rms_m", figures->loaded_error().rms());
-    summary.Set("loaded_swing_rms_rad", figures->loaded_swing());
-    summary.Set("settling_time_s", figures->settling_time());
-    summary.Set("release_peak_m", figures->release_error().max());
+    figures->AddTo(summary);
     // Commands stay within the bounds; the plant's tensions are judged by CdprMonitor, which may end the run.
     summary.Limit("command_min_N", {.low = tension.low});
     summary.Limit("command_max_N", {.high = tension.high});
@@ -103,11 +92,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
     if (tension.high) summary.Limit("tension_max_N", {.high = scenario.max_tension_ratio * *tension.high});
     limits->AddTo(summary);
     figures->path().AddTo(summary);
-    if (solves) {
-      summary.Set("mpc_time_median_us", Microseconds(solves->times().Quantile(0.5)));
-      summary.Set("mpc_time_p99_us", Microseconds(solves->times().Quantile(0.99)));
-      summary.Set("mpc_fallbacks", solves->fallbacks());
-    }
+    if (solves) solves->AddTo(summary);
     outputs.AddTo(summary);
     if (!options.live) scenario.task.AddTo(summary);
   };

@@ -286,13 +286,8 @@ Summary FlyD1(CdprController controller, const auto& replace) {
   }
   Summary summary = RunWith(simulator, CdprFigures::Signals(loop), {&loop.world.plant.geometry}, limits);
   EXPECT_TRUE(summary.finished());
-  summary.Set("tension_max_N", figures->tension().max());
-  summary.Set("command_max_N", figures->command().max());
-  summary.Set("tracking_error_rms_m", figures->tracking_error().rms());
-  if (solves) {
-    summary.Set("mpc_time_median_us", solves->times().Quantile(0.5));
-    summary.Set("mpc_fallbacks", solves->fallbacks());
-  }
+  figures->AddTo(summary);
+  if (solves) solves->AddTo(summary);
   return summary;
 }
 
