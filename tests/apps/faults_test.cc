@@ -5,10 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
-#include <string>
-#include <vector>
-
 namespace tenon::faults_test {
 
 using test::Column;

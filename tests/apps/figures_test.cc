@@ -18,13 +18,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <numbers>
-#include <string>
-#include <vector>
-
 namespace tenon::apps::figures_test {
 
 constexpr double kDuration = 0.05;  // [s]

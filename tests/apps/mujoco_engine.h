@@ -3,8 +3,6 @@
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/tests/plants/legged/mujoco_quadruped.h>
 
-#include <array>
-
 namespace tenon::test {
 
 enum class Engine { kTenon, kMujoco };

@@ -5,9 +5,7 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <memory>
-#include <vector>
 
 namespace tenon::report_page_test {
 

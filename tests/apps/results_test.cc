@@ -2,10 +2,6 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-#include <fstream>
-#include <string>
-#include <vector>
-
 namespace tenon::results_test {
 
 namespace fs = std::filesystem;

@@ -4,9 +4,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
-#include <string>
-
 namespace tenon::test {
 
 /// The figures of a run, read from its summary.json.

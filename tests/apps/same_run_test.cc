@@ -18,10 +18,6 @@
 #include <gtest/gtest.h>
 
 #include <bit>
-#include <cstdint>
-#include <functional>
-#include <string>
-#include <vector>
 
 namespace tenon::apps::same_run_test {
 

@@ -21,15 +21,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <filesystem>
-#include <functional>
 #include <queue>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace tenon::apps {
 namespace {

@@ -15,10 +15,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include <memory>
-#include <string>
-#include <vector>
-
 namespace tenon {
 namespace {
 

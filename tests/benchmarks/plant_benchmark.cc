@@ -28,13 +28,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
-#include <cmath>
 #include <ctime>
-#include <limits>
-#include <numbers>
-#include <string>
-#include <vector>
 
 namespace tenon {
 namespace {

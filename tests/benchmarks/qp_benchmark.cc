@@ -36,15 +36,6 @@
 #include <benchmark/benchmark.h>
 #include <libalglib/optimization.h>
 
-#include <algorithm>
-#include <array>
-#include <functional>
-#include <limits>
-#include <map>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 namespace {
 

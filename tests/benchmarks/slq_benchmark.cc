@@ -9,10 +9,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <chrono>
-#include <string>
-#include <vector>
 
 namespace tenon {
 namespace {

@@ -14,12 +14,7 @@
 #include "least_times.h"
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <memory>
 #include <numeric>
-#include <vector>
 
 namespace tenon {
 namespace {

@@ -8,8 +8,6 @@
 #include <benchmark/benchmark.h>
 
 #include <random>
-#include <string>
-#include <vector>
 
 namespace tenon {
 namespace {

@@ -1,13 +1,16 @@
+#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/signal.h>
+#include <tenon/tests/testing/derivative_check.h>
+#include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest-spi.h>
-
-#include <limits>
 
 namespace tenon::matchers_test {
 
 using ::testing::AllOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -68,6 +71,99 @@ TEST(IsNearTest, FailsTheTestReadably) {
   EXPECT_NONFATAL_FAILURE(EXPECT_THAT(Vec<2>(1, 3), IsNear(Vec<2>(1, 2), 0.5)), "is within 0.5 of [1; 2]");
   EXPECT_NONFATAL_FAILURE(EXPECT_THAT(Vec<2>(1, 3), IsNear(Vec<2>(1, 2), 0.5)),
                           "whose element (1, 0) is 3 instead of 2, off by 1");
+}
+
+TEST(ThrowsTest, AcceptsTypeAndParts) {
+  EXPECT_TRUE(Throws<ParameterError>([] { throw ParameterError("mass must be positive"); }));
+  EXPECT_TRUE(
+      Throws<ParameterError>([] { throw ParameterError("mass must be positive"); }, "positive", "mass"));
+  EXPECT_TRUE(Throws<Error>([] { throw ParameterError("mass must be positive"); }, std::string("must")));
+}
+
+TEST(ThrowsTest, RefusesAMissingPart) {
+  const auto result = Throws<ParameterError>([] { throw ParameterError("mass must be positive"); }, "mass",
+                                             "finite", "small");
+  EXPECT_FALSE(result);
+  EXPECT_THAT(result.message(), HasSubstr("'finite', 'small'"));
+  EXPECT_THAT(result.message(), EndsWith(": mass must be positive"));
+}
+
+TEST(ThrowsTest, RefusesAnotherType) {
+  const auto result = Throws<ParameterError>([] { throw BuildError("a loop"); }, "loop");
+  EXPECT_FALSE(result);
+  EXPECT_THAT(result.message(), EndsWith(": a loop"));
+  EXPECT_FALSE(Throws<ParameterError>([] { throw Error("mass"); }, "mass")) << "a base is not enough";
+}
+
+TEST(ThrowsTest, RefusesWhatIsNoException) {
+  const auto result = Throws<Error>([] { throw 1; });
+  EXPECT_FALSE(result);
+  EXPECT_THAT(result.message(), HasSubstr("std::exception"));
+}
+
+TEST(ThrowsTest, RefusesSilence) {
+  const auto result = Throws<Error>([] {});
+  EXPECT_FALSE(result);
+  EXPECT_STREQ(result.message(), "nothing is thrown");
+}
+
+TEST(ThrowsTest, FailsTheTestWithTheActualText) {
+  EXPECT_NONFATAL_FAILURE(EXPECT_TRUE(Throws<Error>([] { throw Error("actual text"); }, "expected text")),
+                          "it reads: actual text");
+}
+
+/// Polar coordinates to a place, and its height on a paraboloid.
+Vec<3> Place(const Vec<2>& q) {
+  return {q[0] * std::cos(q[1]), q[0] * std::sin(q[1]), q[0] * q[0]};
+}
+Eigen::Matrix<double, 3, 2> PlaceJacobian(const Vec<2>& q) {
+  Eigen::Matrix<double, 3, 2> jacobian;
+  jacobian << std::cos(q[1]), -q[0] * std::sin(q[1]),  //
+      std::sin(q[1]), q[0] * std::cos(q[1]),           //
+      2 * q[0], 0;
+  return jacobian;
+}
+
+TEST(DerivativeCheckTest, FindsTheJacobian) {
+  const Vec<2> q(1.5, 0.4);
+  EXPECT_THAT(NumericalJacobian(Place, q), IsNear(PlaceJacobian(q), 1e-9));
+}
+
+TEST(DerivativeCheckTest, AcceptsTheRightOne) {
+  for (const Vec<2>& q : {Vec<2>(1.5, 0.4), Vec<2>(0, 0), Vec<2>(300, -2)}) {
+    EXPECT_TRUE(IsJacobian(PlaceJacobian(q), Place, q, 1e-8));
+  }
+}
+
+TEST(DerivativeCheckTest, TakesVectorsOfAnySize) {
+  const Eigen::MatrixXd matrix = Eigen::MatrixXd::Random(4, 5);
+  const auto product = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return matrix * x; };
+  EXPECT_TRUE(IsJacobian(matrix, product, Eigen::VectorXd::Random(5).eval(), 1e-9));
+}
+
+TEST(DerivativeCheckTest, RefusesAWrongElement) {
+  const Vec<2> q(1.5, 0.4);
+  Eigen::Matrix<double, 3, 2> wrong = PlaceJacobian(q);
+  wrong(2, 0) += 1e-3;
+  const auto result = IsJacobian(wrong, Place, q, 1e-6);
+  EXPECT_FALSE(result);
+  EXPECT_THAT(result.message(), AllOf(HasSubstr("(2, 0)"), HasSubstr(" 3.001 "), HasSubstr(" 3")));
+}
+
+TEST(DerivativeCheckTest, RefusesAnotherShape) {
+  const Vec<2> q(1.5, 0.4);
+  const auto result = IsJacobian(PlaceJacobian(q).transpose(), Place, q, 1e-6);
+  EXPECT_FALSE(result);
+  EXPECT_THAT(result.message(), AllOf(HasSubstr("2 x 3"), HasSubstr("3 x 2")));
+}
+
+TEST(DerivativeCheckTest, RefusesNan) {
+  const Vec<2> q(1.5, 0.4);
+  Eigen::Matrix<double, 3, 2> wrong = PlaceJacobian(q);
+  wrong(1, 1) = std::numeric_limits<double>::quiet_NaN();
+  const auto result = IsJacobian(wrong, Place, q, 1e9);
+  EXPECT_FALSE(result);
+  EXPECT_THAT(result.message(), HasSubstr("element (1, 1) is nan"));
 }
 
 }  // namespace tenon::matchers_test

@@ -3,14 +3,6 @@
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/simulation/simulator.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <memory>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 /// Runs one block whose inputs the test sets:

@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 namespace tenon::test_rig_test {
 
 struct PdParams {

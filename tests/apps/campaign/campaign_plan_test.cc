@@ -2,8 +2,6 @@
 #include <tenon/apps/campaign/campaign_schedule.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <algorithm>
-#include <map>
 #include <set>
 
 namespace tenon::apps::campaign_plan_test {

@@ -2,10 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
 namespace tenon::apps::campaign_table_test {
 
 namespace fs = std::filesystem;

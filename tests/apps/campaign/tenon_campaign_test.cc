@@ -3,10 +3,7 @@
 #include <tenon/systems/version.h>
 #include <tenon/tests/apps/run_app.h>
 
-#include <algorithm>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 namespace tenon::test::tenon_campaign_test {
 

@@ -7,8 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include <vector>
-
 namespace tenon::apps::same_noise_test {
 
 struct Errors {

@@ -6,12 +6,9 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iomanip>
 #include <numbers>
-#include <sstream>
 
 namespace tenon::tenon_cdpr_test {
 

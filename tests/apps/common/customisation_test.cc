@@ -10,9 +10,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <iterator>
 
 // The shipped examples, called by their main functions.

@@ -5,10 +5,8 @@
 #include <httplib.h>
 #include <nlohmann/json.hpp>
 
-#include <cstdio>
 #include <memory>
 #include <regex>
-#include <string>
 
 namespace tenon::test {
 

@@ -5,8 +5,6 @@
 #include <unistd.h>
 
 #include <cstdint>
-#include <string>
-#include <vector>
 
 namespace tenon::test::live_app_test {
 

@@ -5,7 +5,6 @@
 #include <tenon/tests/systems/report/page_layout.h>
 
 #include <chrono>
-#include <string>
 
 namespace tenon::test::live_browser_test {
 

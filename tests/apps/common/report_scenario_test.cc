@@ -1,18 +1,18 @@
+#include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/report_scenario.h>
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/systems/simulation.h>
+#include <tenon/tests/testing/block_test.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <string>
-#include <vector>
 
 namespace tenon::apps::report_scenario_test {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 struct Opaque {
   int* pointer = nullptr;
@@ -98,6 +98,102 @@ TEST_F(LogScenarioTest, RefusesPortsWithoutNumbers) {
 
 TEST_F(LogScenarioTest, LimitsTheNumberOfSignals) {
   EXPECT_THROW(LogScenario{std::vector<std::string>(1001)}.Validate(), ParameterError);
+}
+
+struct Leg {
+  Vec<2> p = Vec<2>::Zero();
+  double force = 0;
+  static FieldList Fields() { return {{"p", &Leg::p}, {"force", &Leg::force, "N"}}; }
+};
+struct Robot {
+  Leg first;
+  std::array<Leg, 2> legs;
+  Eigen::VectorXd cables = Eigen::VectorXd::Zero(2);
+  double hidden = 0;
+  static FieldList Fields() {
+    return {{"first", &Robot::first},
+            {"legs", &Robot::legs, "", "left, right"},
+            {"cables", &Robot::cables},
+            Undescribed(&Robot::hidden)};
+  }
+};
+
+class Legs final : public LeafSystem<void> {
+ public:
+  OutputPort<double> forces{this, {"forces"}, Uses(), [] { return 0.0; }};
+  OutputPort<double> force{this, {"force"}, Uses(), [] { return 0.0; }};
+  OutputPort<Robot> robot{this, {"robot"}, Uses(), [] { return Robot(); }};
+  OutputPort<std::array<Vec<2>, 2>> pair{this, {"pair", "m", "a, b"}, Uses(), [] {
+                                           return std::array{Vec<2>(1, 2), Vec<2>(3, 4)};
+                                         }};
+  OutputPort<std::vector<Leg>> list{this, {"list"}, Uses(), [] { return std::vector<Leg>(3); }};
+};
+
+/// Lacks all ports but one.
+class Other final : public LeafSystem<void> {
+ public:
+  OutputPort<double> force{this, {"force"}, Uses(), [] { return 0.0; }};
+};
+
+/// The names of a log.
+struct Names final : LogSink {
+  std::vector<std::string> names;
+  void Begin(const std::vector<std::string>& all, const std::vector<std::string>&) override { names = all; }
+  void Row(std::span<const double>) override {}
+};
+
+class ColumnsTest : public ::testing::Test {
+ protected:
+  /// The names in a log of the signals of the built diagram.
+  std::vector<std::string> Log(const std::vector<const Source*>& signals) {
+    diagram_ = builder_.Build();
+    Simulator simulator(diagram_);
+    const auto sink = std::make_shared<Names>();
+    simulator.AddLog(Hz(10), signals, {sink});
+    simulator.RunTo(0.1);
+    return sink->names;
+  }
+  DiagramBuilder builder_;
+  std::shared_ptr<const Diagram> diagram_;  // owns the blocks
+  Legs& block_ = builder_.Add<Legs>("block");
+};
+
+TEST_F(ColumnsTest, FollowMembersAndItems) {
+  const auto names = Log({&block_.forces, &block_.force, &block_.robot, &block_.pair, &block_.list});
+  const auto found = [&](const auto&... steps) {
+    std::vector<std::string> in_log;
+    for (const std::size_t column : Columns(names, steps...)) in_log.push_back(names[column]);
+    return in_log;
+  };
+  EXPECT_THAT(found(block_.force), ElementsAre("block.force"));
+  EXPECT_THAT(found(block_.robot, &Robot::first, &Leg::p),
+              ElementsAre("block.robot.first.p.0", "block.robot.first.p.1"));
+  EXPECT_THAT(found(block_.robot, &Robot::legs, 1, &Leg::force), ElementsAre("block.robot.legs.right.force"));
+  EXPECT_THAT(found(block_.robot, &Robot::cables),
+              ElementsAre("block.robot.cables.0", "block.robot.cables.1"));
+  EXPECT_THAT(found(block_.pair, 1), ElementsAre("block.pair.b.0", "block.pair.b.1"));
+  EXPECT_THAT(found(block_.list, 2, &Leg::force), ElementsAre("block.list.2.force"));
+  EXPECT_EQ(names[Column(names, block_.force)], "block.force");
+  EXPECT_EQ(SignalName(block_.robot, &Robot::legs, 0), "block.robot.legs.left");
+}
+
+TEST_F(ColumnsTest, RefuseWhatIsNotLogged) {
+  const auto names = Log({&block_.force});
+  EXPECT_TRUE(Throws<Error>([&] { Columns(names, block_.robot, &Robot::legs); }, "'block.robot.legs'"));
+  EXPECT_TRUE(
+      Throws<BuildError>([&] { SignalName(block_.robot, &Robot::hidden); }, "'block.robot'", "Robot"));
+}
+
+TEST_F(ColumnsTest, FollowTheBlockThatReplacedAnother) {
+  const Other& other = builder_.Replace<Other>(block_);
+  EXPECT_EQ(FindCurrent(block_.force), &other.force);
+  EXPECT_EQ(FindCurrent(block_.robot), nullptr);
+  EXPECT_THAT(Present<Source>({&block_.robot, &block_.force}), ElementsAre(&other.force));
+  const auto names = Log({&other.force});
+  EXPECT_EQ(Column(names, block_.force), 1U);
+  EXPECT_TRUE(Throws<BuildError>([&] { Columns(names, block_.robot, &Robot::first); }, "'block.robot'"));
+  EXPECT_THAT(Columns(names, FindCurrent(block_.robot), &Robot::first), IsEmpty());
+  EXPECT_FALSE(Column(names, FindCurrent(block_.robot), &Robot::first, &Leg::force));
 }
 
 }  // namespace tenon::apps::report_scenario_test

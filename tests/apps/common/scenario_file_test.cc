@@ -8,11 +8,6 @@
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <array>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
 namespace tenon::apps::scenario_file_test {
 
 namespace fs = std::filesystem;

@@ -7,12 +7,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
-#include <map>
-#include <optional>
-#include <string>
-
 namespace tenon::apps::scenario_keys_test {
 
 enum class Mode { kOff, kOn };

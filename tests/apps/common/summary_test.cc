@@ -1,15 +1,30 @@
+#include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/summary.h>
+#include <tenon/apps/common/verdicts.h>
+#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <array>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <numbers>
 #include <tuple>
-#include <utility>
 
 namespace tenon::apps::summary_test {
 
+using apps::FigureColumns;
+using apps::FigureLines;
+using apps::FigureTexts;
+using apps::NamedTexts;
+using apps::NumberText;
 using ::testing::Contains;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Pair;
 
@@ -118,5 +133,211 @@ TEST(TimeQuantilesTest, ClampValuesOutsideTheirRange) {
   times.Add(1e9);
   EXPECT_GT(*times.Quantile(1), 3600);
 }
+
+TEST(FigureTextTest, NumbersHaveFourDigits) {
+  EXPECT_EQ(NumberText(0.0011560582642818895), "0.001156");
+  EXPECT_EQ(NumberText(-1234.5678), "-1235");
+  EXPECT_EQ(NumberText(148412.3), "148400");
+  EXPECT_EQ(NumberText(2.5e-7), "2.5e-07");
+  EXPECT_EQ(NumberText(1.23456e7), "12345600") << "a whole number";
+  EXPECT_EQ(NumberText(1.2345678e7 + 0.5), "1.235e+07");
+  EXPECT_EQ(NumberText(-0.0), "0");
+  EXPECT_EQ(NumberText(NAN), "-");
+}
+
+// Nothing happened, or something that has no number.
+TEST(FigureTextTest, NoValueIsNotNaN) {
+  const auto figures = FigureTexts({{"a_m", ""}, {"b_m", "NaN"}, {"c_m", "Infinity"}});
+  EXPECT_EQ(figures.at(0).values.at(0).second, "-");
+  EXPECT_EQ(figures.at(1).values.at(0).second, "NaN");
+  EXPECT_EQ(figures.at(2).values.at(0).second, "Infinity");
+}
+
+TEST(FigureTextTest, ValuesOfLegsAreATable) {
+  const NamedTexts flat{{"case", "A1"},
+                        {"seed", "18446744073709551615"},
+                        {"foot_error_max_m.front_left", "0.0011560582642818895"},
+                        {"foot_error_max_m.rear_right", ""},
+                        {"com_error_max_m", "0.02"},
+                        {"slip_max_m.front_left", "0.00022829782782513656"},
+                        {"slip_max_m.rear_right", "1"},
+                        {"force_estimate_mean_N.x", "8.772805595394102"},
+                        {"force_estimate_mean_N.y", "-1234.5678"}};
+  std::vector<apps::FigureText> figures = FigureTexts(flat);
+  ASSERT_EQ(figures.size(), 6);
+  figures[3].limit = figures[4].limit = "   (at most 0.1)";
+  EXPECT_EQ(FigureLines(figures), R"(case                   A1
+seed                   18446744073709551615
+com_error_max_m        0.02 m   (at most 0.1)
+
+                         front_left  rear_right
+foot_error_max_m           0.001156           - m
+slip_max_m                0.0002283           1 m   (at most 0.1)
+
+                                  x           y
+force_estimate_mean_N         8.773       -1235 N
+)");
+}
+
+TEST(FigureTextTest, TablesThatAreTooWideAreLines) {
+  NamedTexts flat;
+  for (int i = 0; i < 12; ++i) flat.emplace_back("tension_max_N.cable_" + std::to_string(i), "100.5");
+  const std::string lines = FigureLines(FigureTexts(flat));
+  EXPECT_THAT(lines, ::testing::StartsWith("tension_max_N.cable_0  100.5 N\n"));
+  EXPECT_EQ(std::ranges::count(lines, '\n'), 12);
+}
+
+TEST(FigureTextTest, RunsAreColumns) {
+  const std::string columns =
+      FigureColumns({{"none", {{"error_m", "0.123456"}, {"end_reason", "end of the run"}}},
+                     {"a very long name of a variant",
+                      {{"error_m", ""},
+                       {"end_reason", "the robot fell: its trunk is below 0.2 m"},
+                       {"slip_m.left", "2"}}}});
+  EXPECT_EQ(columns, R"(                       none  a very long name of a v…
+error_m              0.1235                         - m
+end_reason   end of the run  the robot fell: its tru…
+slip_m.left               -                         2 m
+)");
+}
+
+TEST(FigureTextTest, ManyRunsStandBelowEachOther) {
+  const std::pair<std::string, NamedTexts> run{"a_run", {{"error_m", "1"}}};
+  const std::string columns = FigureColumns(std::vector(20, run));
+  EXPECT_EQ(std::ranges::count(columns, '\n'), 3 * 2 + 2) << "20 columns of 12 characters are three tables";
+  std::size_t longest = 0;
+  for (std::size_t begin = 0, end; (end = columns.find('\n', begin)) != columns.npos; begin = end + 1)
+    longest = std::max(longest, end - begin);
+  EXPECT_LE(longest, 122);
+}
+
+using apps::Beside;
+using Texts = std::pair<std::string, std::string>;
+
+TEST(BesideTest, TakesEnoughDigitsToDiffer) {
+  EXPECT_EQ(Beside(7.1234, 5), Texts("7.12", "5"));
+  EXPECT_EQ(Beside(5.0004, 5), Texts("5.0004", "5"));
+  EXPECT_EQ(Beside(4.9999996, 5, 4), Texts("4.9999996", "5"));
+  EXPECT_EQ(Beside(1 + 1e-15, 1), Texts("1.000000000000001", "1"));
+}
+
+TEST(BesideTest, EqualOnesAreShort) {
+  EXPECT_EQ(Beside(0.005, 0.005), Texts("0.005", "0.005"));
+  EXPECT_EQ(Beside(1.0 / 3, 1.0 / 3), Texts("0.333", "0.333"));
+}
+
+Summary SummaryOf(const PathVerdict& verdict) {
+  RunOutcome outcome;
+  outcome.status.time = 10;
+  Summary summary("case", 1, outcome);
+  verdict.AddTo(summary);
+  return summary;
+}
+
+std::string Figure(const Summary& summary, const std::string& key) {
+  const auto flat = summary.Flat();
+  const auto found = std::ranges::find(flat, key, &std::pair<std::string, std::string>::first);
+  return found == flat.end() ? "missing" : found->second;
+}
+
+TEST(PathVerdictTest, IsNullWithoutAPath) {
+  PathVerdict none;
+  none.Add(1, 100, 3);
+  const Summary summary = SummaryOf(none);
+  EXPECT_EQ(Figure(summary, "followed"), "");
+  EXPECT_EQ(Figure(summary, "path_deviation_max_m"), "");
+  EXPECT_TRUE(summary.finished());
+}
+
+TEST(PathVerdictTest, AllowsAShareOfTheLength) {
+  PathVerdict verdict(0.1, 3);
+  verdict.Add(1, 0.3, 0.1);
+  EXPECT_EQ(Figure(SummaryOf(verdict), "followed"), "true");
+  EXPECT_TRUE(SummaryOf(verdict).finished());
+  verdict.Add(2, 0.30004, 0.1);
+  verdict.Add(3, 0.2, 0.1);
+  const Summary left = SummaryOf(verdict);
+  EXPECT_EQ(Figure(left, "followed"), "false");
+  EXPECT_FALSE(left.finished());
+  EXPECT_EQ(left.exit_code(), kLimitBroken);
+  EXPECT_THAT(Figure(left, "end_reason"), ContainsRegex("path.*0\\.30004 m.* 0\\.3 m.* 2 s"));
+}
+
+TEST(PathVerdictTest, AllowsAShareOfHalfATurn) {
+  PathVerdict verdict(0.1, 3);
+  verdict.Add(1, 0, 2 * std::numbers::pi - 0.3);  // 0.3 to the other side
+  EXPECT_EQ(Figure(SummaryOf(verdict), "followed"), "true");
+  verdict.Add(2, 0, -0.4);
+  EXPECT_EQ(Figure(SummaryOf(verdict), "followed"), "false");
+  EXPECT_THAT(Figure(SummaryOf(verdict), "end_reason"),
+              ContainsRegex("heading.*0\\.4 rad.* 0\\.314 rad.* 2 s"));
+}
+
+// A turn on the spot has no length, so only the heading is judged.
+TEST(PathVerdictTest, WithoutLengthTheHeadingCounts) {
+  PathVerdict verdict(0.1, 0);
+  verdict.Add(1, 0.5, 0);
+  EXPECT_EQ(Figure(SummaryOf(verdict), "followed"), "true");
+  verdict.Add(1, 0.5, 1);
+  EXPECT_EQ(Figure(SummaryOf(verdict), "followed"), "false");
+}
+
+TEST(PathVerdictTest, ARobotMayStartAsideOfItsPath) {
+  PathVerdict verdict(0.1, 3, 0.5, 1);
+  verdict.Add(0, 0.7, 1.2);
+  EXPECT_EQ(Figure(SummaryOf(verdict), "followed"), "true");
+}
+
+namespace {
+
+std::string Said(const std::string& text) {
+  ::testing::internal::CaptureStderr();
+  Say(text);
+  return ::testing::internal::GetCapturedStderr();
+}
+
+TEST(SayTest, ControlCharactersDoNotReachATerminal) {
+  EXPECT_EQ(Said("warning: na\xc3\xafve\n"), "warning: na\xc3\xafve\n");
+  EXPECT_EQ(Said("\033[31mred\r\n"), "\\x1b[31mred\\x0d\n");
+  EXPECT_EQ(Said("\xc2\x9b"
+                 "31m"),
+            "\\x9b31m")
+      << "the same in one character of two bytes";
+  EXPECT_EQ(Said("caf\xe9 \xff"), "caf\\xe9 \\xff") << "not UTF-8";
+  EXPECT_EQ(Said("cut \xe2\x80"), "cut \\xe2\\x80") << "a character without its end";
+}
+
+TEST(SayTest, DrawnLinesKeepControlSequences) {
+  ::testing::internal::CaptureStderr();
+  Draw("\r\033[K");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "\r\033[K");
+}
+
+TEST(SignalDeathTest, EndsARunInsideACalculationThatDoesNotReturn) {
+  DiagramBuilder builder;
+  builder.AddFunction("endless", Sampled{Hz(10)}, Uses(builder.time), [](double t) {
+    if (t < 0.5) return t;
+    std::raise(SIGTERM);
+    for (volatile bool on = true; on;) continue;
+    return t;
+  });
+  Simulator simulator(builder.Build());
+  EXPECT_EXIT(Observe(simulator, [&] { return simulator.AdvanceTo(1); }),
+              ::testing::ExitedWithCode(128 + SIGTERM), "does not end");
+}
+
+TEST(SignalTest, EndsARunAfterTheStepThatItInterrupts) {
+  DiagramBuilder builder;
+  builder.AddFunction("signal", Sampled{Hz(10)}, Uses(builder.time), [](double t) {
+    if (t == 0.5) std::raise(SIGTERM);
+    return t;
+  });
+  Simulator simulator(builder.Build());
+  const RunOutcome outcome = Advance(simulator, 10);
+  EXPECT_EQ(outcome.exit_code, 128 + SIGTERM);
+  EXPECT_LT(outcome.status.time, 1);
+}
+
+}  // namespace
 
 }  // namespace tenon::apps::summary_test

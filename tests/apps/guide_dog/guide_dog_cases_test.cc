@@ -3,8 +3,6 @@
 #include <tenon/tests/apps/run_case.h>
 
 #include <cmath>
-#include <string>
-#include <vector>
 
 namespace tenon::guide_dog_cases_test {
 

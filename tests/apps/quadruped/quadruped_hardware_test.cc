@@ -4,8 +4,6 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <numbers>
-
 namespace tenon::apps::quadruped_hardware_test {
 
 const Scale kScale = ScaleOf(test::DogBot());

@@ -7,10 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-#include <fstream>
 #include <regex>
-#include <sstream>
 
 namespace tenon::quadruped_proposal_test {
 

@@ -7,8 +7,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <string>
-
 namespace tenon::apps::quadruped_scale_test {
 
 using ::testing::ElementsAre;

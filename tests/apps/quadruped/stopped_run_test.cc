@@ -3,9 +3,6 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-#include <algorithm>
-#include <sstream>
-
 namespace tenon::stopped_run_test {
 
 namespace fs = std::filesystem;

@@ -3,7 +3,6 @@
 #include <tenon/tests/apps/run_app.h>
 
 #include <cmath>
-#include <sstream>
 
 namespace tenon::tenon_gait_stability_test {
 

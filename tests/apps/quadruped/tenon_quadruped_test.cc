@@ -7,11 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <sstream>
-#include <vector>
 
 namespace tenon::tenon_quadruped_test {
 

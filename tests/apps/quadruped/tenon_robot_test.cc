@@ -2,8 +2,6 @@
 #include <tenon/tests/plants/model/mesh_test_files.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <fstream>
-
 namespace tenon::test::tenon_robot_test {
 
 using ::testing::AllOf;

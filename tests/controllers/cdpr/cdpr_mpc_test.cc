@@ -3,8 +3,6 @@
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <algorithm>
-#include <numbers>
 #include <numeric>
 
 namespace tenon::cdpr_mpc_test {

@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 
 #include <random>
-#include <vector>
 
 namespace tenon::cdpr_workspace_test {
 

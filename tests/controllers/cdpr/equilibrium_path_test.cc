@@ -5,12 +5,6 @@
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <algorithm>
-#include <functional>
-#include <numbers>
-#include <string>
-#include <vector>
-
 namespace tenon::equilibrium_path_test {
 
 using Eigen::Vector3d;

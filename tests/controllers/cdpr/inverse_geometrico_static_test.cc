@@ -7,9 +7,6 @@
 
 #include <Eigen/Dense>
 
-#include <functional>
-#include <vector>
-
 namespace tenon::inverse_geometrico_static_test {
 
 using Eigen::Matrix3d;

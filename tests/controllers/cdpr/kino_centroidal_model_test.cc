@@ -6,8 +6,6 @@
 #include <tenon/tests/testing/dense_algebra.h>
 #include <tenon/tests/testing/derivative_check.h>
 
-#include <vector>
-
 namespace tenon::kino_centroidal_model_test {
 
 CdprDescription RobotWith(int cables) {

@@ -7,7 +7,6 @@
 #include <nlopt.hpp>
 
 #include <random>
-#include <vector>
 
 namespace tenon::tension_distribution_test {
 

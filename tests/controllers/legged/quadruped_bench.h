@@ -8,10 +8,6 @@
 
 #include <Eigen/Geometry>
 
-#include <cmath>
-#include <functional>
-#include <utility>
-
 namespace tenon::test {
 
 /// Legs that swing about the nominal stance [rad].

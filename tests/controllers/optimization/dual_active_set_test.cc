@@ -2,7 +2,6 @@
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <algorithm>
 #include <random>
 
 namespace tenon::dual_active_set_test {

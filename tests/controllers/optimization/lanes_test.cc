@@ -2,7 +2,6 @@
 #include <tenon/controllers/optimization/lanes/small_product.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <algorithm>
 #include <random>
 
 namespace tenon::internal::lanes_test {

@@ -4,11 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <string>
-
 namespace tenon::test {
 
 /// A problem that owns its numbers.

@@ -2,8 +2,6 @@
 
 #include <tenon/controllers/optimization/runge_kutta.h>
 
-#include <cmath>
-
 namespace tenon::test {
 
 /// dx/dt = A x + B u with quadratic costs about x_des and u_des; n and m may be Eigen::Dynamic.

@@ -8,8 +8,6 @@
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <fstream>
-
 namespace tenon::cdpr_profile_test {
 
 const YamlFile kShipped{"cable_robot"};

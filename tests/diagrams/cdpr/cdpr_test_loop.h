@@ -4,8 +4,6 @@
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 
-#include <memory>
-
 namespace tenon::test {
 
 inline CdprDescription ShippedFourCableRobot() {

@@ -11,9 +11,6 @@
 
 #include <Eigen/Geometry>
 
-#include <filesystem>
-#include <fstream>
-
 namespace tenon::many_cables_test {
 
 /// A robot with this number of cables, read from a file.

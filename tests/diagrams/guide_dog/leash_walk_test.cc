@@ -13,13 +13,7 @@
 
 #include <gmock/gmock.h>
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <memory>
 #include <numbers>
-#include <string>
-#include <vector>
 
 namespace tenon::leash_walk_test {
 

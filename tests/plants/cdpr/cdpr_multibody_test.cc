@@ -9,11 +9,6 @@
 
 #include <Eigen/Geometry>
 
-#include <memory>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon::cdpr_multibody_test {
 
 using test::Hanging;

@@ -8,8 +8,6 @@
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <numbers>
-
 namespace tenon::loads_test {
 
 TEST(GustsTest, RiseToTheirPeaksAndFallAndAddUp) {

@@ -5,7 +5,6 @@
 #include <tenon/plants/cdpr/winch_errors.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <algorithm>
 #include <numbers>
 
 namespace tenon::winches_test {

@@ -12,11 +12,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <filesystem>
-#include <fstream>
 #include <numbers>
-#include <string>
-#include <vector>
 
 namespace tenon::attached_bodies_test {
 

@@ -8,7 +8,6 @@
 
 #include <Eigen/Geometry>
 
-#include <array>
 #include <numbers>
 
 namespace tenon::disturbances_test {

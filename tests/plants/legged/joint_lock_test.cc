@@ -1,11 +1,9 @@
+#include <tenon/plants/legged/drive_errors.h>
 #include <tenon/plants/legged/joint_lock.h>
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
-
-#include <algorithm>
-#include <optional>
 
 namespace tenon::joint_lock_test {
 
@@ -112,6 +110,32 @@ TEST(JointLockTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<JointLock>({.joints = {12}}, "joint 12"));
   EXPECT_TRUE(Refuses<JointLock>({.stiffness = 0}, "stiffness"));
   EXPECT_TRUE(Refuses<JointLock>({.damping = -1}, "damping"));
+}
+
+TEST(DriveErrorsTest, WithoutErrorsItPassesItsInput) {
+  TestRig<DriveErrors> rig;
+  const Vec<12> command = Vec<12>::LinSpaced(-6, 5);
+  rig.Fix(rig->command, command).Tick();
+  EXPECT_EQ(rig[rig->torque], command);
+}
+
+TEST(DriveErrorsTest, EachDriveHasAConstantThatStays) {
+  TestRig<DriveErrors> rig(DriveErrorsParams{.gain_deviation = 0.1});
+  rig.Fix(rig->command, Vec<12>::Constant(10)).Tick();
+  const Vec<12> first = rig[rig->torque];
+  EXPECT_GT((first.array() - first.mean()).abs().minCoeff(), 0) << "no two alike";
+  rig.Fix(rig->command, Vec<12>::Constant(20)).Tick();
+  EXPECT_NEAR((rig[rig->torque] - 2 * first).norm(), 0, 1e-12);
+}
+
+TEST(DriveErrorsTest, RippleGrowsWithTheTorque) {
+  constexpr int kTicks = 5000;
+  TestRig<DriveErrors> rig(DriveErrorsParams{.ripple = 0.05});
+  const Vec<12> command = Vec<12>::LinSpaced(0, 33);
+  rig.Fix(rig->command, command);
+  Vec<12> squares = Vec<12>::Zero();
+  for (int n = 0; n < kTicks; ++n) squares += (rig.Tick()[rig->torque] - command).cwiseAbs2() / kTicks;
+  for (int j = 0; j < 12; ++j) EXPECT_NEAR(std::sqrt(squares[j]), 0.05 * command[j], 0.003 * command[j]) << j;
 }
 
 }  // namespace tenon::joint_lock_test

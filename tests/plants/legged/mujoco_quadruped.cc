@@ -4,9 +4,6 @@
 
 #include <Eigen/Geometry>
 
-#include <string>
-#include <vector>
-
 namespace tenon::test {
 namespace {
 

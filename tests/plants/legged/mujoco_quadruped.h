@@ -3,9 +3,6 @@
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>
 
-#include <array>
-#include <memory>
-
 namespace tenon::test {
 
 struct MujocoQuadrupedParams {

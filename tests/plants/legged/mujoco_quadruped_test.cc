@@ -6,8 +6,6 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <cmath>
-
 namespace tenon::mujoco_quadruped_test {
 
 QuadrupedPlantParams WithLoad() {

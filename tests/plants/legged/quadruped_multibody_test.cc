@@ -8,8 +8,6 @@
 #include <Eigen/Geometry>
 
 #include <numbers>
-#include <utility>
-#include <vector>
 
 namespace tenon::quadruped_multibody_test {
 

@@ -6,9 +6,6 @@
 
 #include <Eigen/Geometry>
 
-#include <optional>
-#include <vector>
-
 namespace tenon::quadruped_plant_test {
 
 using test::A1;

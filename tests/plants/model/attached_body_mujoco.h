@@ -3,9 +3,6 @@
 #include <tenon/plants/attached_bodies.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>
 
-#include <cmath>
-#include <string>
-
 namespace tenon::test {
 
 /// A link of 2 kg on a pin with spring and damper, which reaches from its joint along z, down if negative

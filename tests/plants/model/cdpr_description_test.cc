@@ -8,10 +8,6 @@
 
 #include <Eigen/Dense>
 
-#include <algorithm>
-#include <array>
-#include <functional>
-
 namespace tenon::cdpr_description_test {
 
 const std::string kRobots = TENON_ROBOTS_DIR;

@@ -2,8 +2,6 @@
 
 #include <tenon/plants/model/cdpr_description.h>
 
-#include <cmath>
-#include <cstddef>
 #include <numbers>
 
 namespace tenon::test {

@@ -7,8 +7,6 @@
 
 #include <Eigen/Geometry>
 
-#include <functional>
-
 namespace tenon::quadruped_model_test {
 
 using test::RandomState;

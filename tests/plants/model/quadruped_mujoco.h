@@ -8,11 +8,6 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include <cstring>
-#include <memory>
-#include <stdexcept>
-#include <string>
-
 namespace tenon::test {
 
 inline std::string Numbers(const Eigen::Vector3d& v) {

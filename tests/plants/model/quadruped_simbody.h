@@ -5,8 +5,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-
 namespace tenon::test {
 
 /// The quantities of QuadrupedDynamics from Simbody's operators, in Tenon's order of velocities, without

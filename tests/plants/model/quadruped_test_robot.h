@@ -5,8 +5,6 @@
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/framework/block/random_stream.h>
 
-#include <cmath>
-
 namespace tenon::test {
 
 inline QuadrupedDescription DogBot() {

@@ -8,15 +8,8 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-#include <algorithm>
-#include <chrono>
-#include <cstdlib>
-#include <fstream>
-#include <map>
 #include <numbers>
 #include <set>
-#include <sstream>
-#include <string>
 
 namespace tenon::mesh_file_test {
 

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 namespace tenon::test {
 
 /// Mean, standard deviation, and correlation with the sample before, of every element of an error.

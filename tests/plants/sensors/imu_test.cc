@@ -1,12 +1,17 @@
+#include <tenon/plants/sensors/cable_sensors.h>
 #include <tenon/plants/sensors/imu.h>
 #include <tenon/plants/sensors/imu_errors.h>
+#include <tenon/plants/sensors/pose_sensor.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/tests/plants/sensors/error_statistics.h>
 #include <tenon/tests/testing/block_test.h>
 
+#include <numbers>
+
 namespace tenon::imu_test {
 
 using Rig = TestRig<Imu>;
+using PoseRig = TestRig<PoseSensor>;
 
 ImuParams Noiseless() {
   ImuParams params;
@@ -136,6 +141,139 @@ TEST(ImuErrorsTest, BiasesWalkWithTheRootOfTime) {
   }
   EXPECT_NEAR(std::sqrt(squares / (0.01 * kTicks)), kWalk, 0.02 * kWalk);
   EXPECT_EQ(rig[rig->measured].specific_force_B, kMeasurement.specific_force_B);
+}
+
+PlatformState Somewhere() {
+  return {{0.5, -1, 2},
+          QuaternionFromRotation(RotationFromEuler({0.3, -0.2, 1})),
+          Vec<3>::Zero(),
+          Vec<3>::Zero()};
+}
+
+/// The rotation vector of a small rotation, to second order of its angle.
+Vec<3> SmallRotation(const Eigen::Matrix3d& R) {
+  return Vec<3>(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1)) / 2;
+}
+
+TEST(PoseSensorTest, WithoutNoisePassesTheTruth) {
+  PoseRig rig(PoseSensorParams{.position_noise = {0, 0, 0}, .attitude_noise = {0, 0, 0}});
+  rig.Fix(rig->platform, Somewhere()).Tick();
+  EXPECT_EQ(rig[rig->pose].p_WB, Somewhere().p_WB);
+  EXPECT_THAT(rig[rig->pose].q_WB, IsNear(Somewhere().q_WB, 1e-15));
+}
+
+// The offsets that a calibration leaves are constant during a run.
+TEST(PoseSensorTest, OffsetsStay) {
+  const PoseSensorParams params{.position_noise = {0, 0, 0},
+                                .attitude_noise = {0, 0, 0},
+                                .position_offset = 0.1,
+                                .attitude_offset = 0.05};
+  PoseRig rig(params);
+  rig.Fix(rig->platform, Somewhere()).Tick();
+  const PoseMeasurement first = rig[rig->pose];
+  EXPECT_GT((first.p_WB - Somewhere().p_WB).norm(), 0.02);
+  const Vec<3> turn = SmallRotation(Somewhere().R_WB().transpose() * first.R_WB());
+  EXPECT_GT(turn.norm(), 0.01);
+  PlatformState other = Somewhere();
+  other.p_WB += Vec<3>(1, 2, 3);
+  other.q_WB = {1, 0, 0, 0};
+  rig.Fix(rig->platform, other).Tick();
+  const PoseMeasurement second = rig[rig->pose];
+  EXPECT_THAT(Vec<3>(second.p_WB - other.p_WB), IsNear(Vec<3>(first.p_WB - Somewhere().p_WB), 1e-12));
+  EXPECT_THAT(SmallRotation(second.R_WB()), IsNear(turn, 1e-12)) << "about the platform's axes";
+}
+
+TEST(PoseSensorTest, NoiseHasTheGivenDeviationsAndNoMean) {
+  const PoseSensorParams params{.position_noise = {0.005, 0.001, 0.02},
+                                .attitude_noise = {0.01, 0.02, 0.005}};
+  PoseRig rig(params);
+  rig.Fix(rig->platform, Somewhere());
+  test::ErrorStatistics<6> statistics;
+  for (int i = 0; i < 20000; ++i) {
+    const PoseMeasurement& pose = rig.Tick()[rig->pose];
+    ASSERT_NEAR(pose.q_WB.norm(), 1, 1e-12);
+    Vec<6> error;
+    error << pose.p_WB - Somewhere().p_WB, SmallRotation(Somewhere().R_WB().transpose() * pose.R_WB());
+    statistics.Add(error);
+  }
+  Vec<6> deviation;
+  deviation << params.position_noise, params.attitude_noise;
+  statistics.Expect(Vec<6>::Zero(), deviation);
+}
+
+TEST(PoseSensorTest, SamplesAtItsRateAndHoldsBetween) {
+  PoseRig rig;
+  rig.Fix(rig->platform, Somewhere()).Tick();
+  EXPECT_DOUBLE_EQ(rig.simulator().next_tick_time(), 1.0 / 200);
+  const PoseMeasurement held = rig[rig->pose];
+  rig.RunTo(0.0049);
+  EXPECT_EQ(rig[rig->pose].p_WB, held.p_WB);
+  rig.RunTo(0.005);
+  EXPECT_NE(rig[rig->pose].p_WB, held.p_WB);
+}
+
+CableSignals Cables() {
+  return {Eigen::Vector4d(5.01234, 6, 7, 8), Eigen::Vector4d(0.1, -0.2, 0, 0.4),
+          Eigen::Vector4d(100, 50, 0, 700), Eigen::Vector4d(5, 5.9, 7.1, 7.8)};
+}
+
+TEST(CableSensorsTest, WithoutErrorsPassTheTruth) {
+  TestRig<CableSensors> rig;
+  rig.Fix(rig->cables, Cables()).Tick();
+  const CableSignals& measured = rig[rig->measured];
+  EXPECT_EQ(measured.length, Cables().length);
+  EXPECT_EQ(measured.length_rate, Cables().length_rate);
+  EXPECT_EQ(measured.tension, Cables().tension);
+  EXPECT_EQ(measured.rest_length, Cables().rest_length);
+}
+
+TEST(CableSensorsTest, LengthsHaveStepsAndOffsetsThatStay) {
+  TestRig<CableSensors> rig(CableSensorsParams{.resolution = 0.001, .length_offset = 0.1});
+  rig.Fix(rig->cables, Cables()).Tick();
+  const CableVector first = rig[rig->measured].length;
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(std::remainder(first[i], 0.001), 0, 1e-12) << i;
+  EXPECT_GT((first - Cables().length).norm(), 0.05);
+  CableSignals longer = Cables();
+  longer.length.array() += 0.25;
+  rig.Fix(rig->cables, longer).Tick();
+  EXPECT_THAT(Eigen::Vector4d(rig[rig->measured].length - first),
+              IsNear(Eigen::Vector4d(Eigen::Vector4d::Constant(0.25)), 1e-9));
+}
+
+// The rate of a length that grows at 0.2 m/s follows the step response of a first-order lag.
+TEST(CableSensorsTest, RatesAreFilteredDifferences) {
+  TestRig<CableSensors> rig(CableSensorsParams{.rate_bandwidth = 10});
+  CableSignals cables = Cables();
+  const double pole = std::exp(-2 * std::numbers::pi * 10 * 1e-3);
+  for (int n = 0; n < 50; ++n) {
+    rig.Fix(rig->cables, cables).Tick();
+    EXPECT_NEAR(rig[rig->measured].length_rate[1], 0.2 * (1 - std::pow(pole, n)), 1e-9) << n;
+    cables.length[1] += 0.2e-3;
+  }
+}
+
+TEST(CableSensorsTest, TensionsHaveNoiseThatGrowsWithThemAndAreNotNegative) {
+  TestRig<CableSensors> rig(CableSensorsParams{.tension_noise = 0.02, .tension_offset = 5});
+  rig.Fix(rig->cables, Cables());
+  constexpr int kTicks = 4000;
+  Eigen::Array4d mean = Eigen::Array4d::Zero(), squares = mean;
+  for (int n = 0; n < kTicks; ++n) {
+    const Eigen::Array4d tension = rig.Tick()[rig->measured].tension.array();
+    EXPECT_GE(tension.minCoeff(), 0);
+    mean += tension / kTicks;
+    squares += tension.square() / kTicks;
+  }
+  EXPECT_NEAR(std::sqrt(squares[3] - mean[3] * mean[3]), 14, 1);
+  EXPECT_GT((mean - Cables().tension.array()).abs().maxCoeff(), 2) << "offsets";
+}
+
+TEST(CableSensorsTest, RefuseSignalsOfAnotherRobot) {
+  TestRig<CableSensors> rig(CableSensorsParams{.num_cables = 8});
+  EXPECT_TRUE(Throws<RunError>([&] { rig.Fix(rig->cables, Cables()).Tick(); }, "CableSensors", "4", "8"));
+}
+
+TEST(CableSensorsTest, RefuseNonsense) {
+  EXPECT_TRUE(Refuses<CableSensors>({.num_cables = 0}, "num_cables"));
 }
 
 }  // namespace tenon::imu_test

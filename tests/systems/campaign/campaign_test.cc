@@ -7,8 +7,6 @@
 
 #include <atomic>
 #include <set>
-#include <stdexcept>
-#include <vector>
 
 namespace tenon::campaign_test {
 

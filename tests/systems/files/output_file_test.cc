@@ -2,8 +2,6 @@
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <filesystem>
-
 namespace tenon::output_file_test {
 
 namespace fs = std::filesystem;

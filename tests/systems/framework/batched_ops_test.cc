@@ -8,12 +8,6 @@
 #include <tenon/systems/primitives/integrator.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <functional>
-#include <stdexcept>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon::batched_ops_test {
 
 /// The calculations of one evaluation of the derivatives, as Describe() lists them.

@@ -3,8 +3,6 @@
 #include <tenon/systems/primitives/sample_delay.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <optional>
-
 namespace tenon::compose_test {
 
 /// A diagram of a library: a PD controller inside a nested diagram drives a cart.

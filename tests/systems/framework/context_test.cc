@@ -2,11 +2,8 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <filesystem>
-#include <fstream>
 #include <random>
 #include <thread>
-#include <vector>
 
 namespace tenon::context_test {
 

@@ -1,11 +1,6 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <string>
-
 namespace tenon::graphviz_test {
 
 using ::testing::HasSubstr;

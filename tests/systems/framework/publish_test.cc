@@ -1,10 +1,6 @@
 #include <tenon/systems/framework/block/publish.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <functional>
-#include <string>
-#include <vector>
-
 namespace tenon::publish_test {
 
 /// Notes the times at which it publishes.

@@ -1,10 +1,6 @@
 #include <tenon/systems/framework/block/distribution.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <array>
-#include <type_traits>
-#include <vector>
-
 namespace tenon::random_stream_test {
 
 constexpr int kCount = 200000;

@@ -1,14 +1,6 @@
 #include <tenon/systems/framework/types/signal.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <functional>
-#include <map>
-#include <memory>
-#include <optional>
-#include <span>
-#include <stdexcept>
-#include <vector>
-
 namespace tenon {
 
 // In gtest's matchers, an Element reads as its name and unit.

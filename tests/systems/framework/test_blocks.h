@@ -4,10 +4,6 @@
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <cmath>
-#include <functional>
-#include <string>
-
 namespace tenon {
 
 /// A mass m on a frictionless rail: m a = force, state (position, velocity).

@@ -3,10 +3,6 @@
 #include <tenon/systems/analysis/analysis.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <cmath>
-#include <exception>
-#include <stdexcept>
-
 namespace tenon::wrong_programs_test {
 
 template <class Block, class... Args>

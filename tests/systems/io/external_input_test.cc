@@ -2,7 +2,6 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 #include <thread>
-#include <vector>
 
 namespace tenon::external_input_test {
 

@@ -2,12 +2,6 @@
 
 #include <tenon/systems/framework/types/signal.h>
 
-#include <array>
-#include <cstdint>
-#include <limits>
-#include <optional>
-#include <vector>
-
 namespace tenon::test {
 
 enum class Phase : std::uint8_t { kStance, kSwing };

@@ -10,10 +10,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <cstring>
 #include <fstream>
-#include <stdexcept>
 #include <thread>
 
 namespace tenon::udp_test {

@@ -9,8 +9,6 @@
 #include <tenon/systems/primitives/zero_order_hold.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <vector>
-
 namespace tenon::arithmetic_test {
 
 TEST(AdderTest, Weighs) {

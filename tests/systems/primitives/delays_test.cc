@@ -11,9 +11,6 @@
 #include <tenon/systems/primitives/zero_order_hold.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <algorithm>
-#include <vector>
-
 namespace tenon::delays_test {
 
 TEST(UnitDelayTest, DelaysByOneSample) {

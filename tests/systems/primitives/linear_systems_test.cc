@@ -10,7 +10,6 @@
 
 #include <complex>
 #include <numbers>
-#include <vector>
 
 namespace tenon::linear_systems_test {
 

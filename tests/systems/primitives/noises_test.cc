@@ -4,8 +4,6 @@
 #include <tenon/systems/primitives/random_walk.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <vector>
-
 namespace tenon::noises_test {
 
 // random_stream_test checks the distribution of the numbers of a stream.

@@ -5,8 +5,6 @@
 #include <tenon/systems/primitives/zero_order_hold.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <vector>
-
 namespace tenon::routing_test {
 
 struct Trunk {

@@ -7,8 +7,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <filesystem>
-
 namespace tenon::campaign_report_test {
 
 using ::testing::AllOf;

@@ -10,12 +10,8 @@
 #include <gtest/gtest.h>
 #include <httplib.h>
 
-#include <chrono>
 #include <condition_variable>
-#include <deque>
-#include <fstream>
 #include <mutex>
-#include <sstream>
 #include <thread>
 
 namespace tenon::live_page_test {

@@ -2,10 +2,6 @@
 
 #include <tenon/tests/systems/report/browser.h>
 
-#include <filesystem>
-#include <string>
-#include <vector>
-
 namespace tenon::testing {
 
 /// Faults in the layout of the page that the browser shows, in windows of 1280 x 800 and of 1600 x 900

@@ -6,9 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <fstream>
-#include <sstream>
-
 namespace tenon::report_test {
 
 namespace fs = std::filesystem;

@@ -6,8 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <filesystem>
-
 namespace tenon::volume_report_test {
 
 using ::testing::Each;

@@ -3,8 +3,6 @@
 
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <algorithm>
-
 namespace tenon::dense_output_test {
 
 struct Case {

@@ -16,17 +16,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <array>
 #include <cfloat>
-#include <cstdlib>
-#include <map>
-#include <memory>
 #include <numeric>
 #include <random>
 #include <sstream>
-#include <string>
-#include <vector>
 
 namespace tenon::hybrid_property_test {
 

@@ -5,11 +5,8 @@
 #include <tenon/systems/simulation.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <functional>
 #include <numbers>
 #include <random>
-#include <string>
-#include <vector>
 
 namespace tenon::hybrid_test {
 

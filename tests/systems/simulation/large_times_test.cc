@@ -2,8 +2,6 @@
 
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <memory>
-
 namespace tenon::large_times_test {
 
 constexpr double kNow = 1.76e9;  // a double resolves 2.4e-7 s here

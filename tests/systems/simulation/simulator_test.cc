@@ -3,9 +3,6 @@
 
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include <chrono>
-#include <stdexcept>
-
 namespace tenon::simulator_test {
 
 using ::testing::ElementsAre;

@@ -1,7 +1,5 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
-#include <vector>
-
 namespace tenon::witness_test {
 
 using ::testing::ElementsAre;

@@ -7,11 +7,6 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <limits>
 #include <set>
 
 namespace tenon::yaml_test {

@@ -2,7 +2,6 @@
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <map>
 #include <set>
 
 namespace tenon::deployment_test {

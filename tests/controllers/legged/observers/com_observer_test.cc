@@ -5,8 +5,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-
 namespace tenon::com_observer_test {
 
 using test::A1;

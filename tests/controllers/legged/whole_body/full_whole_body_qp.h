@@ -6,8 +6,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-
 namespace tenon::test {
 
 /// The program of WholeBodyQp without elimination: 30 variables (nu', then f_i or gamma_k of each leg) and 18

@@ -1,8 +1,18 @@
+#include <tenon/controllers/legged/whole_body/foot_forces.h>
+#include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/controllers/legged/whole_body/rope_tensions.h>
+#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
+#include <Eigen/SVD>
+
 namespace tenon::rope_tensions_test {
+
+using test::A1;
+using test::DogBot;
+using test::RandomState;
+using test::RandomVector;
 
 constexpr double kSlope = 0.6,
                  kSide = 0.3;  // inclination of the ground, angle of the ropes to the CoM's path [rad]
@@ -137,6 +147,122 @@ TEST(RopeTensionsTest, RefuseNoFriction) {
   OnSlope on;
   on.params.friction = 0;
   EXPECT_TRUE(Refuses<RopeTensions>(on.params, "friction"));
+}
+
+JointPdParams Params(const QuadrupedDescription& robot) {
+  JointPdParams params;
+  params.robot = robot;
+  params.stiffness = 40;
+  params.damping = 2;
+  return params;
+}
+
+// Virtual work: when the joints move by dq with the feet on the ground, the torques do the work that lifts
+// the robot. With all knees and hips moving alike the trunk moves up without turning.
+TEST(StandingTorqueTest, DoesTheWorkThatLiftsTheRobot) {
+  for (QuadrupedDescription robot : {DogBot(), A1()}) {
+    const auto potential = [&](double s) {  // of the robot on its feet, the stance changed by s
+      LeggedState x;
+      x.q = robot.stance;
+      for (int leg = 0; leg < kNumLegs; ++leg) x.q.segment<2>(3 * leg + 1) += s * Vec<2>(1, -2);
+      double depth = 0;
+      for (int leg = 0; leg < kNumLegs; ++leg) depth -= robot.FootPosition(leg, x.q)[2] / kNumLegs;
+      const QuadrupedDynamics dynamics = test::DynamicsOf(QuadrupedModel(robot), x);
+      return robot.mass() * 9.81 * (dynamics.com_W[2] + depth);
+    };
+    // Legs alike in front and rear, so that the trunk stays level.
+    const Vec<12> torque = StandingTorque(robot, 9.81);
+    double work = 0;
+    for (int leg = 0; leg < kNumLegs; ++leg) work += torque.segment<2>(3 * leg + 1).dot(Vec<2>(1, -2));
+    const double h = 1e-5;
+    // The feet also move horizontally, which takes no work because the forces are vertical.
+    EXPECT_NEAR(work, (potential(h) - potential(-h)) / (2 * h), 1e-6 * std::abs(work)) << robot.name;
+    EXPECT_GT(std::abs(work), 1);
+  }
+}
+
+TEST(StandingTorqueTest, RefusesFeetInALine) {
+  QuadrupedDescription robot = DogBot();
+  for (LegDescription& leg : robot.legs) {
+    for (JointDescription& joint : leg.joints) joint.p_PJ[1] = 0;
+    leg.foot_J[1] = 0;
+  }
+  EXPECT_TRUE(Throws<ParameterError>([&] { StandingTorque(robot, 9.81); }, "dogbot"));
+}
+
+TEST(JointPdTest, IsTheEquationWithinTheLimits) {
+  JointPdParams params = Params(DogBot());
+  TestRig<JointPd> rig(params);
+  JointMotion joints{params.robot.stance, Vec<12>::Zero()};
+  joints.q[2] -= 0.1;
+  joints.qd[4] = 0.5;
+  joints.q[8] += 100;
+  rig.Fix(rig->joints, joints).Tick();
+  Vec<12> expected = StandingTorque(params.robot, 9.81);
+  expected[2] += 40 * 0.1;
+  expected[4] -= 2 * 0.5;
+  expected[8] = -60;
+  EXPECT_THAT(rig[rig->torque], IsNear(expected, 1e-12));
+}
+
+TEST(JointPdTest, FollowsItsReferenceWithoutGravityCompensation) {
+  JointPdParams params = Params(A1());
+  params.gravity_compensation = false;
+  TestRig<JointPd> rig(params);
+  rig.Fix(rig->joints, JointMotion{}).Fix(rig->reference, Vec<12>::Constant(0.2)).Tick();
+  EXPECT_THAT(rig[rig->torque], IsNear(Vec<12>::Constant(8), 1e-12));
+}
+
+TEST(JointPdTest, RefusesNonsense) {
+  EXPECT_TRUE(Refuses<JointPd>({}, "robot"));
+  EXPECT_TRUE(Refuses<JointPd>({.robot = DogBot(), .stiffness = 40, .gravity = INFINITY}, "gravity"));
+}
+
+/// s_0^2 - s^2 of a leg, 0 if it is regular.
+double Penalty(const Eigen::Matrix3d& J, double min_singular_value) {
+  const double s = Eigen::JacobiSVD<Eigen::Matrix3d>(J).singularValues()[2];
+  return std::max(0.0, min_singular_value * min_singular_value - s * s);
+}
+
+/// Half the gradient of |J^T f - torque|^2 + penalty |f|^2.
+Eigen::VectorXd Gradient(const Eigen::MatrixXd& J, const Eigen::VectorXd& torque, double penalty,
+                         const Eigen::VectorXd& f) {
+  return J * (J.transpose() * f - torque) + penalty * f;
+}
+
+TEST(FootForcesTest, AreTheLeastOfTheirPenalisedSquares) {
+  constexpr double kMinSingularValue = 0.05;
+  const QuadrupedModel model(DogBot());
+  RandomStream random(31);
+  int regular = 0;
+  for (int i = 0; i < 50; ++i) {
+    const LeggedState x = RandomState(random);
+    const Vec<12> torque = RandomVector<12>(random, 20);
+    QuadrupedDynamics dynamics;
+    DecoupledDynamics decoupled;
+    model.Calc(x, &dynamics);
+    model.CalcDecoupled(x, dynamics, &decoupled);
+
+    const FootForces alone = SolveFootForces(dynamics, torque, kMinSingularValue);
+    const FootForces together = SolveFootForces(dynamics, decoupled, torque, kMinSingularValue);
+    double largest = 0;
+    Vec<12> stacked;
+    for (int leg = 0; leg < kNumLegs; ++leg) {
+      const Eigen::Matrix3d& J = dynamics.feet[leg].J_leg;
+      const double penalty = Penalty(J, kMinSingularValue);
+      const Vec<3> tau = torque.segment<3>(3 * leg);
+      EXPECT_LT(Gradient(J, tau, penalty, alone[leg]).norm(), 1e-9) << i;
+      if (penalty == 0) {
+        EXPECT_THAT(Vec<3>(J.transpose() * alone[leg]), IsNear(tau, 1e-9)) << i;
+      }
+      regular += penalty == 0;
+      largest = std::max(largest, penalty);
+      stacked.segment<3>(3 * leg) = together[leg];
+    }
+    EXPECT_LT(Gradient(decoupled.J_q, torque, largest, stacked).norm(), 1e-9) << i;
+  }
+  EXPECT_GT(regular, 50);
+  EXPECT_LT(regular, 150);
 }
 
 }  // namespace tenon::rope_tensions_test

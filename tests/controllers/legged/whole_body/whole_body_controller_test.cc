@@ -5,8 +5,6 @@
 
 #include <Eigen/Geometry>
 
-#include <array>
-
 namespace tenon::whole_body_controller_test {
 
 WholeBodyParams Params() {
