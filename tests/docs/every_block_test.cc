@@ -98,18 +98,21 @@ TEST(EveryBlock, RefusesParametersOutsideOfTheirRanges) {
 class Alone {
  public:
   explicit Alone(const Entry& entry, const std::function<void(void* params)>& change = {})
-      : size_(entry.size), diagram_(entry.build(change)), simulator_(diagram_->CreateContext(7), kOptions) {
+      : diagram_(entry.build(change)), simulator_(diagram_->CreateContext(7), kOptions) {
     for (const Source* input : diagram_->open_inputs()) {
       context().SetDoubles(*input, input->initial_numbers());
-      const CableVector some = CableVector::Constant(size_, 50);
-      Give<CableVector>(*input, some);
-      Give<Eigen::VectorXd>(*input, Eigen::VectorXd::Ones(size_));
-      Give<CableSignals>(*input, {some, some, some, some});
-      Give<CdprReference>(*input, {.length = some, .length_rate = some, .tension = some});
+      GiveCables(*input, entry.size);
+      Give<Eigen::VectorXd>(*input, Eigen::VectorXd::Ones(entry.size));
       Give<LeggedState>(*input, {.p_WB = {0, 0, 0.5}});  // monitors would end the run on the floor
       Give<PlatformState>(*input, {.p_WB = {0, 0, 2}});
     }
     Disturb(1);
+  }
+  /// Returns whether the input is that of signals of cables, which it then has for `n` cables.
+  bool GiveCables(const Source& input, int n) {
+    const CableVector some = CableVector::Constant(n, 50);
+    return Give<CableVector>(input, some) || Give<CableSignals>(input, {some, some, some, some}) ||
+           Give<CdprReference>(input, {.length = some, .length_rate = some, .tension = some});
   }
   void Disturb(std::uint64_t seed, double most = 0.01) {
     RandomStream random(seed);
@@ -157,24 +160,46 @@ class Alone {
 
  private:
   template <class T>
-  void Give(const Source& input, const T& value) {
-    if (*input.type().id == typeid(T)) context().Set(static_cast<const InputPort<T>&>(input), value);
+  bool Give(const Source& input, const T& value) {
+    if (*input.type().id != typeid(T)) return false;
+    context().Set(static_cast<const InputPort<T>&>(input), value);
+    return true;
   }
 
   static constexpr SimulatorOptions kOptions{.publish = false};
-  int size_;
   std::shared_ptr<const Diagram> diagram_;
   Simulator simulator_;
 };
 
+bool IsDiagram(const Diagram& around) {
+  return dynamic_cast<const Leaf*>(&around.FindBlock("block")) == nullptr;
+}
+
+// Robots stand for half a second and then walk.
 TEST(EveryBlock, RunsWithoutAllocating) {
   ForEveryBlock([](const Entry& entry) {
     Alone alone(entry);
     alone.RunTo(0.1);
     alone.Disturb(2);
     alone.RunTo(0.15);
-    EXPECT_EQ(AllocationsOf([&] { alone.RunTo(0.2); }), 0);
+    EXPECT_EQ(AllocationsOf([&] { alone.RunTo(IsDiagram(alone.diagram()) ? 1.2 : 0.2); }), 0);
   });
+}
+
+TEST(EveryBlock, RefusesSignalsOfAnotherNumberOfCables) {
+  int refused = 0;
+  ForEveryBlock([&](const Entry& entry) {
+    for (std::size_t i = 0; i < Alone(entry).diagram().open_inputs().size(); ++i) {
+      Alone alone(entry);
+      const Source& input = *alone.diagram().open_inputs()[i];
+      for (const int n : {entry.size - 1, 2 * entry.size}) {
+        if (!alone.GiveCables(input, n)) continue;
+        EXPECT_TRUE(Throws<RunError>([&] { alone.RunTo(0.1); }, "'block.")) << input.name() << " of " << n;
+        ++refused;
+      }
+    }
+  });
+  EXPECT_GT(refused, 30);
 }
 
 TEST(EveryBlock, GoesOnBitForBitFromACloneAndASnapshot) {
@@ -225,7 +250,7 @@ TEST(EveryBlock, ActsOnASetParameterAsOnOneThatItIsMadeWith) {
   std::set<std::string> idle;
   ForEveryBlock([&](const Entry& entry) {
     const auto diagram = entry.build({});
-    if (dynamic_cast<const Leaf*>(&diagram->FindBlock("block")) == nullptr) return;  // entries of their own
+    if (IsDiagram(*diagram)) return;  // its blocks have entries of their own
     const std::vector<double> before = Alone(entry).Run();
     for (std::size_t k = 0; k < diagram->parameters().size(); ++k) {
       const internal::ParameterSource& parameter = *diagram->parameters()[k];

@@ -27,15 +27,6 @@ TEST_F(CablePdTest, GivesTheTensionOfTheEquilibriumOnTheReference) {
   EXPECT_THAT(Command(), IsNear(CableVector::Constant(4, 110), 1e-12));
 }
 
-TEST_F(CablePdTest, RefusesSignalsOfAnotherNumberOfCables) {
-  const auto refuses = [&] { return Throws<RunError>([&] { Command(); }, "CablePd", "8", "4"); };
-  reference.length = CableVector::Zero(8);
-  EXPECT_TRUE(refuses());
-  reference.length = CableVector::Zero(4);
-  cables = CableSignals::Zero(8);
-  EXPECT_TRUE(refuses());
-}
-
 TEST_F(CablePdTest, PullsACableThatIsTooLongOrGrowsTooFast) {
   cables.length[1] += 0.02;      // + 1000 N/m * 0.02 m
   cables.length_rate[2] += 0.3;  // + 50 N s/m * 0.3 m/s

@@ -188,17 +188,6 @@ TEST(ReferenceBalancerTest, ForgetsALoadThatIsGone) {
   EXPECT_THAT(rig[rig->balanced].tension, IsNear(reference.tension, 1e-6));
 }
 
-TEST(ReferenceBalancerTest, RefusesSignalsOfAnotherRobot) {
-  const CdprDescription robot = test::FourCableRobot();
-  TestRig<ReferenceBalancer> rig(ReferenceBalancerParams{robot});
-  const auto refuses = [&](const CdprReference& reference, int broken) {
-    rig.Fix(rig->reference, reference).Fix(rig->broken, CableVector::Zero(broken));
-    return Throws<RunError>([&] { rig.Tick(); }, "ReferenceBalancer", "8", "4");
-  };
-  EXPECT_TRUE(refuses(Hold(robot, {0, 0.5, 2}), 8));
-  EXPECT_TRUE(refuses(Hold(test::EightCableRobot(), {0, 0.5, 2}), 4));
-}
-
 TEST(ReferenceGeneratorTest, PlaysThePathAtItsRateAndHoldsItBetween) {
   const auto path = std::make_shared<EquilibriumPath>(LoadCdpr(FindResource("robots", "cdpr_4")),
                                                       Path::Line({0, 0, 2}, {0.4, 0, 2}, 2));

@@ -127,13 +127,6 @@ TEST(CableFaultTest, OutputsTheFaultsOfItsSchedule) {
   EXPECT_THAT(rig[rig->faults].broken, IsNear(Eigen::Vector3d(0, 0, 1), 0));
 }
 
-TEST(CableFaultTest, RefusesOthersOfAnotherRobot) {
-  TestRig<CableFault> rig({.num_cables = 4});
-  const CableVector none = CableVector::Zero(3);
-  rig.Fix(rig->others, {none, none});
-  EXPECT_TRUE(Throws<RunError>([&] { rig.Tick(); }, "`others`", "num_cables"));
-}
-
 TEST(CableFaultTest, ABrokenCableStaysBroken) {
   TestRig<CableFault> rig({.kind = Kind::kBroken, .num_cables = 2});
   EXPECT_TRUE(rig.Fix(rig->active, false).Tick()[rig->faults].broken.isZero(0));

@@ -102,16 +102,6 @@ TEST(WinchErrorsTest, EachWinchHasAConstantThatStaysAndARippleThatDoesNot) {
   EXPECT_GT((sum - sum.mean()).abs().minCoeff(), 0.2) << "no two alike: " << sum.transpose();
 }
 
-TEST(WinchErrorsTest, RefusesSignalsOfAnotherNumberOfCables) {
-  const auto refuses = [](int commands, int cables, const auto&... what) {
-    TestRig<WinchErrors> rig(WinchErrorsParams{.num_cables = 8});
-    rig.Fix(rig->command, CableVector::Zero(commands)).Fix(rig->cables, CableSignals::Zero(cables));
-    return Throws<RunError>([&] { rig.Tick(); }, what...);
-  };
-  EXPECT_TRUE(refuses(4, 8, "'command'", "num_cables"));
-  EXPECT_TRUE(refuses(8, 4, "'cables'", "num_cables"));
-}
-
 TEST(WinchErrorsTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<WinchErrors>({.num_cables = 0}, "num_cables"));
 }

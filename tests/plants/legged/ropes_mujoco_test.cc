@@ -59,8 +59,7 @@ OnRopes Simulate(const QuadrupedPlantParams& params, const std::vector<Rope>& ro
   builder.Connect(plant.state, pull.robot);
   builder.Connect(pull.force, bundle.force[0]);
   builder.Connect(bundle.forces, plant.external);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.rtol = 1e-9, .atol = 1e-10});
+  Simulator simulator(builder.Build(), {.rtol = 1e-9, .atol = 1e-10});
   const Context& context = simulator.context();
   const auto energy = [&] {
     double sum = context.Eval(plant.energy).total();

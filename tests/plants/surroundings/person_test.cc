@@ -165,8 +165,7 @@ TEST(PersonTest, OscillatesOnTheLeash) {
   builder.Connect(robot.y, leash.robot);
   builder.Connect(person.person, leash.person);
   builder.Connect(leash.leash, person.leash);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.order = 5, .rtol = 1e-10, .atol = 1e-12});
+  Simulator simulator(builder.Build(), {.order = 5, .rtol = 1e-10, .atol = 1e-12});
   const double rest = 2000 * 0.1 / (2000 + kStiffness);  // from where both springs are in balance
   simulator.context().Set(person.motion, {{rest, 0}, {0.1, 0}, {0, 0}});
   for (const double t : {0.05, 0.2, 0.5, 1.0}) {

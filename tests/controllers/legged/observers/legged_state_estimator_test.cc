@@ -324,8 +324,6 @@ TEST(LeggedStateEstimatorTest, NoiseAndLimitsAreSetInARun) {
   EXPECT_EQ(set[set->state].v_W, built[built->state].v_W);
   EXPECT_NE(plain[plain->state].v_W, built[built->state].v_W);
   EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->noise, {.encoder = 0}); }, "noise.encoder"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->outlier, 0); }, "outlier"));
-  EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->settle_time, -1); }, "settle_time"));
 }
 
 }  // namespace tenon::legged_state_estimator_test
