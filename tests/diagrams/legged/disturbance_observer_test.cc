@@ -1,15 +1,7 @@
-#include <tenon/controllers/legged/planning/walk_schedule.h>
-#include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
-#include <tenon/diagrams/legged/disturbance_observer.h>
-#include <tenon/diagrams/legged/legged_locomotion.h>
-#include <tenon/diagrams/legged/locomotion_profile.h>
-#include <tenon/diagrams/legged/quadruped_world.h>
-#include <tenon/plants/legged/disturbances.h>
-#include <tenon/plants/legged/quadruped_plant.h>
-#include <tenon/plants/sensors/imu.h>
-#include <tenon/plants/sensors/joint_encoders.h>
-#include <tenon/systems/simulation/simulator.h>
+#include <tenon/diagrams/legged/quadruped_stand.h>
+#include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/diagrams/recommended_options.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
@@ -40,43 +32,27 @@ PulseForceParams Push(const ExternalForce& where, const Vec<3>& force) {
 struct Cell {
   Cell(ObserverKind kind, const PulseForceParams& pulse) : Cell(Params(kind), pulse) {}
   Cell(const DisturbanceObserverParams& params, const PulseForceParams& pulse) {
-    QuadrupedPlantParams plant_params;
-    plant_params.robot = DogBot();
-    plant_params.robot.drive.friction = plant_params.robot.drive.damping = 0;
-    plant_params.initial = test::Standing(plant_params.robot);
-    plant = &builder.Add<QuadrupedPlant>("plant", plant_params);
-    auto& encoders = builder.Add<JointEncoders>("encoders");
-    auto& pd = builder.Add<JointPd>("pd", JointPdParams{.robot = DogBot(), .stiffness = 500, .damping = 10});
-    ImuParams imu_params;
-    imu_params.angular_velocity_noise.setZero();
-    imu_params.specific_force_noise.setZero();
-    auto& imu = builder.Add<TrunkImu>("imu", imu_params);
-    auto& push = builder.Add<PulseForce>("push", pulse);
-    auto& forces = builder.Add<ForceBundle>("forces", ForceBundleParams{1});
+    QuadrupedStandParams stand = MakeQuadrupedStand(DogBot());
+    stand.pd = {.robot = DogBot(), .stiffness = 500, .damping = 10};
+    stand.world.plant.robot.drive.friction = stand.world.plant.robot.drive.damping = 0;
+    stand.world.imu.angular_velocity_noise.setZero();
+    stand.world.imu.specific_force_noise.setZero();
+    stand.world.pulses = {pulse};
+    DiagramBuilder builder;
+    loop = &builder.Add<QuadrupedStand>("loop", stand);
     observer = &builder.Add<DisturbanceObserver>("observer", params);
-    builder.Connect(push.force, forces.force[0]);
-    builder.Connect(forces.forces, plant->external);
-    builder.Connect(plant->state, encoders.state);
-    builder.Connect(encoders.joints, pd.joints);
-    builder.Connect(pd.torque, plant->torque);
-    builder.Connect(plant->state, imu.body);
-    builder.Connect(plant->acceleration, imu.acceleration);
-    builder.Connect(plant->state, observer->state);
-    builder.Connect(pd.torque, observer->torque);
-    builder.Connect(plant->foot_forces, observer->foot_forces);
-    builder.Connect(imu.measurement, observer->imu);
-    diagram = builder.Build();
-    simulator =
-        std::make_unique<Simulator>(*diagram, SimulatorOptions{.order = 3, .rtol = 1e-3, .atol = 1e-5});
+    builder.Connect(loop->world.state, observer->state);
+    builder.Connect(loop->pd.torque, observer->torque);
+    builder.Connect(loop->world.foot_forces, observer->foot_forces);
+    builder.Connect(loop->world.inertial, observer->imu);
+    simulator = std::make_unique<Simulator>(builder.Build(), RecommendedOptions(*loop));
   }
   const LegForceEstimate& legs() { return simulator->context().Eval(observer->leg_forces); }
   const WrenchEstimate& wrench() { return simulator->context().Eval(observer->wrench); }
-  const LeggedState& state() { return simulator->context().Eval(plant->state); }
+  const LeggedState& state() { return simulator->context().Eval(loop->world.state); }
 
-  DiagramBuilder builder;
-  QuadrupedPlant* plant;
+  QuadrupedStand* loop;
   DisturbanceObserver* observer;
-  std::shared_ptr<const Diagram> diagram;
   std::unique_ptr<Simulator> simulator;
 };
 
@@ -176,41 +152,17 @@ TEST(DisturbanceObserverTest, GainsOfFocchi) {
 
 /// A robot that stands by its whole-body controller, which compensates the estimated disturbance.
 WalkingErrors StandUnderPush(ObserverKind kind, const PulseForceParams& pulse) {
-  QuadrupedWorldParams world_params;
-  world_params.plant.robot = DogBot();
-  world_params.plant.initial = test::Standing(DogBot());
-  world_params.imu.angular_velocity_noise.setZero();
-  world_params.imu.specific_force_noise.setZero();
-  world_params.pulses = {pulse};
+  QuadrupedWalkParams params = MakeQuadrupedWalk(DogBot());
+  params.walk.segments = {{.duration = 5}};
+  params.world.imu.angular_velocity_noise.setZero();
+  params.world.imu.specific_force_noise.setZero();
+  params.world.pulses = {pulse};
+  params.observer = Params(kind);
   DiagramBuilder builder;
-  WalkSegment stand;
-  stand.duration = 5;
-  auto& walk = builder.Add<WalkSchedule>("walk", WalkScheduleParams{.segments = {stand}});
-  auto& locomotion = builder.Add<LeggedLocomotion>("locomotion", MakeLocomotion(DogBot()));
-  auto& world = builder.Add<QuadrupedWorld>("world", world_params);
-  auto& observer = builder.Add<DisturbanceObserver>("observer", Params(kind));
-  auto& errors = builder.Add<TrackingError>("errors", TrackingErrorParams{DogBot()});
-  builder.Connect(walk.command, locomotion.command);
-  builder.Connect(world.state, locomotion.state);
-  builder.Connect(world.foot_forces, locomotion.foot_forces);
-  builder.Connect(locomotion.torque, world.torque);
-  builder.Connect(world.state, observer.state);
-  builder.Connect(world.measured_torque, observer.torque);
-  builder.Connect(world.foot_forces, observer.foot_forces);
-  builder.Connect(world.inertial, observer.imu);
-  builder.Connect(observer.wrench, locomotion.wrench);
-  builder.Connect(observer.leg_forces, locomotion.leg_forces);
-  builder.Connect(world.state, errors.state);
-  builder.Connect(world.state, errors.told);
-  builder.Connect(world.ground_forces, errors.foot_forces);
-  builder.Connect(locomotion.schedule, errors.schedule);
-  builder.Connect(locomotion.body, errors.body);
-  builder.Connect(locomotion.feet, errors.feet);
-  builder.Connect(locomotion.plan, errors.plan);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.order = 3, .rtol = 1e-3, .atol = 1e-5});
+  const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
+  Simulator simulator(builder.Build(), RecommendedOptions(loop));
   simulator.RunTo(1.3);
-  return simulator.context().Eval(errors.errors);
+  return simulator.context().Eval(loop.errors.errors);
 }
 
 // The controller compensates both the joint torque and the wrench of a force on a standing leg. If either

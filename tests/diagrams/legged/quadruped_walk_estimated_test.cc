@@ -1,6 +1,7 @@
 // Walks that use the state estimator, compared with the true state of the plant.
 
 #include <tenon/diagrams/legged/quadruped_walk.h>
+#include <tenon/diagrams/recommended_options.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 
@@ -33,21 +34,10 @@ struct Errors {
   LeggedEstimatorDiagnostics diagnostics;
 };
 
-SimulatorOptions Options() {
-  return {.order = 2,
-          .rtol = 1e-3,
-          .atol = 1e-5,
-          .state_atol = {{"loop.world.plant.motion.v_W", 1e-3},
-                         {"loop.world.plant.motion.w_W", 1e-3},
-                         {"loop.world.plant.motion.qd", 1e-3},
-                         {"loop.world.plant.bristles", 1e-6}}};
-}
-
 Errors Walk(const QuadrupedWalkParams& params, double duration) {
   DiagramBuilder builder;
   auto& loop = builder.Add<QuadrupedWalk>("loop", params);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, Options());
+  Simulator simulator(builder.Build(), RecommendedOptions(loop));
   Errors errors;
   const int ticks = static_cast<int>(std::lround(1000 * duration));
   for (int k = 1; k <= ticks && !errors.ended; ++k) {
