@@ -28,8 +28,7 @@ template <class Loop, class Figures>
 Bits Log(const auto& params, const std::function<SimulatorOptions(const Loop&)>& options) {
   DiagramBuilder builder;
   auto& loop = builder.Add<Loop>("loop", params);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, options(loop));
+  Simulator simulator(builder.Build(), options(loop));
   const auto log = simulator.AddLog(Hz(1000), Figures::Signals(loop));
   simulator.RunTo(1.5);
   Bits bits;

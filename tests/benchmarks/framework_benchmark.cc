@@ -137,8 +137,7 @@ void GainChain(benchmark::State& state) {
   builder.Connect(source.y, gains.front()->u);
   builder.Connect(gains.back()->y, sink.u);
   builder.Connect(sink.y, source.u);
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
+  const auto context = builder.Build()->CreateContext();
   Eigen::VectorXd x = Eigen::VectorXd::Ones(2), dx(2);
   double expected = x[1];
   for (std::size_t i = 0; i < gains.size(); ++i) expected *= 1.001;
@@ -177,8 +176,7 @@ void PdLoop(benchmark::State& state, const SimulatorOptions& options) {
   auto& pd = builder.Add<Pd>("pd");
   builder.Connect(cart.state, pd.x);
   builder.Connect(pd.u, cart.force);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, options);
+  Simulator simulator(builder.Build(), options);
   simulator.RunTo(1);
   constexpr int kTicks = 1000;
   double end = 1;

@@ -101,15 +101,14 @@ Trotting RunTenon(Method method, int order, double rtol) {
   builder.Connect(trot, pd.reference);
   builder.Connect(joints, pd.joints);
   builder.Connect(pd.torque, plant.torque);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.method = method,
-                                 .order = order,
-                                 .rtol = rtol,
-                                 .atol = rtol / 100,
-                                 .state_atol = {{"plant.motion.v_W", rtol},
-                                                {"plant.motion.w_W", rtol},
-                                                {"plant.motion.qd", rtol},
-                                                {"plant.bristles", std::min(1e-6, rtol / 1000)}}});
+  Simulator simulator(builder.Build(), {.method = method,
+                                        .order = order,
+                                        .rtol = rtol,
+                                        .atol = rtol / 100,
+                                        .state_atol = {{"plant.motion.v_W", rtol},
+                                                       {"plant.motion.w_W", rtol},
+                                                       {"plant.motion.qd", rtol},
+                                                       {"plant.bristles", std::min(1e-6, rtol / 1000)}}});
   Trotting result;
   const Stopwatch watch;
   for (int i = 1; i <= kTicks; ++i) {

@@ -67,8 +67,7 @@ Sequence Record(const std::string& name, const std::vector<std::string>& setting
   const auto scenario = apps::LoadScenario(name, settings, "tenon-quadruped").Read<apps::QuadrupedScenario>();
   DiagramBuilder builder;
   const auto& loop = builder.Add<QuadrupedWalk>("loop", apps::MakeWalkParams(scenario));
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, apps::MakeSimulatorOptions(scenario, loop.world.plant));
+  Simulator simulator(builder.Build(), apps::MakeSimulatorOptions(scenario, loop.world.plant));
   Context& context = simulator.context();
   const LeggedLocomotion& locomotion = loop.locomotion;
   const WholeBodyController& controller = locomotion.whole_body;

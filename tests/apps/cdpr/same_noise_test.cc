@@ -19,8 +19,7 @@ Errors ErrorsUnder(CdprController controller) {
   scenario.controller = controller;
   DiagramBuilder builder;
   auto& loop = builder.Add<CdprLoop>("loop", MakeLoopParams(scenario));
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
+  Simulator simulator(builder.Build(), MakeSimulatorOptions(scenario));
   Errors errors;
   for (int tick = 0; tick < 40; ++tick) {
     simulator.RunTo(tick / 200.0);

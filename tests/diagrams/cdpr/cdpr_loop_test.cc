@@ -70,8 +70,7 @@ TEST(CdprLoopTest, PlantRestsAtTheEquilibriumOfTheSolver) {
     const CableVector tension = rest.tension;
     auto& hold = builder.AddFunction("hold", Uses(builder.time), [tension](double) { return tension; });
     builder.Connect(hold, plant.command);
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, {.order = 5, .rtol = 1e-9, .atol = 1e-12});
+    Simulator simulator(builder.Build(), {.order = 5, .rtol = 1e-9, .atol = 1e-12});
     for (int second = 1; second <= 10; ++second) {
       simulator.RunTo(second);
       ASSERT_THAT(simulator.context().Eval(plant.platform).p_WB, IsNear(p, 1e-6))

@@ -66,8 +66,7 @@ TEST(CdprMpcLoop, FollowsAGoalThatIsSetInFlight) {
     auto& goal = builder.Add<GoalPath>("goal", GoalPathParams{path});
     builder.Connect(goal.path, loop.reference.path);
     if (loop.control.mpc != nullptr) builder.Connect(goal.path, loop.control.mpc->path);
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, kOptions);
+    Simulator simulator(builder.Build(), kOptions);
     simulator.RunTo(3);
     Context& context = simulator.context();
     const Vec<3> place(0.2, -0.4, 2.2);

@@ -101,8 +101,7 @@ CdprLoopParams Similar(double length, double mass) {
 std::vector<Eigen::Vector3d> Fly(double length, double mass) {
   DiagramBuilder builder;
   auto& loop = builder.Add<CdprLoop>("loop", Similar(length, mass));
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.order = 4, .rtol = 1e-8, .atol = 1e-10});
+  Simulator simulator(builder.Build(), {.order = 4, .rtol = 1e-8, .atol = 1e-10});
   std::vector<Eigen::Vector3d> positions;
   for (int i = 1; i <= 20; ++i) {
     simulator.RunTo(i * 0.1 * std::sqrt(length));

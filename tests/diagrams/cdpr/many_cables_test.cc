@@ -80,8 +80,7 @@ TEST_P(ManyCables, FollowTheCircleUnderPdAndMpc) {
     SCOPED_TRACE(mpc ? "MPC" : "PD");
     DiagramBuilder builder;
     auto& loop = builder.Add<CdprLoop>("loop", Circle(robot, mpc));
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, {.order = 2, .rtol = 1e-4, .atol = 1e-6});
+    Simulator simulator(builder.Build(), {.order = 2, .rtol = 1e-4, .atol = 1e-6});
     const auto log = simulator.AddLog(Hz(100), {&loop.command, &loop.cables});
     const RunStatus status = simulator.AdvanceTo(1.5);
     ASSERT_FALSE(status.ended) << status.reason;
@@ -104,8 +103,7 @@ TEST_P(ManyCables, RunWithoutAllocating) {
   for (const bool mpc : {false, true}) {
     DiagramBuilder builder;
     builder.Add<CdprLoop>("loop", Circle(robot, mpc));
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, {.order = 2, .rtol = 1e-4, .atol = 1e-6});
+    Simulator simulator(builder.Build(), {.order = 2, .rtol = 1e-4, .atol = 1e-6});
     simulator.RunTo(0.02);
     const AllocationGuard guard;
     simulator.RunTo(0.04);
@@ -129,8 +127,7 @@ TEST(FewCables, FollowTheCircleUnderPdAndMpc) {
       if (planar) params.gusts.gusts.push_back({{0, 3, 0}, 1, 0.5});
       DiagramBuilder builder;
       auto& loop = builder.Add<CdprLoop>("loop", params);
-      const auto diagram = builder.Build();
-      Simulator simulator(*diagram, {.order = 2, .rtol = 1e-4, .atol = 1e-6});
+      Simulator simulator(builder.Build(), {.order = 2, .rtol = 1e-4, .atol = 1e-6});
       const auto log = simulator.AddLog(Hz(50), {&loop.platform, &loop.reference.reference});
       const RunStatus status = simulator.AdvanceTo(6);
       ASSERT_FALSE(status.ended) << status.reason;
@@ -159,8 +156,7 @@ TEST(FewCables, FollowTheCircleInOnePointAndOnATable) {
       if (robot.on_table) params.gusts.gusts.push_back({{1, 0, 50}, 1, 0.5});
       DiagramBuilder builder;
       auto& loop = builder.Add<CdprLoop>("loop", params);
-      const auto diagram = builder.Build();
-      Simulator simulator(*diagram, {.order = 2, .rtol = 1e-4, .atol = 1e-6});
+      Simulator simulator(builder.Build(), {.order = 2, .rtol = 1e-4, .atol = 1e-6});
       const RunStatus status = simulator.AdvanceTo(6);
       ASSERT_FALSE(status.ended) << status.reason;
       const PlatformState platform = simulator.context().Eval(loop.platform);
@@ -186,8 +182,7 @@ TEST(MovingAnchors, AreFollowedUnderPdAndMpcWithoutAllocating) {
     params.forbid_slack = false;
     DiagramBuilder builder;
     auto& loop = builder.Add<CdprLoop>("loop", params);
-    const auto diagram = builder.Build();
-    Simulator simulator(*diagram, {.order = 2, .rtol = 1e-4, .atol = 1e-6});
+    Simulator simulator(builder.Build(), {.order = 2, .rtol = 1e-4, .atol = 1e-6});
     simulator.RunTo(0.3);
     const AllocationGuard guard;
     simulator.RunTo(0.35);

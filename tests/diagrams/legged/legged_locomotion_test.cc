@@ -72,8 +72,7 @@ Trot TrotWith(const std::function<void(Loop&)>& change) {
   builder.Connect(world.foot_forces, locomotion.foot_forces);
   builder.Connect(locomotion.torque, world.torque);
   change(loop);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.order = 2, .rtol = 1e-2, .atol = 1e-5});
+  Simulator simulator(builder.Build(), {.order = 2, .rtol = 1e-2, .atol = 1e-5});
   const QuadrupedModel model(robot);
   QuadrupedDynamics now;
   Trot trot;

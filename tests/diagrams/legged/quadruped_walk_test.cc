@@ -34,8 +34,7 @@ struct Findings {
 Findings Walk(const QuadrupedWalkParams& params, double duration) {
   DiagramBuilder builder;
   const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, RecommendedOptions(loop));
+  Simulator simulator(builder.Build(), RecommendedOptions(loop));
   Context& context = simulator.context();
   const Vec<12> limit = WholeBodyController::TorqueLimit(params.world.plant.robot);
   Findings found;
@@ -124,8 +123,7 @@ LateFoot StepDown(double touchdown_force) {
   plant.initial.p_WB[2] += 0.03;
   DiagramBuilder builder;
   const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, RecommendedOptions(loop));
+  Simulator simulator(builder.Build(), RecommendedOptions(loop));
   LateFoot late;
   int leg = -1;
   for (int k = 1; k <= 3000; ++k) {

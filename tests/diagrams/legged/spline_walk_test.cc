@@ -25,8 +25,7 @@ TEST_P(SplineWalkTest, ThePlantFollows) {
                           {.duration = 1}};
   DiagramBuilder builder;
   const auto& loop = builder.Add<QuadrupedWalk>("loop", params);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram, test::TrotLoop::Options());
+  Simulator simulator(builder.Build(), test::TrotLoop::Options());
   double com = 0;
   for (int n = 1; n <= 4500; ++n) {
     const RunStatus status = simulator.AdvanceTo(n / 1000.0);

@@ -392,11 +392,10 @@ TEST(DiagramBuilderTest, FunctionsOfSeveralPortsAndTime) {
   auto& sum = builder.AddFunction("sum", Uses(two, vector, two),
                                   [](double a, const Vec<2>& v, double b) { return a + v.sum() + b; });
   auto& held = builder.AddFunction("held", Sampled{Hz(10)}, Uses(sum), kSame);
-  const auto diagram = builder.Build();
   EXPECT_EQ(vector.path(), "vector.output");
   EXPECT_EQ(vector.elements()[1].name, "right");
   EXPECT_EQ(vector.elements()[1].unit, "N");
-  Simulator simulator(*diagram);
+  Simulator simulator(builder.Build());
   simulator.RunTo(0.25);
   EXPECT_EQ(simulator.context().Eval(sum), 2 + 2 + 0.25 + 2);
   EXPECT_EQ(simulator.context().Eval(held), 2 + 2 + 0.2 + 2);

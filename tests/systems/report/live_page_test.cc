@@ -331,11 +331,6 @@ TEST_F(LivePageTest, FollowsScrubsAndIsSetBack) {
   EXPECT_THAT(browser.requests(), Each(HasSubstr(run.address())));
 }
 
-TEST_F(LivePageTest, AllOfThePageCanBeSeen) {
-  Open();
-  EXPECT_THAT(testing::LayoutFaults(browser), IsEmpty());
-}
-
 TEST_F(LivePageTest, DrivesPullsAndTunes) {
   Open();
   browser.Key("rawKeyDown", "w");

@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using ::testing::AllOf;
 using testing::Browser;
+using ::testing::Each;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
@@ -48,7 +49,6 @@ class RunPageTest : public testing::BrowserTest {
       for (Shape& shape : now) shape.p_W = {t, 0, 0.1};
       return now;
     });
-    const auto diagram = builder.Build();
     Report report({.title = "workshop",
                    .plots = {{"cables", {"tension.output"}, {}, "forces"},
                              {"force", {"truth.output"}, {"measured.output"}, "forces"},
@@ -57,7 +57,7 @@ class RunPageTest : public testing::BrowserTest {
                    .limits = {{"tension.output", {.low = 0, .high = 250}},
                               {"angle.output", {.high = 0.5}},
                               {"error.output", {.high = 7}}}});
-    Simulator simulator(*diagram);
+    Simulator simulator(builder.Build());
     report.Log(
         simulator, {&tension, &truth, &measured, &angle, &error},
         drawn ? std::vector<const OutputPort<Geometry>*>{&look} : std::vector<const OutputPort<Geometry>*>{});
@@ -134,6 +134,7 @@ TEST_F(RunPageTest, TheReplayStaysInViewInWindowsOfAnySize) {
   EXPECT_EQ(browser.Evaluate("document.querySelector('#stage').checkVisibility()"), false);
   EXPECT_EQ(browser.Evaluate("document.querySelector('#transport').checkVisibility()"), true);
   EXPECT_THAT(browser.complaints(), IsEmpty());
+  EXPECT_THAT(browser.requests(), Each(StartsWith("file:")));
 }
 
 TEST_F(RunPageTest, PlotsFoldGroupGrowAndTakeSignals) {

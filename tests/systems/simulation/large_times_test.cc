@@ -114,8 +114,7 @@ TEST(LargeTimesTest, NoTickAfterTheEndRuns) {
 TEST(LargeTimesTest, TicksThatADoubleCannotDistinguishAreRefused) {
   DiagramBuilder builder;
   builder.Add<Counter>("counter", Sampled{Hz(10e6)});
-  const auto diagram = builder.Build();
-  auto context = diagram->CreateContext();
+  auto context = builder.Build()->CreateContext();
   context->SetTime(kNow);
   EXPECT_TRUE(Throws<RunError>([&] { Simulator simulator(std::move(context)); }, "'counter.next n'",
                                "begin the run at an earlier time"));

@@ -324,8 +324,7 @@ TEST_F(SignalLogTest, ASinkBelongsToOneLog) {
 TEST(BackgroundLogTest, SinksGetWhatTheyWouldGetWithoutIt) {
   DiagramBuilder builder;
   const auto& clock = builder.AddFunction("clock", Uses(builder.time), [](double t) { return 2 * t; });
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
+  Simulator simulator(builder.Build());
   const auto plain = simulator.AddLog(Hz(1000), {&clock});
   const auto first = std::make_shared<MemoryLog>(), second = std::make_shared<MemoryLog>();
   simulator.AddLog(Hz(1000), {&clock},

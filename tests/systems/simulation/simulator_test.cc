@@ -53,8 +53,7 @@ TEST(SimulatorTest, ASourceWhoseDataEndIsToldThatStepsGoPastTheEnd) {
                                         return 0.0;
                                       }),
                   plant.u);
-  const auto diagram = builder.Build();
-  Simulator simulator(*diagram);
+  Simulator simulator(builder.Build());
   const auto run = [&] { simulator.RunTo(1); };
   EXPECT_TRUE(Throws<RunError>(run, "'data.output'", "after t = 1 s", "NextJump"));
 }
@@ -427,9 +426,8 @@ TEST(SimulatorTest, EachStepUpdatesRunAfterEveryStep) {
     DiagramBuilder builder;
     auto& block = builder.Add<UpdatedEachStep>("block");
     AddRestarts(builder, "end", Hz(1), block.force);  // the last step ends at 1 s
-    const auto diagram = builder.Build();
     // CVODE starts with tiny steps, and here it starts at each one.
-    Simulator simulator(*diagram, {.method = method, .rtol = 1e-4, .atol = 1e-6, .max_steps = 200000});
+    Simulator simulator(builder.Build(), {.method = method, .rtol = 1e-4, .atol = 1e-6, .max_steps = 200000});
     simulator.RunTo(1);
     EXPECT_EQ(simulator.context().Eval(block.steps), simulator.statistics().steps);
     EXPECT_NEAR(simulator.context().Eval(block.x).norm(), 1, 1e-14);
