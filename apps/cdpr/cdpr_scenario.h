@@ -211,13 +211,9 @@ constexpr bool IsMpc(CdprController controller) {
 }
 
 /// Scenario of tenon-cdpr, read from a YAML file.
-struct CdprScenario {
-  std::string app;                        ///< name of the app that runs the scenario
-  std::string description;                ///< description of the scenario in one line
-  std::string case_name;                  ///< name of the run
-  YamlFile robot{"cdpr_4"};               ///< a shipped robot, a YAML file, or one of these with changes
-  double duration_s = 60;                 ///< simulated time
-  std::uint64_t seed = kRecommendedSeed;  ///< seed of all random streams
+struct CdprScenario : CommonScenario {
+  YamlFile robot{"cdpr_4"};  ///< a shipped robot, a YAML file, or one of these with changes
+  double duration_s = 60;    ///< simulated time
   CdprController controller = CdprController::kPd;  ///< controller that commands the tensions
   PathScenario path;                                ///< path of the platform
   /// Gains for robots of all sizes, see CdprProfile; used where `pd` and `mpc` give none.
@@ -252,48 +248,38 @@ struct CdprScenario {
   /// Tolerance of the path: deviations in position may reach this part of the path's length (of one turn of a
   /// circle), deviations in heading this part of half a turn. A run that exceeds it counts as not finished.
   double path_tolerance = 0.1;
-  Task task;                                              ///< task, without which the case is not finished
-  ReportScenario report;                                  ///< contents of the report
-  LogScenario log;                                        ///< signals to log in addition to those of the app
-  std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
-  std::optional<YamlText> custom;                         ///< keys of a customised program, see Customisable
+  Task task;                       ///< task, without which the case is not finished
+  std::optional<YamlText> custom;  ///< keys of a customised program, see Customisable
 
   static FieldList Fields() {
-    return {Required("app", &CdprScenario::app),
-            {"description", &CdprScenario::description},
-            Required("case", &CdprScenario::case_name),
-            {"robot", &CdprScenario::robot},
-            Field("duration_s", &CdprScenario::duration_s).Positive(),
-            {"seed", &CdprScenario::seed},
-            {"controller", &CdprScenario::controller},
-            Required("path", &CdprScenario::path),
-            {"profile", &CdprScenario::profile},
-            {"pd", &CdprScenario::pd},
-            {"mpc", &CdprScenario::mpc},
-            {"load", &CdprScenario::load},
-            {"known_pulleys", &CdprScenario::known_pulleys},
-            Field("start_offset_m", &CdprScenario::start_offset_m).In(Places()),
-            {"start_turn_rad", &CdprScenario::start_turn_rad},
-            {"payload", &CdprScenario::payload},
-            {"attached", &CdprScenario::attached},
-            {"known_additions", &CdprScenario::known_additions},
-            {"gusts", &CdprScenario::gusts},
-            {"hanging_load", &CdprScenario::hanging_load},
-            {"noise", &CdprScenario::noise},
-            {"hardware", &CdprScenario::hardware},
-            {"faults", &CdprScenario::faults},
-            {"dynamics", &CdprScenario::dynamics},
-            {"integrator", &CdprScenario::integrator},
-            Field("log_rate_hz", &CdprScenario::log_rate_hz).In(Rates()),
-            {"forbid_slack", &CdprScenario::forbid_slack},
-            Field("max_tension_ratio", &CdprScenario::max_tension_ratio).Between(1, 2),
-            Field("cable_diameter_m", &CdprScenario::cable_diameter_m).AtLeast(0),
-            Field("path_tolerance", &CdprScenario::path_tolerance).Positive(),
-            {"task", &CdprScenario::task},
-            {"report", &CdprScenario::report},
-            {"log", &CdprScenario::log},
-            {"parameters", &CdprScenario::parameters},
-            {"custom", &CdprScenario::custom}};
+    return With({{"robot", &CdprScenario::robot},
+                 Field("duration_s", &CdprScenario::duration_s).Positive(),
+                 {"controller", &CdprScenario::controller},
+                 Required("path", &CdprScenario::path),
+                 {"profile", &CdprScenario::profile},
+                 {"pd", &CdprScenario::pd},
+                 {"mpc", &CdprScenario::mpc},
+                 {"load", &CdprScenario::load},
+                 {"known_pulleys", &CdprScenario::known_pulleys},
+                 Field("start_offset_m", &CdprScenario::start_offset_m).In(Places()),
+                 {"start_turn_rad", &CdprScenario::start_turn_rad},
+                 {"payload", &CdprScenario::payload},
+                 {"attached", &CdprScenario::attached},
+                 {"known_additions", &CdprScenario::known_additions},
+                 {"gusts", &CdprScenario::gusts},
+                 {"hanging_load", &CdprScenario::hanging_load},
+                 {"noise", &CdprScenario::noise},
+                 {"hardware", &CdprScenario::hardware},
+                 {"faults", &CdprScenario::faults},
+                 {"dynamics", &CdprScenario::dynamics},
+                 {"integrator", &CdprScenario::integrator},
+                 Field("log_rate_hz", &CdprScenario::log_rate_hz).In(Rates()),
+                 {"forbid_slack", &CdprScenario::forbid_slack},
+                 Field("max_tension_ratio", &CdprScenario::max_tension_ratio).Between(1, 2),
+                 Field("cable_diameter_m", &CdprScenario::cable_diameter_m).AtLeast(0),
+                 Field("path_tolerance", &CdprScenario::path_tolerance).Positive(),
+                 {"task", &CdprScenario::task},
+                 {"custom", &CdprScenario::custom}});
   }
   void Validate() const;  ///< throws ParameterError
 };

@@ -33,6 +33,18 @@ std::vector<Plot> PlotsOf(const ReportScenario& scenario, const std::vector<Plot
   return plots;
 }
 
+FieldList CommonScenario::With(const FieldList& own) {
+  FieldList fields{Required("app", &CommonScenario::app),
+                   {"description", &CommonScenario::description},
+                   Required("case", &CommonScenario::case_name)};
+  fields.insert(fields.end(), own.begin(), own.end());
+  fields.insert(fields.end(), {{"seed", &CommonScenario::seed},
+                               {"report", &CommonScenario::report},
+                               {"log", &CommonScenario::log},
+                               {"parameters", &CommonScenario::parameters}});
+  return fields;
+}
+
 void LogScenario::Validate() const {
   static constexpr std::size_t kMost = 1000;
   if (signals.size() > kMost)
@@ -47,13 +59,14 @@ struct Request {
   std::string key, name;
 };
 
-std::vector<Request> RequestsOf(const ReportScenario& report, const LogScenario& log) {
+std::vector<Request> RequestsOf(const CommonScenario& scenario) {
+  const ReportScenario& report = scenario.report;
   std::vector<Request> requests;
   const auto add = [&](const std::string& key, const std::vector<std::string>& names) {
     for (std::size_t i = 0; i < names.size(); ++i)
       requests.push_back({fmt::format("{}.{}", key, i), names[i]});
   };
-  add("log.signals", log.signals);
+  add("log.signals", scenario.log.signals);
   for (std::size_t i = 0; i < report.plots.size(); ++i) {
     add(fmt::format("report.plots.{}.signals", i), report.plots[i].signals);
     add(fmt::format("report.plots.{}.references", i), report.plots[i].references);
@@ -140,10 +153,10 @@ std::vector<std::string> NamesOf(const std::vector<const Source*>& ports) {
 
 }  // namespace
 
-void AddRequested(const Diagram& diagram, const ReportScenario& report, const LogScenario& log,
+void AddRequested(const Diagram& diagram, const CommonScenario& scenario,
                   std::vector<const Source*>& signals) {
   std::vector<const Source*> ports;
-  for (const Request& request : RequestsOf(report, log)) {
+  for (const Request& request : RequestsOf(scenario)) {
     const Source* port = PortOf(request.name, signals);
     const bool logged = port != nullptr;
     if (!logged) {

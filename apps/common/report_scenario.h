@@ -49,18 +49,25 @@ struct LogScenario {
   void Validate() const;  ///< throws ParameterError
 };
 
+/// The keys that the scenarios of all apps have.
+struct CommonScenario {
+  std::string app;                                        ///< name of the app that runs the scenario
+  std::string description;                                ///< description of the scenario in one line
+  std::string case_name;                                  ///< title of the run
+  std::uint64_t seed = 1;                                 ///< seed of all random streams
+  ReportScenario report;                                  ///< contents of the report; default: all signals
+  LogScenario log;                                        ///< signals to log in addition to those of the app
+  std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
+
+  /// Returns these keys, with `own` behind those that name the scenario.
+  static FieldList With(const FieldList& own);
+};
+
 /// Adds to `signals` the ports of the diagram that a scenario names under `log.signals`, `report.plots`,
 /// `report.events` and `report.bands` and that are not in `signals` yet. A name is the path of a port or a
 /// state, or of a part of its value. Throws KeyError with the key and the nearest names if the diagram has no
 /// such port, or if its value holds no numbers.
-void AddRequested(const Diagram& diagram, const ReportScenario& report, const LogScenario& log,
+void AddRequested(const Diagram& diagram, const CommonScenario& scenario,
                   std::vector<const Source*>& signals);
-
-/// AddRequested for any scenario that has the key `report`, and perhaps the key `log`.
-void AddRequested(const Diagram& diagram, const auto& scenario, std::vector<const Source*>& signals) {
-  LogScenario log;
-  if constexpr (requires { scenario.log.signals; }) log = scenario.log;
-  AddRequested(diagram, scenario.report, log, signals);
-}
 
 }  // namespace tenon::apps

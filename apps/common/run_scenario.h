@@ -71,16 +71,16 @@ void PrintNotes(const RunOptions& options, const std::vector<std::string>& notes
 /// Runs a scenario for `duration` [s]; `judge` sets the figures of the summary. Writes all files into the
 /// output directory of the options, if there is one; it writes scenario.yaml first, so that even a killed run
 /// can be identified. `signals`, and those that the scenario names (see AddRequested), are written to
-/// signals.csv and, with `shapes` and `limits`, to the report. A
-/// live session keeps the run in real time, and browsers can use `controls`. Sets `parameters` of the
-/// scenario before the run, if it has that key. If a function `Notes(scenario)` exists, its remarks
-/// are printed before the run and added to the results. `plots` follow those of the scenario.
+/// signals.csv and, with `shapes` and `limits`, to the report. A live session keeps the run in real time, and
+/// browsers can use `controls`. Sets `parameters` of the scenario before the run. If a function
+/// `Notes(scenario)` exists, its remarks are printed before the run and added to the results. `plots` follow
+/// those of the scenario, which is derived from CommonScenario.
 RunResult RunScenario(const RunOptions& options, const auto& scenario, const std::string& description,
                       double duration, Simulator& simulator, std::vector<const Source*> signals,
                       const std::vector<const OutputPort<Geometry>*>& shapes,
                       const std::vector<SignalLimits>& limits, const auto& judge,
                       const LiveControls& controls = {}, const std::vector<Plot>& plots = {}) {
-  if constexpr (requires { scenario.parameters; }) SetParameters(simulator.context(), scenario.parameters);
+  SetParameters(simulator.context(), scenario.parameters);
   if (options.live || !options.out.empty()) AddRequested(simulator.context().diagram(), scenario, signals);
   const auto run = [&] {
     if (!options.live) return Advance(simulator, duration, options.wall_limit);
@@ -92,13 +92,11 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
                   .plots = PlotsOf(scenario.report, plots),
                   .bands = scenario.report.bands,
                   .limits = limits};
-    if constexpr (requires { scenario.parameters; }) {
-      view.save = [&](const LiveSets& sets) {
-        auto tuned = scenario;
-        for (const LiveSet& set : sets) tuned.parameters[set.path] = set.values;
-        return WriteYaml(tuned);
-      };
-    }
+    view.save = [&](const LiveSets& sets) {
+      auto tuned = scenario;
+      for (const LiveSet& set : sets) tuned.parameters[set.path] = set.values;
+      return WriteYaml(tuned);
+    };
     return options.live->Advance(simulator, view, duration, options.out);
   };
   std::vector<std::string> notes;

@@ -7,17 +7,9 @@
 namespace tenon::apps {
 
 FieldList AppScenario::With(FieldList own) {
-  FieldList fields{Required("app", &AppScenario::app),
-                   {"description", &AppScenario::description},
-                   Required("case", &AppScenario::case_name),
-                   {"duration_s", &AppScenario::duration_s},
-                   {"seed", &AppScenario::seed},
-                   {"log_rate_hz", &AppScenario::log_rate_hz},
-                   {"report", &AppScenario::report},
-                   {"log", &AppScenario::log},
-                   {"parameters", &AppScenario::parameters}};
-  fields.insert(fields.end(), own.begin(), own.end());
-  return fields;
+  own.insert(own.begin(),
+             {{"duration_s", &AppScenario::duration_s}, {"log_rate_hz", &AppScenario::log_rate_hz}});
+  return CommonScenario::With(own);
 }
 
 int RunApp(const ScenarioApp& app, int argc, char** argv) {

@@ -16,7 +16,7 @@
 
 namespace tenon::apps {
 
-/// The keys that the scenarios of all apps have. Derive your own scenario from it and add its keys:
+/// The keys of a scenario whose runs have a duration. Derive your own scenario from it and add its keys:
 ///
 ///     struct CartScenario : tenon::apps::AppScenario {
 ///       double mass_kg = 2;
@@ -24,18 +24,11 @@ namespace tenon::apps {
 ///     };
 ///
 /// Name files by members of type YamlFile, so that their paths are relative to the scenario.
-struct AppScenario {
-  std::string app;          ///< name of the app that runs the scenario
-  std::string description;  ///< description of the scenario in one line
-  std::string case_name;    ///< title of the run
+struct AppScenario : CommonScenario {
   double duration_s = 10;
-  std::uint64_t seed = 1;                                 ///< seed of all random streams
-  double log_rate_hz = 100;                               ///< sample rate of signals.csv
-  ReportScenario report;                                  ///< contents of the report; default: all signals
-  LogScenario log;                                        ///< signals to log in addition to those of the app
-  std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
+  double log_rate_hz = 100;  ///< sample rate of signals.csv
 
-  /// Returns the keys of AppScenario followed by `own`.
+  /// Returns the keys of AppScenario and `own`.
   static FieldList With(FieldList own);
 };
 

@@ -19,28 +19,21 @@ void LiveScenario::Validate() const {
 
 FieldList LeggedScenario::Fields() {
   using S = LeggedScenario;
-  return {Required("app", &S::app),
-          {"description", &S::description},
-          Required("case", &S::case_name),
-          {"robot", &S::robot},
-          Field("duration_s", &S::duration_s).Positive(),
-          {"seed", &S::seed},
-          {"profile", &S::profile},
-          {"terrain", &S::terrain},
-          {"forces", &S::forces},
-          {"faults", &S::faults},
-          {"hardware", &S::hardware},
-          {"sensors", &S::sensors},
-          {"fall", &S::fall},
-          {"live", &S::live},
-          {"limit_speed", &S::limit_speed},
-          {"dynamics", &S::dynamics},
-          {"integrator", &S::integrator},
-          {"scale_forces", &S::scale_forces},
-          {"report", &S::report},
-          {"log", &S::log},
-          {"parameters", &S::parameters},
-          {"custom", &S::custom}};
+  return With({{"robot", &S::robot},
+               Field("duration_s", &S::duration_s).Positive(),
+               {"profile", &S::profile},
+               {"terrain", &S::terrain},
+               {"forces", &S::forces},
+               {"faults", &S::faults},
+               {"hardware", &S::hardware},
+               {"sensors", &S::sensors},
+               {"fall", &S::fall},
+               {"live", &S::live},
+               {"limit_speed", &S::limit_speed},
+               {"dynamics", &S::dynamics},
+               {"integrator", &S::integrator},
+               {"scale_forces", &S::scale_forces},
+               {"custom", &S::custom}});
 }
 
 PathVerdict MakePathVerdict(const WalkScenario& walk, bool live) {

@@ -149,13 +149,9 @@ struct ForceScenario {
 };
 
 /// The keys that tenon-quadruped and tenon-guide-dog share.
-struct LeggedScenario {
-  std::string app;                   ///< name of the app that runs the scenario
-  std::string description;           ///< description of the scenario in one line
-  std::string case_name;             ///< name of the run
+struct LeggedScenario : CommonScenario {
   YamlFile robot{"dogbot"};          ///< a shipped robot, a YAML file, or one of these with changes
   std::optional<double> duration_s;  ///< simulated time; empty: until 1 s after the walk, or 10 s without one
-  std::uint64_t seed = kRecommendedSeed;  ///< seed of all random streams
   /// Gains of the walking controller: a shipped profile, a YAML file, or {file: standard, …} with changes.
   YamlFile profile{"standard"};
   TerrainParams terrain;              ///< slope, friction and boxes of the ground
@@ -175,10 +171,7 @@ struct LeggedScenario {
   LeggedIntegration integrator;
   /// Whether forces, loads, steps and blocks are given for DogBot and scaled to the robot, see ScaledToRobot.
   bool scale_forces = false;
-  ReportScenario report;                                  ///< contents of the report
-  LogScenario log;                                        ///< signals to log in addition to those of the app
-  std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
-  std::optional<YamlText> custom;                         ///< keys of a customised program, see Customisable
+  std::optional<YamlText> custom;  ///< keys of a customised program, see Customisable
 
   static FieldList Fields();
 };

@@ -42,7 +42,7 @@ class LogScenarioTest : public ::testing::Test {
   std::string Refusal(const ReportScenario& report, const LogScenario& log, const std::string& key) {
     std::vector<const Source*> signals;
     try {
-      AddRequested(*diagram_, report, log, signals);
+      AddRequested(*diagram_, {.report = report, .log = log}, signals);
     } catch (const KeyError& error) {
       EXPECT_EQ(error.key(), key);
       return error.what();
@@ -63,7 +63,7 @@ TEST_F(LogScenarioTest, AddsWhatIsNotLogged) {
   report.events = {"pair.rear.force"};
   report.bands = {{.signal = "pair.front.force", .names = {"none"}}};
   std::vector<const Source*> signals{&pair_.front.force};
-  AddRequested(*diagram_, report, {.signals = {"pair.rear.any.1", "pair.rear.any"}}, signals);
+  AddRequested(*diagram_, {.report = report, .log = {{"pair.rear.any.1", "pair.rear.any"}}}, signals);
   EXPECT_THAT(signals, ElementsAre(&pair_.front.force, &pair_.rear.any, &pair_.front.state, &pair_.rear.state,
                                    &pair_.rear.force));
   Simulator simulator(diagram_);
