@@ -5,6 +5,9 @@
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/ros2_outputs.h>
+#include <tenon/controllers/cdpr/load_estimator.h>
+#include <tenon/diagrams/cdpr/cdpr_messages.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/yaml/resources.h>
 
@@ -29,6 +32,25 @@ void CheckCdpr(const CdprScenario& scenario, const Customisation<CdprLoop>& cust
       builder, [&] { return MakeLoopParams(scenario); }, customisation, scenario, outputs, faults);
 }
 
+/// Sends the messages of a cable robot, if anybody wants them.
+static void AddRos2(DiagramBuilder& builder, Ros2Outputs& outputs, const CdprLoop& loop) {
+  if (!outputs.any()) return;
+  const int cables = RobotOf(loop.world.plant).num_cables();
+  auto& messages = builder.Add<CdprMessages>("messages", {.num_cables = cables});
+  builder.Connect(loop.platform, messages.platform);
+  builder.Connect(loop.world.cables, messages.cables);
+  builder.Connect(loop.world.inertial, messages.inertial);
+  outputs.Send("joint_states", messages.joint_states);
+  outputs.Send("imu", messages.imu);
+  outputs.Send("odom", messages.odometry);
+  outputs.Send("tf", messages.tf);
+  if (loop.observer.load != nullptr) {
+    builder.Connect(loop.observer.load->load, messages.load);
+    outputs.Send("disturbance", messages.disturbance);
+  }
+  outputs.SendClock();
+}
+
 RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
                   const Customisation<CdprLoop>& customisation) {
   DiagramBuilder builder;
@@ -40,8 +62,12 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
     PrintNotes(options, {note});
   std::optional<CdprLive> live;
   if (options.live) live.emplace(builder, loop);
+  Ros2Outputs ros2(builder, options);
+  AddRos2(builder, ros2, loop);
   const auto diagram = builder.Build();
-  Simulator simulator(*diagram, MakeSimulatorOptions(scenario));
+  SimulatorOptions simulation = MakeSimulatorOptions(scenario);
+  if (options.ros2 && !options.live) simulation.real_time_rate = 1;
+  Simulator simulator(*diagram, simulation);
   std::vector<const Source*> signals = CdprFigures::Signals(loop);
   const auto figures =
       std::make_shared<CdprFigures>(loop, scenario.payload.attach_s, scenario.payload.release_s,
@@ -91,6 +117,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
     if (scenario.forbid_slack) summary.Limit("tension_min_N", {.low = 0});
     if (tension.high) summary.Limit("tension_max_N", {.high = scenario.max_tension_ratio * *tension.high});
     limits->AddTo(summary);
+    ros2.AddTo(summary, simulator);
     figures->path().AddTo(summary);
     if (solves) solves->AddTo(summary);
     outputs.AddTo(summary);

@@ -136,12 +136,18 @@ void AddLiveArguments(CommandLine& line, CommonArguments& arguments) {
       {.needs = "--live"});
   line.Add("--replay", &arguments.replay, "repeat a live run from its live.jsonl, without a browser",
            {.excludes = "--live"});
+  line.Add("--ros2{any}", &arguments.ros2,
+           "publish the robot in ROS 2, and take /cmd_vel and /joy, in real time; --ros2=INTERFACE[,DOMAIN], "
+           "default as ROS 2 chooses");
+  line.Add("--mcap", &arguments.mcap, "record the messages of ROS 2 in run.mcap in the output directory");
 }
 
 RunOptions OptionsOf(const CommonArguments& arguments) {
   const auto standard = std::filesystem::path("out") / std::filesystem::path(arguments.scenario).stem();
   return {.out = arguments.out.empty() ? standard : std::filesystem::path(arguments.out),
-          .graph = arguments.graph};
+          .graph = arguments.graph,
+          .ros2 = arguments.ros2.empty() ? std::nullopt : std::optional(arguments.ros2),
+          .mcap = arguments.mcap};
 }
 
 static constexpr const char* kNoMemory =

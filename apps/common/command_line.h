@@ -72,6 +72,8 @@ struct CommonArguments {
   std::string live;                   ///< port; empty: not live
   std::string live_address;           ///< address to listen at; empty: this machine only
   std::string replay;                 ///< recording of a live run; empty: none
+  std::string ros2;                   ///< see RunOptions; empty: none
+  bool mcap = false;                  ///< see RunOptions
   bool list = false;
   bool keys = false;
 };
@@ -82,7 +84,7 @@ void AddScenarioArguments(CommandLine& line, CommonArguments& arguments);
 /// Adds the arguments that select a scenario and those of its output.
 void AddCommonArguments(CommandLine& line, CommonArguments& arguments);
 
-/// Adds --live, --live-address and --replay, for apps that run one scenario.
+/// Adds --live, --live-address, --replay, --ros2 and --mcap, for apps that run one scenario.
 void AddLiveArguments(CommandLine& line, CommonArguments& arguments);
 
 /// Returns the output directory, --out or out/SCENARIO, and the file of --graph.

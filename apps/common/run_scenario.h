@@ -37,7 +37,11 @@ struct RunOptions {
   std::optional<double> wall_limit = {};  ///< limit of the wall-clock time [s]
   /// Steers the run by browsers or a recording; may be null.
   std::shared_ptr<LiveSession> live = {};
+  /// Sends messages of ROS 2, "INTERFACE[,DOMAIN]" or kAnyInterface; empty: none. The run keeps real time.
+  std::optional<std::string> ros2 = {};
+  bool mcap = false;  ///< records these messages in run.mcap
 };
+inline constexpr const char* kAnyInterface = "any";
 
 /// The results of a run; without a report if the run writes no files.
 struct RunResult {
@@ -116,6 +120,7 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
   const OutputDirectory out(options.out);
   std::error_code ignored;
   if (!options.live) std::filesystem::remove(out.path() / "live.jsonl", ignored);
+  if (!options.mcap) std::filesystem::remove(out.path() / "run.mcap", ignored);
   files.Write(out.path());
   PrintNotes(options, notes);
   WriteGraph(simulator.context().diagram(), options.graph);

@@ -93,8 +93,8 @@ ScenarioApp MakeScenarioApp(std::string name, std::string description,
 }
 
 /// The main function of an app: reads the command line (SCENARIO, --set, --seed, --duration, --out, --graph,
-/// --list, --keys, --live, --live-address, --replay, --version, --help), runs the scenario, prints its
-/// figures and returns its exit code. Errors are printed on stderr.
+/// --list, --keys, --live, --live-address, --replay, --ros2, --mcap, --version, --help), runs the scenario,
+/// prints its figures and returns its exit code. Errors are printed on stderr.
 int RunApp(const ScenarioApp& app, int argc, char** argv);
 
 }  // namespace tenon::apps

@@ -1,6 +1,7 @@
 // tenon-report: writes one report of several existing runs, or pictures of one report.
 
 #include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/mcap_report.h>
 #include <tenon/apps/common/report_pictures.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -80,7 +81,8 @@ int main(int argc, char** argv) {
   std::vector<std::string> directories;
   std::string out = "out/report";
   tenon::apps::ReportPictures pictures;
-  line.Add("DIR", &directories, "output directories of runs; for pictures one report.html or its directory",
+  line.Add("DIR", &directories,
+           "output directories of runs; or one MCAP file; for pictures one report.html or its directory",
            {.required = true});
   line.Add("--out", &out, "directory for report.html (default: out/report)");
   line.Add("--svg", &pictures.svg, "write all plots, or the drawings of a campaign, to this directory");
@@ -100,6 +102,8 @@ int main(int argc, char** argv) {
       "    tenon-cdpr D2 --out out/soft --set pd.stiffness_N_per_m=3000 --controller pd\n"
       "    tenon-cdpr D2 --out out/stiff --set pd.stiffness_N_per_m=9000 --controller pd\n"
       "    tenon-report out/soft out/stiff\n"
+      "An MCAP file of ROS 2, also of another program, becomes a report and signals.csv:\n"
+      "    tenon-report run.mcap --out out/log\n"
       "Pictures are drawn by Chromium, which must be installed:\n"
       "    tenon-report out/D1 --svg figures\n"
       "    tenon-report out/D1 --video D1.webm --from 2 --to 6 --speed 0.5\n"
@@ -114,6 +118,8 @@ int main(int argc, char** argv) {
     if (!draw && (pictures.from || pictures.to || pictures.fps || pictures.speed || !pictures.size.empty()))
       throw ParameterError(
           "--size, --from, --to, --fps and --speed need --video, --frames, --frame or --svg");
+    const bool is_mcap = std::filesystem::path(directories.front()).extension() == ".mcap";
+    if (is_mcap && !draw && directories.size() == 1) return apps::ReportMcap(directories.front(), out);
     return draw ? apps::DrawPictures(directories.front(), pictures) : apps::Run(directories, out);
   });
 }

@@ -6,6 +6,7 @@
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
+#include <tenon/apps/quadruped/quadruped_ros2.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
@@ -60,8 +61,12 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   auto& loop = AddGuideDog(builder, scenario, customisation, outputs, faults, observer);
   std::optional<QuadrupedLive> live;
   if (options.live) Blame("forces", [&] { live.emplace(builder, loop.world, &loop.walk, scenario.live); });
+  Ros2Outputs ros2(builder, options);
+  AddRos2(builder, ros2, scenario, loop, live ? live->drive() : nullptr);
   const auto diagram = builder.Build();
-  Simulator simulator(*diagram, MakeSimulatorOptions(scenario, loop.world.plant));
+  SimulatorOptions simulation = MakeSimulatorOptions(scenario, loop.world.plant);
+  if (options.ros2 && !options.live) simulation.real_time_rate = 1;
+  Simulator simulator(*diagram, simulation);
   std::vector<const Source*> signals = GuideDogFigures::Signals(loop);
   const auto leash =
       std::make_shared<GuideDogFigures>(loop, options.live ? std::nullopt : std::optional(scenario.task));
@@ -83,6 +88,7 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
     walk->AddTo(summary);
     limits->AddTo(summary);
     collisions->AddTo(summary);
+    ros2.AddTo(summary, simulator);
     outputs.AddTo(summary);
     if (!options.live) scenario.task.AddTo(summary);
   };

@@ -25,6 +25,7 @@ class QuadrupedLive {
   /// Adds the signals to log and the shapes to show. The first entry of `shapes` must be those of the plant.
   void AddTo(std::vector<const Source*>& signals, std::vector<const OutputPort<Geometry>*>& shapes) const;
   LiveControls Controls() const;
+  WalkDrive* drive() const { return drive_; }  ///< null for a robot that stands
 
  private:
   LiveScenario limits_;

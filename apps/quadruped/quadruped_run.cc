@@ -1,6 +1,7 @@
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
+#include <tenon/apps/quadruped/quadruped_ros2.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/serving.h>
 #include <tenon/apps/quadruped/stand_figures.h>
@@ -51,12 +52,14 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
     if constexpr (requires { loop.walk; }) walk = &loop.walk;
     Blame("forces", [&] { live.emplace(builder, loop.world, walk, scenario.live); });
   }
+  Ros2Outputs ros2(builder, options);
+  AddRos2(builder, ros2, scenario, loop, live ? live->drive() : nullptr);
   std::function<void(Summary&, const Simulator&)> served;
   if constexpr (std::is_same_v<Loop, QuadrupedStand>)
     if (!serve.empty()) served = Serve(serve, builder, loop);
   const auto diagram = builder.Build();
   SimulatorOptions simulation = MakeSimulatorOptions(scenario, loop.world.plant);
-  if (served) simulation.real_time_rate = 1;
+  if (served || (options.ros2 && !options.live)) simulation.real_time_rate = 1;
   Simulator simulator(*diagram, simulation);
   const auto figures = std::make_shared<Figures>(loop, judging...);
   simulator.AddLog(Hz(1000), Figures::Judged(loop), {figures});
@@ -72,6 +75,7 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
     figures->AddTo(summary);
     limits->AddTo(summary);
     if (served) served(summary, simulator);
+    ros2.AddTo(summary, simulator);
     if constexpr (requires { loop.deployment; })
       if (loop.deployment) SetDeployment(simulator.context().Eval(loop.deployment->status), summary);
     summary.Set("evaluations", static_cast<double>(simulator.statistics().evaluations));

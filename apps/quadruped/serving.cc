@@ -1,5 +1,6 @@
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/progress.h>
+#include <tenon/apps/quadruped/quadruped_ros2.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/serving.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
@@ -119,6 +120,9 @@ RunResult Drive(const std::string& where, QuadrupedScenario scenario, const RunO
   const QuadrupedWalkParams params = Blame("", [&] { return MakeWalkParams(scenario); });
   auto& loop = AddDiagram<QuadrupedWalk>(
       builder, [&] { return params; }, {}, scenario, outputs, faults);
+  Ros2Outputs ros2(builder, options);
+  const std::chrono::duration<double> epoch = std::chrono::system_clock::now().time_since_epoch();
+  AddRos2(builder, ros2, scenario, loop, nullptr, epoch.count());
   UnitreeWorld& robot = DriveUnitree(builder, loop, {.link = link, .initial = params.world.plant.initial});
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.real_time_rate = 1});
@@ -129,6 +133,7 @@ RunResult Drive(const std::string& where, QuadrupedScenario scenario, const RunO
   const auto judge = [&](Summary& summary) {
     last.Send();
     SetReceived("state", robot.from_robot, simulator, summary);
+    ros2.AddTo(summary, simulator);
     SetDeployment(simulator.context().Eval(loop.deployment->status), summary);
   };
   return RunScenario(options, scenario, Describe(scenario, duration), duration, simulator,

@@ -6,9 +6,11 @@
 #include <tenon/controllers/legged/deployment/deployment.h>
 #include <tenon/controllers/legged/observers/ground_force_observer.h>
 #include <tenon/controllers/legged/planning/walk_drive.h>
+#include <tenon/diagrams/cdpr/cdpr_messages.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
+#include <tenon/diagrams/legged/quadruped_messages.h>
 #include <tenon/docs/catalogue/catalogue.h>
 #include <tenon/plants/cdpr/cable_fault.h>
 #include <tenon/plants/cdpr/gusts.h>
@@ -295,6 +297,7 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   shelf.Put(Make<AdmittanceFilter>());
   shelf.Put(Make<TrackingError>(TrackingErrorParams{.robot = shipped.dog}));
   shelf.Put(Make<WalkView>(WalkViewParams{.robot = shipped.dog}));
+  shelf.Put(Make<QuadrupedMessages>(QuadrupedMessagesParams{.robot = shipped.dog}));
   return shelf;
 }
 
@@ -312,6 +315,7 @@ Shelf CdprControllers(const Shipped& shipped) {
   shelf.Put(Make<ReferenceBalancer>(ReferenceBalancerParams{.robot = loop.robot}));
   shelf.Put(Make<CdprMpc>(*shipped.cdpr_mpc.mpc),
             "Ends the run if the number of consecutive failed solves exceeds `max_fallbacks_in_a_row`.");
+  shelf.Put(Make<CdprMessages>());
   return shelf;
 }
 

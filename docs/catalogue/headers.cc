@@ -58,7 +58,8 @@ std::map<std::string, Declaration> ReadHeaders(const fs::path& source) {
     for (const auto& entry : fs::recursive_directory_iterator(source / directory)) {
       const std::string header = fs::relative(entry.path(), source).generic_string();
       if (entry.path().extension() != ".h" || header.find("/internal/") != std::string::npos) continue;
-      if (std::regex_search(header, std::regex("/dds/|/unitree/"))) continue;  // optional components
+      if (std::regex_search(header, std::regex("/dds/|/unitree/|/mcap.h")))
+        continue;  // optional, or needs a file
       const Lines lines = ReadLines(entry.path());
       for (std::size_t i = 0; i < lines.size(); ++i) {
         std::smatch match;

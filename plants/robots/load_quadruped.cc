@@ -168,7 +168,7 @@ void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& f
 }
 
 QuadrupedDescription ReadRobot(const YamlDocument& document, std::vector<std::string>* warnings = nullptr,
-                               MovingParts* moving = nullptr) {
+                               MovingParts* moving = nullptr, RobotLinks* links = nullptr) {
   const auto file = document.Read<RobotFile>();
   QuadrupedDescription robot;
   robot.name = file.name;
@@ -200,6 +200,7 @@ QuadrupedDescription ReadRobot(const YamlDocument& document, std::vector<std::st
     const std::vector<std::string> mended =
         internal::ReadUrdf(document.Path("urdf"), reading, &robot, moving);
     if (warnings != nullptr) *warnings = mended;
+    if (links != nullptr) *links = internal::ReadLinks(document.Path("urdf"), reading, robot);
   } catch (const ParameterError& error) {
     throw ParameterError(document.Placed("urdf", error.what()));
   }
@@ -230,6 +231,12 @@ MovingParts LoadMovingParts(const YamlFile& what) {
   MovingParts moving;
   if (!document.Value("actuated_joints").empty()) ReadRobot(document, nullptr, &moving);
   return moving;
+}
+
+RobotLinks LoadRobotLinks(const YamlFile& what) {
+  RobotLinks links;
+  ReadRobot(LoadRobot(what), nullptr, nullptr, &links);
+  return links;
 }
 
 std::vector<std::string> QuadrupedWarnings(const YamlFile& what) {

@@ -1,4 +1,5 @@
 #include <tenon/systems/dds/dds.h>
+#include <tenon/systems/dds/internal/c_struct.h>
 
 #include <dds/dds.h>
 #include <fmt/core.h>
@@ -138,11 +139,19 @@ class Participant {
   dds_entity_t participant_ = 0;
 };
 
-/// The defaults of DDS, or in lock-step a reader and a writer that lose nothing and may start in any order.
+/// The defaults of DDS with the history of a writer, or in lock-step a reader and a writer that lose nothing
+/// and may start in any order.
 class QualityOfService {
  public:
-  explicit QualityOfService(bool lock_step) {
-    if (!lock_step) return;
+  explicit QualityOfService(const DdsEnd& end, int depth) {
+    if (!end.lock_step) {
+      dds_qset_history(get(), DDS_HISTORY_KEEP_LAST, depth);
+      if (!end.transient_local) return;
+      dds_qset_durability(get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+      dds_qset_durability_service(get(), 0, DDS_HISTORY_KEEP_LAST, depth, DDS_LENGTH_UNLIMITED,
+                                  DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
+      return;
+    }
     dds_qset_reliability(get(), DDS_RELIABILITY_RELIABLE, kPatience);
     dds_qset_history(get(), DDS_HISTORY_KEEP_ALL, 0);
     dds_qset_durability(get(), DDS_DURABILITY_TRANSIENT_LOCAL);
@@ -175,11 +184,17 @@ struct End {
   dds_entity_t MakeTopic() const {
     const auto* type = static_cast<const dds_topic_descriptor_t*>(message.descriptor);
     Demand(!end.topic.empty(), "topic is empty: set the name of the topic, such as \"rt/lowcmd\"");
-    Demand((type->m_flagset & DDS_TOPIC_FIXED_SIZE) != 0 && type->m_size == message.size,
-           fmt::format(
-               "the type {} holds strings or sequences, or is not that of its descriptor: only structs of "
-               "numbers and arrays are supported",
-               type->m_typename));
+    if (message.as_is != nullptr) {
+      const std::string name = ros2::DdsNameOf(*message.as_is);
+      Demand(
+          name == type->m_typename && SizeOfC(*message.as_is) == type->m_size && message.size == type->m_size,
+          fmt::format("the type {} is not that of the signal {}: give both the same members, and the "
+                      "signal the package as its namespace",
+                      type->m_typename, name));
+    } else {
+      Demand(type->m_size == message.size,
+             fmt::format("the type {} is not that of its descriptor", type->m_typename));
+    }
     const dds_entity_t made = dds_create_topic(participant.get(), type, end.topic.c_str(), nullptr, nullptr);
     Demand(made > 0,
            fmt::format("topic = '{}' cannot be made with the type {}: {}; it must be a name of letters, "
@@ -209,12 +224,13 @@ class DdsInbox final : public Inbox {
         waiting_(dds_create_waitset(end_.participant.get())),
         memory_(message.size) {
     dds_waitset_attach(waiting_.entity, ready_.entity, 0);
+    if (message.as_is != nullptr) candidate_.emplace(*message.as_is, std::byte{0});
   }
+  ~DdsInbox() override { Free(); }
 
  private:
   dds_entity_t MakeReader() const {
-    const QualityOfService quality(end_.end.lock_step);
-    if (!end_.end.lock_step) dds_qset_history(quality.get(), DDS_HISTORY_KEEP_LAST, kHistory);
+    const QualityOfService quality(end_.end, kHistory);
     return dds_create_reader(end_.participant.get(), end_.topic.entity, quality.get(), nullptr);
   }
 
@@ -222,6 +238,7 @@ class DdsInbox final : public Inbox {
   std::optional<std::span<const char>> Receive(double timeout_s) override {
     const dds_time_t end = dds_time() + static_cast<dds_duration_t>(std::min(timeout_s, 1e9) / kNanosecond);
     for (;;) {
+      Free();
       void* sample = memory_.data();
       const dds_return_t count = dds_take(reader_.entity, &sample, &info_, 1, 1);
       if (count > 0 && info_.valid_data) return std::span<const char>(memory_);
@@ -253,15 +270,33 @@ class DdsInbox final : public Inbox {
       *timestamp = kNanosecond * static_cast<double>(info_.source_timestamp);
       dds_time_t& last = last_.try_emplace(info_.publication_handle, INT64_MIN).first->second;
       const bool late = !end_.end.lock_step && info_.source_timestamp < last;
-      reason = late ? "a message is older than the last one of its sender"
-                    : end_.message.read(message.data(), value);
+      reason =
+          late ? "a message is older than the last one of its sender" : ReadMessage(message.data(), value);
       if (reason.empty()) last = info_.source_timestamp;
     }
     return reason.empty() ? reason : fmt::format("{}: {}", Description(), reason);
   }
   std::string Description() const override { return end_.Description(); }
 
+  std::string ReadMessage(const void* message, void* value) {
+    const TypeInfo* type = end_.message.as_is;
+    if (type == nullptr) return end_.message.read(message, value);
+    type->assign(candidate_->get(), value);  // has the lengths of the lists
+    std::string reason = ReadC(*type, message, candidate_->get());
+    if (reason.empty()) reason = NotFinite(*type, candidate_->get());
+    if (reason.empty()) type->assign(value, candidate_->get());
+    return reason;
+  }
+  /// Frees texts and lists that Cyclone DDS has allocated.
+  void Free() {
+    const auto* type = static_cast<const dds_topic_descriptor_t*>(end_.message.descriptor);
+    if ((type->m_flagset & DDS_TOPIC_FIXED_SIZE) != 0) return;
+    dds_sample_free(memory_.data(), type, DDS_FREE_CONTENTS);
+    std::ranges::fill(memory_, 0);
+  }
+
   const End end_;
+  std::optional<AnyValue> candidate_;
   const std::atomic<int>& undecodable_;  ///< of all readers of this topic and type in the program
   int refused_ = undecodable_;
   const OwnedEntity reader_, ready_, waiting_;
@@ -276,16 +311,26 @@ class DdsWriter final : public DdsSender {
   DdsWriter(const DdsEnd& end, const DdsMessage& message)
       : end_(end, message),
         writer_(dds_create_writer(end_.participant.get(), end_.topic.entity,
-                                  QualityOfService(end.lock_step).get(), nullptr)) {}
+                                  QualityOfService(end, DepthOf(end, message)).get(), nullptr)) {}
 
   bool Send(double time, const void* value, std::vector<char>& memory) const override {
-    memory.assign(end_.message.size, 0);
-    end_.message.write(value, memory.data());
+    if (end_.message.as_is != nullptr) {
+      WriteC(*end_.message.as_is, value, memory);
+    } else {
+      memory.assign(end_.message.size, 0);
+      end_.message.write(value, memory.data());
+    }
     const dds_time_t stamp = end_.end.lock_step ? std::llround(time / kNanosecond) : dds_time();
     return dds_write_ts(writer_.entity, memory.data(), stamp) == DDS_RETCODE_OK;
   }
 
  private:
+  static int DepthOf(const DdsEnd& end, const DdsMessage& message) {
+    constexpr int kDepth = 1, kDepthInRos2 = 10;
+    Demand(end.depth >= 0, fmt::format("depth = {} must be positive, or 0 for the default", end.depth));
+    return end.depth > 0 ? end.depth : message.as_is != nullptr ? kDepthInRos2 : kDepth;
+  }
+
   const End end_;
   const OwnedEntity writer_;
 };

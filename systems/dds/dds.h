@@ -4,6 +4,7 @@
 #include <tenon/systems/dds/internal/dds_ends.h>
 #include <tenon/systems/io/recording.h>
 #include <tenon/systems/network/inbox.h>
+#include <tenon/systems/ros2/messages.h>
 
 #include <cstdint>
 #include <memory>
@@ -30,7 +31,8 @@ struct DdsMessageOf {
 /// Makes the mapping between a C struct of idlc and a signal. `write(signal, message)` fills a message whose
 /// bytes are zero, and `read(message, signal)` returns an empty text or the reason why it refuses the
 /// message. A signal with a number that is not finite is refused, too. `descriptor` points to the struct's
-/// dds_topic_descriptor_t. Messages with strings or sequences are not supported.
+/// dds_topic_descriptor_t. Strings and sequences of the struct exist only during `read`; `write` may let them
+/// point into the signal, with `_release` false.
 template <class Message, class T, auto write, auto read>
 DdsMessage MakeDdsMessage(const void* descriptor) {
   return {
@@ -47,12 +49,29 @@ DdsMessage MakeDdsMessage(const void* descriptor) {
       }};
 }
 
+/// Makes the mapping of a message of ROS 2 that is not in systems/ros2/messages.h, whose struct has the
+/// members of the IDL in the same order. `descriptor` points to its dds_topic_descriptor_t.
+template <ros2::Message T>
+DdsMessage MakeRos2Message(const void* descriptor, std::size_t size) {
+  return {.descriptor = descriptor, .size = size, .as_is = &internal::TypeInfoOf<T>()};
+}
+
+template <ros2::Message T>
+struct DdsMessageOf<T> {
+  static const DdsMessage& Get() {
+    static const DdsMessage kMessage = internal::MakeShippedRos2Message(internal::TypeInfoOf<T>());
+    return kMessage;
+  }
+};
+
 struct DdsPublisherParams {
-  std::string topic = "";  ///< name of the topic, such as "rt/lowstate"
+  std::string topic = "";  ///< name of the topic, such as "rt/lowstate"; in ROS 2 that is "/lowstate"
   DdsLink link = {};
   Rate rate = Hz(100);
   bool lock_step =
-      false;  ///< the receiver has lock_step; messages carry the time of the run, and none is lost
+      false;      ///< the receiver has lock_step; messages carry the time of the run, and none is lost
+  int depth = 0;  ///< messages kept for readers that lag behind; 0: 10 for a message of ROS 2, else 1
+  bool transient_local = false;  ///< readers that join later receive the kept messages, too
 };
 
 template <class T>
@@ -75,9 +94,10 @@ struct DdsInputParams {
 ///     | port | kind  | size |
 ///     | u    | input | T    |
 ///
-/// The writer is reliable and keeps the last message, as is the default of DDS; no receiver is required.
-/// `unsent` counts the messages that Cyclone DDS refused. Only the first message allocates, apart from
-/// Cyclone DDS itself. Throws ParameterError if the domain cannot be joined or the topic has another type.
+/// The writer is reliable and keeps the last message, as is the default of DDS, or the last ten messages of
+/// ROS 2, as is the default there; readers may be reliable or not, and none is required. `unsent` counts the
+/// messages that Cyclone DDS refused. Only the first message allocates, apart from Cyclone DDS itself. Throws
+/// ParameterError if the domain cannot be joined or the topic has another type.
 template <class T>
 class DdsPublisher final : public LeafSystem<DdsPublisherParams> {
  public:
@@ -91,8 +111,9 @@ class DdsPublisher final : public LeafSystem<DdsPublisherParams> {
   void Send(double t, const T& value, std::uint64_t& lost, std::vector<char>& bytes) const {
     if (!sender_->Send(t, &value, bytes)) ++lost;
   }
-  std::unique_ptr<internal::DdsSender> sender_ =
-      internal::MakeDdsSender({params.topic, params.link, params.lock_step}, DdsMessageOf<T>::Get());
+  std::unique_ptr<internal::DdsSender> sender_ = internal::MakeDdsSender(
+      {params.topic, params.link, params.lock_step, params.depth, params.transient_local},
+      DdsMessageOf<T>::Get());
 };
 
 /// An input for values that DdsPublisher or another program sends by DDS. T needs a DdsMessageOf.
@@ -112,7 +133,10 @@ class DdsPublisher final : public LeafSystem<DdsPublisherParams> {
 /// - the mapping refuses a message, for example because of a wrong checksum;
 /// - a number is not finite;
 /// - the size or layout is not that of the type, or a sender offers another type under the topic's name;
-/// - a sender's clock goes back: a message is older than the last one of the same sender.
+/// - a sender's clock goes back: a message is older than the last one of the same sender;
+/// - a list of a message of ROS 2 has another length than in `initial`.
+///
+/// The reader is not reliable, so that it hears all senders.
 ///
 /// Throws ParameterError if the domain cannot be joined or the topic has another type. In lock-step, throws
 /// RunError if the message of a tick is late.

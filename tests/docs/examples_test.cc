@@ -42,6 +42,11 @@ TEST(ExamplesTest, TheProgramOfThePredictiveTutorialShips) {
               ::testing::HasSubstr("```cpp\n" + Read("docs/examples/compose/predictive_walk.cc") + "```"));
 }
 
+TEST(ExamplesTest, TheProgramOfThePageOnRos2Ships) {
+  EXPECT_THAT(Read("docs/ros2.md"),
+              ::testing::HasSubstr("```cpp\n" + Read("docs/examples/ros2/main.cc") + "```"));
+}
+
 TEST(ExamplesTest, TheBlockOfForeignCodeShips) {
   EXPECT_THAT(Read("docs/foreign_code.md"),
               ::testing::HasSubstr("```cpp\n" + Read("docs/examples/foreign/foreign_filter.h") + "```"));

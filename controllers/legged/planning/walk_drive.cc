@@ -22,8 +22,11 @@ void WalkDriveParams::Validate() const {
                      height_bandwidth, 0.5 / rate.period()));
 }
 
-WalkCommand WalkDrive::CalcCommand(const WalkCommand& planned, bool active, const Vec<3>& velocity, Gait gait,
-                                   bool stands, double height, DriveProgress& progress) const {
+WalkCommand WalkDrive::CalcCommand(const WalkCommand& planned, const VelocityCommand& request, bool active,
+                                   const Vec<3>& velocity, Gait gait, bool stands, double height,
+                                   DriveProgress& progress) const {
+  active = active || request.active;
+  stands = stands && !request.active;
   if (active != progress.active) {
     const double sign = active ? 1 : -1;
     progress.active = active;
@@ -32,7 +35,8 @@ WalkCommand WalkDrive::CalcCommand(const WalkCommand& planned, bool active, cons
     progress.height_rate += sign * planned.height[1];
   }
   const double dt = params.rate.period();
-  const Vec<3> ordered = active && !stands ? velocity : Vec<3>(Vec<3>::Zero());
+  const Vec<3>& asked = request.active ? request.velocity : velocity;
+  const Vec<3> ordered = active && !stands ? asked : Vec<3>(Vec<3>::Zero());
   Eigen::Vector2d change = (ordered - progress.velocity).head<2>();
   if (change.norm() > params.acceleration * dt) change *= params.acceleration * dt / change.norm();
   progress.velocity.head<2>() += change;

@@ -2,6 +2,7 @@
 
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/systems/block.h>
+#include <tenon/systems/ros2/velocity_command.h>
 
 namespace tenon {
 
@@ -35,6 +36,9 @@ struct DriveProgress {
 /// follow its Parameters within acceleration limits.
 ///
 ///     ports in    planned   a WalkCommand; standing if not connected
+///                 request   while it is active, its velocity counts as if `active` were set and `stands`
+///                 not;
+///                           not active if not connected
 ///     port out    command   sampled
 ///     parameters  active    if set, the parameters below override `planned`
 ///                 velocity  forward, left [m/s], yaw rate [rad/s]
@@ -54,6 +58,7 @@ class WalkDrive final : public LeafSystem<WalkDriveParams> {
   using LeafSystem::LeafSystem;
 
   InputPort<WalkCommand> planned{this, {"planned"}, WalkCommand{}};
+  InputPort<VelocityCommand> request{this, {"request"}, VelocityCommand{}};
   Parameter<bool> active{this, {"active"}, false, "if set, the parameters override the planned command"};
   Parameter<Vec<3>> velocity{this,
                              {"velocity", "m/s, m/s, rad/s", "forward,left,yaw"},
@@ -66,12 +71,13 @@ class WalkDrive final : public LeafSystem<WalkDriveParams> {
   OutputPort<WalkCommand> command{this,
                                   {"command"},
                                   Sampled{params.rate},
-                                  Uses(planned, active, velocity, gait, stands, height, progress),
+                                  Uses(planned, request, active, velocity, gait, stands, height, progress),
                                   &WalkDrive::CalcCommand};
 
  private:
-  WalkCommand CalcCommand(const WalkCommand& planned, bool active, const Vec<3>& velocity, Gait gait,
-                          bool stands, double height, DriveProgress& progress) const;
+  WalkCommand CalcCommand(const WalkCommand& planned, const VelocityCommand& request, bool active,
+                          const Vec<3>& velocity, Gait gait, bool stands, double height,
+                          DriveProgress& progress) const;
 };
 
 }  // namespace tenon

@@ -13,8 +13,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <fstream>
 #include <limits>
 #include <numbers>
+#include <sstream>
 #include <utility>
 
 namespace tenon::internal {
@@ -65,12 +67,41 @@ class Reader {
     return std::move(warnings_);
   }
 
+  RobotLinks Links() const {
+    RobotLinks made;
+    const UrdfLink& root = file_.FloatingLink();
+    const Eigen::Isometry3d T_BR = PoseOfRoot();
+    const bool is_base = T_BR.isApprox(Eigen::Isometry3d::Identity(), 0);
+    if (root.name == made.base && !is_base) made.base = "base";
+    if (root.name != made.base)
+      made.links.push_back({.parent = made.base,
+                            .name = root.name,
+                            .position = T_BR.translation(),
+                            .rotation = T_BR.linear()});
+    AddLinks(root, made);
+    return made;
+  }
+
  private:
   /// The contribution of a link to a body, in the base frame B with all joints at 0.
   struct Part {
     std::string link;
     RigidInertia inertia;
   };
+
+  void AddLinks(const UrdfLink& link, RobotLinks& made) const {
+    for (const UrdfJoint* joint : link.joints) {
+      RobotLinks::Link child{.parent = link.name, .name = joint->child, .axis = joint->axis.normalized()};
+      for (int j = 0; j < kNumJoints; ++j)
+        if (robot_.joint(j).name == joint->name) child.joint = j;
+      Eigen::Isometry3d pose = joint->pose;
+      if (child.joint < 0) pose = pose * joint->Moved(LockedAt(*joint).value_or(joint->Neutral()));
+      child.position = pose.translation();
+      child.rotation = pose.linear();
+      made.links.push_back(child);
+      AddLinks(file_.ChildOf(*joint), made);
+    }
+  }
 
   template <class... Args>
   [[noreturn]] void Fail(fmt::format_string<Args...> format, Args&&... args) const {
@@ -620,6 +651,16 @@ Eigen::Matrix3d RotationOf(LinkAxis forward, LinkAxis up) {
 std::vector<std::string> ReadUrdf(const std::filesystem::path& path, const UrdfReading& reading,
                                   QuadrupedDescription* robot, MovingParts* moving) {
   return Reader(path, reading, robot).Read(moving);
+}
+
+RobotLinks ReadLinks(const std::filesystem::path& path, const UrdfReading& reading,
+                     const QuadrupedDescription& robot) {
+  QuadrupedDescription copy = robot;
+  RobotLinks links = Reader(path, reading, &copy).Links();
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  links.urdf = text.str();
+  return links;
 }
 
 }  // namespace tenon::internal

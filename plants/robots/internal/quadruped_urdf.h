@@ -3,6 +3,7 @@
 #include <tenon/plants/model/attached_body.h>
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/robots/internal/urdf_file.h>
+#include <tenon/plants/robots/robot_links.h>
 
 #include <Eigen/Core>
 
@@ -63,5 +64,9 @@ struct UrdfReading {
 /// file and line. Throws ParameterError that begins with the file's name.
 std::vector<std::string> ReadUrdf(const std::filesystem::path& path, const UrdfReading& reading,
                                   QuadrupedDescription* robot, MovingParts* moving = nullptr);
+
+/// Reads the frames of all links; `robot` is what ReadUrdf has read. Throws ParameterError.
+RobotLinks ReadLinks(const std::filesystem::path& path, const UrdfReading& reading,
+                     const QuadrupedDescription& robot);
 
 }  // namespace tenon::internal

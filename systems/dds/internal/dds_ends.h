@@ -18,12 +18,15 @@ struct DdsLink {
   std::string interface = "";
 };
 
-/// The mapping between a signal and a message of DDS, a C struct made by idlc; see MakeDdsMessage.
+/// The mapping between a signal and a message of DDS, a C struct made by idlc; see MakeDdsMessage and
+/// MakeRos2Message.
 struct DdsMessage {
   const void* descriptor;  ///< dds_topic_descriptor_t
   std::size_t size;        ///< of the struct [bytes]
-  void (*write)(const void* signal, void* message);
-  std::string (*read)(const void* message, void* signal);
+  void (*write)(const void* signal, void* message) = nullptr;
+  std::string (*read)(const void* message, void* signal) = nullptr;
+  /// Of a signal that is a message of ROS 2 and travels as it is, without the functions above; else null.
+  const internal::TypeInfo* as_is = nullptr;
 };
 
 namespace internal {
@@ -35,7 +38,12 @@ struct DdsEnd {
   std::string topic;
   DdsLink link;
   bool lock_step;
+  int depth = 0;                 ///< of a writer, see DdsPublisherParams
+  bool transient_local = false;  ///< of a writer
 };
+
+/// Returns the mapping of a message of ROS 2. Throws ParameterError if ros2.idl has no such type.
+DdsMessage MakeShippedRos2Message(const TypeInfo& type);
 
 /// The part of DdsPublisher that does not depend on its type.
 class DdsSender {

@@ -138,6 +138,21 @@ TEST(WalkDriveTest, FollowsOrdersFromWhereThePlanWasWithinTheAccelerations) {
   }
 }
 
+TEST(WalkDriveTest, AnActiveRequestOverridesThePlanAndTheParameters) {
+  TestRig<WalkDrive> rig(WalkDriveParams{});
+  rig.Fix(rig->planned, {.gait = Gait::kStand});
+  rig.Set(rig->active, true).Set(rig->velocity, {0.3, 0, 0}).Set(rig->stands, true);
+  rig.Fix(rig->request, {.active = true, .velocity = {-0.2, 0, 0.1}});
+  for (int i = 0; i < 100; ++i) rig.Tick();
+  EXPECT_NEAR(rig[rig->command].forward, -0.2, 1e-12);
+  EXPECT_NEAR(rig[rig->command].yaw_rate, 0.1, 1e-12);
+  EXPECT_EQ(rig[rig->command].gait, Gait::kTrot);
+  rig.Set(rig->active, false).Fix(rig->request, {});
+  for (int i = 0; i < 100; ++i) rig.Tick();
+  EXPECT_EQ(rig[rig->command].forward, 0);
+  EXPECT_EQ(rig[rig->command].gait, Gait::kStand);
+}
+
 TEST(WalkDriveTest, StandsOnceItHasSlowedDown) {
   TestRig<WalkDrive> rig(WalkDriveParams{});
   rig.Fix(rig->planned, Planned()).Tick();

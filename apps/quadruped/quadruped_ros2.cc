@@ -1,0 +1,77 @@
+#include <tenon/apps/common/scenario_file.h>
+#include <tenon/apps/quadruped/quadruped_ros2.h>
+#include <tenon/diagrams/legged/foot_forces_of_legs.h>
+#include <tenon/diagrams/legged/quadruped_messages.h>
+#include <tenon/plants/robots/load_robot.h>
+
+#include <string>
+
+namespace tenon::apps {
+namespace {
+
+QuadrupedMessages& AddMessages(DiagramBuilder& builder, Ros2Outputs& outputs, const LeggedScenario& scenario,
+                               const QuadrupedWorld& world, const OutputPort<LeggedState>& state,
+                               double epoch) {
+  const QuadrupedMessagesParams params = Blame("robot", [&] {
+    return QuadrupedMessagesParams{LoadQuadruped(scenario.robot), LoadRobotLinks(scenario.robot), epoch};
+  });
+  auto& messages = builder.Add<QuadrupedMessages>("messages", params);
+  builder.Connect(state, messages.state);
+  builder.Connect(world.joints, messages.joints);
+  builder.Connect(world.measured_torque, messages.torque);
+  builder.Connect(world.inertial, messages.inertial);
+  outputs.Send("joint_states", messages.joint_states);
+  outputs.Send("imu", messages.imu);
+  outputs.Send("odom", messages.odometry);
+  outputs.Send("tf", messages.tf);
+  outputs.SendOnce("tf_static", messages.tf_static);
+  outputs.SendDescription(params.links.urdf);
+  if (epoch == 0) outputs.SendClock();
+  return messages;
+}
+
+void SendFootForces(DiagramBuilder& builder, Ros2Outputs& outputs, const OutputPort<FootForces>& forces,
+                    QuadrupedMessages& messages) {
+  builder.Connect(forces, messages.foot_forces);
+  for (const auto* foot :
+       {&messages.front_left, &messages.front_right, &messages.rear_left, &messages.rear_right})
+    outputs.Send("foot_force/" + foot->name(), *foot);
+}
+
+}  // namespace
+
+void AddRos2(DiagramBuilder& builder, Ros2Outputs& outputs, const LeggedScenario& scenario,
+             QuadrupedWalk& walk, WalkDrive* drive, double epoch) {
+  if (!outputs.any()) return;
+  QuadrupedMessages& messages = AddMessages(builder, outputs, scenario, walk.world, walk.state, epoch);
+  SendFootForces(builder, outputs,
+                 walk.foot_forces_of_legs != nullptr   ? walk.foot_forces_of_legs->forces
+                 : walk.foot_force_estimate != nullptr ? walk.foot_force_estimate->forces
+                                                       : walk.world.foot_forces,
+                 messages);
+  builder.Connect(walk.observer.wrench, messages.wrench);
+  outputs.Send("disturbance", messages.disturbance);
+  const LiveScenario& live = scenario.live;
+  const auto ends = [&](int i) {
+    return Vec<3>(live.forward_m_per_s[i], live.sideways_m_per_s[i], live.yaw_rad_per_s[i]);
+  };
+  const OutputPort<VelocityCommand>* velocity = outputs.VelocityIn(ends(0), ends(1));
+  if (velocity == nullptr) return;
+  if (drive == nullptr) {
+    const WalkScheduleParams& planned = CurrentAs<LeafSystem<WalkScheduleParams>>(walk.walk).params;
+    drive = &builder.Add<WalkDrive>("ros2_drive", {.acceleration = planned.acceleration,
+                                                   .yaw_acceleration = planned.yaw_acceleration,
+                                                   .rate = planned.rate});
+    builder.Insert(walk.walk.command, drive->planned, drive->command);
+  }
+  builder.Connect(*velocity, drive->request);
+}
+
+void AddRos2(DiagramBuilder& builder, Ros2Outputs& outputs, const LeggedScenario& scenario,
+             QuadrupedStand& stand, WalkDrive*) {
+  if (!outputs.any()) return;
+  QuadrupedMessages& messages = AddMessages(builder, outputs, scenario, stand.world, stand.world.state, 0);
+  SendFootForces(builder, outputs, stand.world.foot_forces, messages);
+}
+
+}  // namespace tenon::apps

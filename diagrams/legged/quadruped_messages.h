@@ -1,0 +1,96 @@
+#pragma once
+
+#include <tenon/plants/model/quadruped_description.h>
+#include <tenon/plants/robots/robot_links.h>
+#include <tenon/plants/signals/disturbance_signals.h>
+#include <tenon/plants/signals/imu_signals.h>
+#include <tenon/plants/signals/legged_signals.h>
+#include <tenon/plants/signals/ros2_signals.h>
+#include <tenon/systems/block.h>
+
+#include <array>
+
+namespace tenon {
+
+struct QuadrupedMessagesParams {
+  QuadrupedDescription robot;
+  RobotLinks links = {};  ///< frames of `tf` and `tf_static`; empty: only those of trunk and feet
+  double epoch = 0;       ///< added to the time of the run in all stamps [s]
+};
+
+/// The messages of ROS 2 on a quadruped. W is the frame odom, and the trunk's frame B is base_link, or
+/// RobotLinks::base; the centres of the feet have frames of their own, `contact_front_left` and so on, with
+/// the axes of B.
+///
+///     ports in   state         pose, velocity and joints; those that the controller uses
+///                joints        measured joints; torque [N m]
+///                inertial      measurement of the IMU in B, whose orientation is not measured
+///                foot_forces   in W
+///                wrench        estimated wrench of disturbances; zero if not connected
+///     ports out  joint_states  joints by the names in the URDF
+///                imu, odometry
+///                disturbance   the wrench about the origin of B, in B
+///                tf            odom -> base_link -> links that move, and feet
+///                tf_static     links at rest relative to their parents
+///                front_left, … ground force on the foot, in the frame of the foot's centre
+///
+/// All covariances are unknown.
+class QuadrupedMessages final : public LeafSystem<QuadrupedMessagesParams> {
+ public:
+  using LeafSystem::LeafSystem;
+  using Wrench = ros2::geometry_msgs::WrenchStamped;
+  static constexpr const char* kOdom = "odom";
+
+  InputPort<LeggedState> state{this, {"state"}};
+  InputPort<JointMotion> joints{this, {"joints"}};
+  InputPort<Vec<12>> torque{this, {"torque", "N m", kJointElements}};
+  InputPort<ImuMeasurement> inertial{this, {"inertial"}};
+  InputPort<FootForces> foot_forces{this, {"foot_forces"}, FootForces{}};
+  InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate{}};
+
+  OutputPort<ros2::sensor_msgs::JointState> joint_states{
+      this, {"joint_states"}, MakeJoints(), Uses(time, joints, torque), &QuadrupedMessages::CalcJoints};
+  OutputPort<ros2::sensor_msgs::Imu> imu{
+      this,
+      {"imu"},
+      ros2::MakeImu(params.links.base),
+      Uses(time, inertial),
+      [this](double t, const ImuMeasurement& measured, ros2::sensor_msgs::Imu* out) {
+        out->header.stamp = ros2::StampOf(params.epoch + t);
+        ros2::SetImu(measured, out);
+      }};
+  OutputPort<ros2::nav_msgs::Odometry> odometry{
+      this,
+      {"odometry"},
+      ros2::MakeOdometry(kOdom, params.links.base),
+      Uses(time, state),
+      [this](double t, const LeggedState& x, ros2::nav_msgs::Odometry* out) {
+        out->header.stamp = ros2::StampOf(params.epoch + t);
+        ros2::SetOdometry(x.p_WB, x.q_WB, x.v_W, x.w_W, out);
+      }};
+  OutputPort<Wrench> disturbance{this,
+                                 {"disturbance"},
+                                 Wrench{{{}, params.links.base}, {}},
+                                 Uses(time, state, wrench),
+                                 &QuadrupedMessages::CalcDisturbance};
+  OutputPort<ros2::tf2_msgs::TFMessage> tf{
+      this, {"tf"}, MakeTf(false), Uses(time, state), &QuadrupedMessages::CalcTf};
+  OutputPort<ros2::tf2_msgs::TFMessage> tf_static{
+      this, {"tf_static"}, MakeTf(true), Uses(time), [](double, ros2::tf2_msgs::TFMessage*) {}};
+  OutputPort<Wrench> front_left = MakeFoot(kFrontLeft);
+  OutputPort<Wrench> front_right = MakeFoot(kFrontRight);
+  OutputPort<Wrench> rear_left = MakeFoot(kRearLeft);
+  OutputPort<Wrench> rear_right = MakeFoot(kRearRight);
+
+ private:
+  ros2::sensor_msgs::JointState MakeJoints() const;
+  ros2::tf2_msgs::TFMessage MakeTf(bool at_rest) const;
+  OutputPort<Wrench> MakeFoot(int leg);
+
+  void CalcJoints(double t, const JointMotion& motion, const Vec<12>& effort,
+                  ros2::sensor_msgs::JointState* out) const;
+  void CalcDisturbance(double t, const LeggedState& x, const WrenchEstimate& estimate, Wrench* out) const;
+  void CalcTf(double t, const LeggedState& x, ros2::tf2_msgs::TFMessage* out) const;
+};
+
+}  // namespace tenon

@@ -1,0 +1,168 @@
+#include <tenon/systems/dds/internal/c_struct.h>
+#include <tenon/systems/framework/types/errors.h>
+
+#include <dds/dds.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstring>
+
+namespace tenon::internal {
+namespace {
+
+using Kind = TypeInfo::Kind;
+
+struct Layout {
+  std::size_t size, alignment;
+};
+
+std::size_t Aligned(std::size_t offset, std::size_t alignment) {
+  return (offset + alignment - 1) / alignment * alignment;
+}
+
+/// Calls `visit(field, offset in C, type)` for each member. Returns the layout of the struct.
+template <class Visit>
+Layout ForEachField(const TypeInfo& type, const Visit& visit);
+
+Layout LayoutOf(const TypeInfo& type) {
+  switch (type.kind) {
+    case Kind::kNumber:
+      return {SizeOf(type.scalar), SizeOf(type.scalar)};
+    case Kind::kText:
+      return {sizeof(char*), alignof(char*)};
+    case Kind::kList:
+      return {sizeof(dds_sequence_t), alignof(dds_sequence_t)};
+    case Kind::kArray: {
+      const Layout item = LayoutOf(type.item());
+      return {item.size * type.count, item.alignment};
+    }
+    case Kind::kStruct:
+      return ForEachField(type, [](const Field&, std::size_t, const TypeInfo&) {});
+    default:
+      throw ParameterError(
+          "a message of ROS 2 consists of numbers, texts, std::array, std::vector and structs");
+  }
+}
+
+template <class Visit>
+Layout ForEachField(const TypeInfo& type, const Visit& visit) {
+  Layout whole{0, 1};
+  for (const Field& field : type.fields) {
+    const TypeInfo& of = field.type();
+    const Layout part = LayoutOf(of);
+    whole.size = Aligned(whole.size, part.alignment);
+    visit(field, whole.size, of);
+    whole.size += part.size;
+    whole.alignment = std::max(whole.alignment, part.alignment);
+  }
+  return {Aligned(whole.size, whole.alignment), whole.alignment};
+}
+
+struct Items {
+  std::size_t count;
+  char* data;
+};
+Items ItemsIn(const TypeInfo& type, const void* value) {
+  void* changeable = const_cast<void*>(value);
+  if (type.kind == Kind::kArray) return {type.count, static_cast<char*>(changeable)};
+  std::size_t rows = 0, cols = 0;
+  type.shape(value, &rows, &cols);
+  return {rows, static_cast<char*>(type.data(changeable))};
+}
+
+const char* At(const void* value, std::size_t offset) {
+  return static_cast<const char*>(value) + offset;
+}
+
+/// Size of the buffers of all lists whose items have another form in C.
+std::size_t BuffersOf(const TypeInfo& type, const void* value) {
+  std::size_t size = 0;
+  if (type.kind == Kind::kStruct) {
+    for (const Field& field : type.fields) size += BuffersOf(field.type(), At(value, field.offset));
+  } else if (type.kind == Kind::kList || type.kind == Kind::kArray) {
+    const TypeInfo& item = type.item();
+    if (item.kind == Kind::kNumber) return 0;
+    const Items items = ItemsIn(type, value);
+    if (type.kind == Kind::kList)
+      size = Aligned(items.count * LayoutOf(item).size, alignof(std::max_align_t));
+    for (std::size_t i = 0; i < items.count; ++i) size += BuffersOf(item, items.data + i * item.size);
+  }
+  return size;
+}
+
+/// Writes a value to `at`, and its buffers to `buffers`, which then points behind them.
+void Write(const TypeInfo& type, const void* value, char* at, char*& buffers) {
+  if (type.kind == Kind::kNumber) {
+    std::memcpy(at, value, SizeOf(type.scalar));
+  } else if (type.kind == Kind::kText) {
+    const char* text = static_cast<const std::string*>(value)->c_str();
+    std::memcpy(at, &text, sizeof text);
+  } else if (type.kind == Kind::kStruct) {
+    ForEachField(type, [&](const Field& field, std::size_t offset, const TypeInfo& of) {
+      Write(of, At(value, field.offset), at + offset, buffers);
+    });
+  } else {
+    const TypeInfo& item = type.item();
+    const Items items = ItemsIn(type, value);
+    const std::size_t size = LayoutOf(item).size;
+    char* to = at;
+    if (type.kind == Kind::kList) {
+      const bool same = item.kind == Kind::kNumber;
+      to = same ? items.data : buffers;
+      if (!same) buffers += Aligned(items.count * size, alignof(std::max_align_t));
+      const auto count = static_cast<std::uint32_t>(items.count);
+      const dds_sequence_t sequence{count, count, reinterpret_cast<std::uint8_t*>(to), false};
+      std::memcpy(at, &sequence, sizeof sequence);
+      if (same) return;
+    }
+    for (std::size_t i = 0; i < items.count; ++i)
+      Write(item, items.data + i * item.size, to + i * size, buffers);
+  }
+}
+
+}  // namespace
+
+std::size_t SizeOfC(const TypeInfo& type) {
+  return LayoutOf(type).size;
+}
+
+void WriteC(const TypeInfo& type, const void* signal, std::vector<char>& memory) {
+  const std::size_t size = Aligned(SizeOfC(type), alignof(std::max_align_t));
+  memory.assign(size + BuffersOf(type, signal), 0);
+  char* buffers = memory.data() + size;
+  Write(type, signal, memory.data(), buffers);
+}
+
+std::string ReadC(const TypeInfo& type, const void* message, void* signal) {
+  std::string reason;
+  if (type.kind == Kind::kNumber) {
+    std::memcpy(signal, message, SizeOf(type.scalar));
+  } else if (type.kind == Kind::kText) {
+    const char* text = nullptr;
+    std::memcpy(&text, message, sizeof text);
+    *static_cast<std::string*>(signal) = text == nullptr ? "" : text;
+  } else if (type.kind == Kind::kStruct) {
+    ForEachField(type, [&](const Field& field, std::size_t offset, const TypeInfo& of) {
+      if (!reason.empty()) return;
+      reason = ReadC(of, At(message, offset), static_cast<char*>(signal) + field.offset);
+      if (reason.starts_with(' ')) reason = fmt::format("'{}'{}", field.name, reason);
+    });
+  } else {
+    const TypeInfo& item = type.item();
+    const Items items = ItemsIn(type, signal);
+    const void* from = message;
+    if (type.kind == Kind::kList) {
+      dds_sequence_t sequence;
+      std::memcpy(&sequence, message, sizeof sequence);
+      if (sequence._length != items.count)
+        return fmt::format(" has {} elements, but the signal has {}", sequence._length, items.count);
+      from = sequence._buffer;
+    }
+    const std::size_t size = LayoutOf(item).size;
+    for (std::size_t i = 0; i < items.count && reason.empty(); ++i)
+      reason = ReadC(item, At(from, i * size), items.data + i * item.size);
+  }
+  return reason;
+}
+
+}  // namespace tenon::internal

@@ -1,0 +1,177 @@
+#include <tenon/systems/ros2/internal/cdr.h>
+#include <tenon/systems/ros2/messages.h>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <vector>
+
+namespace tenon::internal {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "numbers are copied as they are");
+
+using Kind = TypeInfo::Kind;
+constexpr std::size_t kEncapsulation = 4;  // bytes before the message
+constexpr char kLittleEndian[kEncapsulation] = {0, 1, 0, 0};
+
+struct Items {
+  std::size_t count;
+  char* data;
+};
+Items ItemsIn(const TypeInfo& type, void* value) {
+  if (type.kind == Kind::kArray) return {type.count, static_cast<char*>(value)};
+  std::size_t rows = 0, cols = 0;
+  type.shape(value, &rows, &cols);
+  return {rows, static_cast<char*>(type.data(value))};
+}
+
+/// Appends to a message. Numbers are aligned to their size from the end of the encapsulation on.
+class Writer {
+ public:
+  explicit Writer(std::vector<char>& out) : out_(out) {}
+
+  void Value(const TypeInfo& type, void* value) {
+    if (type.kind == Kind::kNumber) {
+      Numbers(value, SizeOf(type.scalar), 1);
+    } else if (type.kind == Kind::kText) {
+      const auto& text = *static_cast<const std::string*>(value);
+      Count(text.size() + 1);
+      out_.insert(out_.end(), text.c_str(), text.c_str() + text.size() + 1);
+    } else if (type.kind == Kind::kStruct) {
+      for (const Field& field : type.fields) Value(field.type(), static_cast<char*>(value) + field.offset);
+    } else {
+      const Items items = ItemsIn(type, value);
+      const TypeInfo& item = type.item();
+      if (type.kind == Kind::kList) Count(items.count);
+      if (item.kind == Kind::kNumber) return Numbers(items.data, SizeOf(item.scalar), items.count);
+      for (std::size_t i = 0; i < items.count; ++i) Value(item, items.data + i * item.size);
+    }
+  }
+
+ private:
+  void Count(std::size_t count) {
+    auto number = static_cast<std::uint32_t>(count);
+    Numbers(&number, sizeof number, 1);
+  }
+  void Numbers(const void* data, std::size_t size, std::size_t count) {
+    if (count == 0) return;
+    while ((out_.size() - kEncapsulation) % size != 0) out_.push_back(0);
+    const auto* bytes = static_cast<const char*>(data);
+    out_.insert(out_.end(), bytes, bytes + size * count);
+  }
+  std::vector<char>& out_;
+};
+
+/// Reads from a message, and is not `good` behind its end.
+class Reader {
+ public:
+  explicit Reader(std::span<const char> body) : body_(body) {}
+
+  void Value(const TypeInfo& type, void* value) {
+    if (type.kind == Kind::kNumber) {
+      Numbers(value, SizeOf(type.scalar), 1);
+    } else if (type.kind == Kind::kText) {
+      const std::size_t size = Count(1);
+      if (!good_) return;
+      static_cast<std::string*>(value)->assign(body_.data() + at_, size == 0 ? 0 : size - 1);
+      at_ += size;
+    } else if (type.kind == Kind::kStruct) {
+      for (const Field& field : type.fields)
+        if (good_) Value(field.type(), static_cast<char*>(value) + field.offset);
+    } else {
+      const TypeInfo& item = type.item();
+      if (type.kind == Kind::kList) {
+        const std::size_t count = Count(SizeOfShortest(item));
+        if (!good_) return;
+        type.resize(value, count, 1);
+      }
+      const Items items = ItemsIn(type, value);
+      if (item.kind == Kind::kNumber) return Numbers(items.data, SizeOf(item.scalar), items.count);
+      for (std::size_t i = 0; i < items.count && good_; ++i) Value(item, items.data + i * item.size);
+    }
+  }
+  bool good() const { return good_; }
+  std::size_t rest() const { return body_.size() - at_; }
+
+ private:
+  static std::size_t SizeOfShortest(const TypeInfo& type) {
+    return type.kind == Kind::kNumber ? SizeOf(type.scalar) : sizeof(std::uint32_t);
+  }
+  /// Reads a number of items of at least this size, which the rest of the message must hold.
+  std::size_t Count(std::size_t item) {
+    std::uint32_t count = 0;
+    Numbers(&count, sizeof count, 1);
+    good_ = good_ && count <= rest() / item;
+    return good_ ? count : 0;
+  }
+  void Numbers(void* data, std::size_t size, std::size_t count) {
+    if (count == 0) return;
+    const std::size_t begin = (at_ + size - 1) / size * size;
+    good_ = good_ && begin <= body_.size() && size * count <= body_.size() - begin;
+    if (!good_) return;
+    std::memcpy(data, body_.data() + begin, size * count);
+    at_ = begin + size * count;
+  }
+  std::span<const char> body_;
+  std::size_t at_ = 0;
+  bool good_ = true;
+};
+
+const char* NameOf(ScalarKind kind) {
+  constexpr const char* kNames[] = {"float64", "float32", "bool",   "int8",   "int16", "int32",
+                                    "int64",   "uint8",   "uint16", "uint32", "uint64"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+/// Name of a type in a definition. Structs are added to `contained`.
+std::string NameIn(const TypeInfo& type, std::vector<const TypeInfo*>& contained) {
+  switch (type.kind) {
+    case Kind::kNumber:
+      return NameOf(type.scalar);
+    case Kind::kText:
+      return "string";
+    case Kind::kList:
+      return NameIn(type.item(), contained) + "[]";
+    case Kind::kArray:
+      return fmt::format("{}[{}]", NameIn(type.item(), contained), type.count);
+    default:
+      if (std::ranges::find(contained, &type) == contained.end()) contained.push_back(&type);
+      std::string name = ros2::NameOf(type);
+      return name.erase(name.find("/msg"), 4);
+  }
+}
+
+}  // namespace
+
+void WriteCdr(const TypeInfo& type, const void* message, std::vector<char>& out) {
+  out.assign(kLittleEndian, kLittleEndian + kEncapsulation);
+  Writer(out).Value(type, const_cast<void*>(message));
+}
+
+std::string ReadCdr(const TypeInfo& type, std::span<const char> cdr, void* message) {
+  if (cdr.size() < kEncapsulation || cdr[0] != 0 || cdr[1] != 1)
+    return "the message is not in CDR with little endian";
+  Reader reader(cdr.subspan(kEncapsulation));
+  reader.Value(type, message);
+  if (!reader.good()) return fmt::format("the message has {} bytes and ends too early", cdr.size());
+  constexpr std::size_t kPadding = 3;
+  if (reader.rest() > kPadding) return fmt::format("the message has {} bytes too many", reader.rest());
+  return "";
+}
+
+std::string Ros2Definition(const TypeInfo& type) {
+  std::vector<const TypeInfo*> contained{&type};
+  std::string text;
+  for (std::size_t i = 0; i < contained.size(); ++i) {
+    const TypeInfo& part = *contained[i];
+    std::string name = ros2::NameOf(part);
+    if (i > 0) text += std::string(80, '=') + "\nMSG: " + name.erase(name.find("/msg"), 4) + "\n";
+    for (const Field& field : part.fields) text += NameIn(field.type(), contained) + " " + field.name + "\n";
+  }
+  return text;
+}
+
+}  // namespace tenon::internal
