@@ -13,6 +13,7 @@ FieldList CdprHardware::Fields() {
   return {{"description", &S::description},
           {"winches", &S::winches},
           {"link", &S::link},
+          {"calculation", &S::calculation},
           {"sensors", &S::sensors}};
 }
 
@@ -23,6 +24,11 @@ void SetHardware(const YamlFile& what, CdprLoopParams& loop) {
   hardware.winches.num_cables = loop.robot.num_cables();
   hardware.winches.rate = hardware.link.rate = loop.mpc ? loop.mpc->command_rate : loop.control_rate;
   hardware.link.initial = CableVector::Zero(loop.robot.num_cables());
+  if (hardware.calculation.any() && !loop.mpc)
+    throw ParameterError(
+        "calculation has no effect without predictive control: choose a controller with an MPC, or remove "
+        "it");
+  params.calculation = hardware.calculation;
   if (hardware.winches.any()) params.winch_errors = hardware.winches;
   hardware.link.Validate();
   if (hardware.link.delay > 0) params.command_delay = hardware.link;

@@ -25,6 +25,7 @@ struct CdprHardware {
   std::string description;
   WinchErrorsParams winches;
   JitteredDelayParams<CableVector> link{.delay = 0, .unit = "N"};  ///< computation and field bus, up to 1 s
+  SlowOptions calculation;                                         ///< duration of a solve of the MPC
   CdprSensors sensors;
 
   static FieldList Fields();

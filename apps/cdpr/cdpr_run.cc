@@ -90,6 +90,7 @@ RunResult RunCdpr(const CdprScenario& scenario, const RunOptions& options,
   if (CurrentBlock(plant) != &CurrentAs(plant) || CurrentAs(plant).params.extend)
     signals.push_back(&plant.added_wrench);
   std::vector<const OutputPort<Geometry>*> shapes{&loop.world.plant.geometry, &loop.reference.geometry};
+  if (loop.control.mpc_age != nullptr) signals.push_back(loop.control.mpc_age);
   if (loop.world.gusts != nullptr) signals.push_back(&loop.world.gusts->wrench);
   if (loop.world.hanging_load != nullptr) {
     signals.push_back(&loop.world.hanging_load->load);

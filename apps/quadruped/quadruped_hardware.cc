@@ -19,8 +19,11 @@ FieldList DriveRatings::Fields() {
 
 FieldList QuadrupedHardware::Fields() {
   using S = QuadrupedHardware;
-  return {
-      {"description", &S::description}, {"drives", &S::drives}, {"link", &S::link}, {"sensors", &S::sensors}};
+  return {{"description", &S::description},
+          {"drives", &S::drives},
+          {"link", &S::link},
+          {"calculation", &S::calculation},
+          {"sensors", &S::sensors}};
 }
 
 QuadrupedHardware LoadHardware(const YamlFile& file, const Scale& scale, const SensorChanges& sensors) {
@@ -50,7 +53,11 @@ static void SetDrives(const DriveRatings& drives, Rate rate, QuadrupedWorldParam
         .time_constant = LagOfBandwidth(*drives.bandwidth), .rate = rate, .unit = "N m"};
 }
 
-void SetHardware(const QuadrupedHardware& hardware, Rate rate, QuadrupedWorldParams& world) {
+void SetHardware(const QuadrupedHardware& hardware, Rate rate, QuadrupedWorldParams& world,
+                 SlowOptions* mpc) {
+  if (hardware.calculation.any() && mpc == nullptr)
+    throw ParameterError("calculation has no effect without predictive control: give walk.mpc, or remove it");
+  if (mpc != nullptr) *mpc = hardware.calculation;
   static_cast<QuadrupedSensors&>(world) = hardware.sensors;
   SetDrives(hardware.drives, rate, world);
   if (hardware.link.delay > 0) {

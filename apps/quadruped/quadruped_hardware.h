@@ -3,6 +3,7 @@
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/systems/framework/types/fields.h>
+#include <tenon/systems/io/slow.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <optional>
@@ -29,6 +30,7 @@ struct QuadrupedHardware {
   std::string description;
   DriveRatings drives;
   JitteredDelayParams<Vec<12>> link{.delay = 0, .unit = "N m"};  ///< computation and field bus, up to 1 s
+  SlowOptions calculation;                                       ///< duration of a solve of the MPC
   QuadrupedSensors sensors;
 
   static FieldList Fields();
@@ -43,7 +45,9 @@ using SensorChanges = YamlChanges<QuadrupedSensors, true>;
 QuadrupedHardware LoadHardware(const YamlFile& file, const Scale& scale, const SensorChanges& sensors = {});
 
 /// Sets the hardware in a world whose robot is set. `rate` is the sample rate of the controller.
-void SetHardware(const QuadrupedHardware& hardware, Rate rate, QuadrupedWorldParams& world);
+/// The duration of calculations goes to `mpc`; without predictive control, which is null, it is an error.
+void SetHardware(const QuadrupedHardware& hardware, Rate rate, QuadrupedWorldParams& world,
+                 SlowOptions* mpc = nullptr);
 /// The noise in the model of a state estimator: that of the data sheets, with lower bounds above zero.
 ContactAidedNoise BelievedNoise(const QuadrupedSensors& sensors);
 

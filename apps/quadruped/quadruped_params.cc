@@ -84,7 +84,7 @@ void SetFall(const FallScenario& fall, double stance_height, QuadrupedWorldParam
 
 /// The world of a scenario that is scaled to this robot. `rate` is the sample rate of the controller.
 QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const QuadrupedDescription& robot,
-                                     Rate rate) {
+                                     Rate rate, SlowOptions* mpc = nullptr) {
   TerrainParams terrain = scenario.terrain;
   if (terrain.field) terrain.field->seed += scenario.seed;  // so that the layout depends on the run's seed
   QuadrupedWorldParams world = Blame("terrain", [&] { return MakeQuadrupedWorld(robot, terrain); });
@@ -97,7 +97,7 @@ QuadrupedWorldParams MakeWorldParams(const QuadrupedScenario& scenario, const Qu
   if (!moving.bodies.empty()) world.plant.extend = Attach(moving.bodies, moving.at_rest);
   Blame("hardware", [&] {
     SetHardware(LoadHardware(scenario.hardware, ScaleOf(robot, world.plant.gravity), scenario.sensors), rate,
-                world);
+                world, mpc);
   });
   for (const ForceScenario& force : scenario.forces) AddForce(force, world);
   for (const RandomForceScenario& force : scenario.random_forces)
@@ -211,7 +211,9 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& given) {
   if (scenario.scale_forces && load > 0) load = std::min(load, HeldByTwoLegs(robot).load);
   const WalkScenario& walk = *scenario.walk;
   EndOfWalk(walk);  // throws for a path that cannot be walked
-  QuadrupedWorldParams world = MakeWorldParams(scenario, robot, WholeBodyParams().rate);
+  SlowOptions calculation;
+  QuadrupedWorldParams world =
+      MakeWorldParams(scenario, robot, WholeBodyParams().rate, walk.mpc ? &calculation : nullptr);
   if (scenario.deployment && scenario.deployment->initial == DeploymentMode::kPassive) {
     QuadrupedDescription lying = robot;
     lying.stance = LyingPosture(robot);
@@ -228,6 +230,7 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& given) {
   params.walk = walk.path;
   params.locomotion.pace = walk.pace;
   params.locomotion.mpc = walk.mpc;
+  params.locomotion.calculation = calculation;
   if (walk.mpc) Blame("walk.mpc", [&] { CentroidalMpcParams{.robot = model, .mpc = *walk.mpc}.Validate(); });
   params.locomotion.mapped = walk.terrain_map.has_value();
   if (walk.terrain_map)

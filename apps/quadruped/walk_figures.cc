@@ -61,6 +61,7 @@ std::vector<const Source*> WalkFigures::Signals(const QuadrupedWalk& loop) {
     signals.push_back(&loop.world.plant.added_positions);
     signals.push_back(&loop.world.plant.added_speeds);
   }
+  if (loop.locomotion.mpc_age != nullptr) signals.push_back(loop.locomotion.mpc_age);
   if (loop.ropes) {
     signals.push_back(&loop.ropes->tension);
     signals.push_back(&loop.tensions->wrench);

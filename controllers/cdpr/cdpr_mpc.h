@@ -35,7 +35,7 @@ namespace tenon {
 ///               diagnostics
 ///     parameters weights, terminal_weights   CdprMpcWeights
 ///                max_fallbacks_in_a_row
-class CdprMpc final : public LeafSystem<CdprMpcParams> {
+class CdprMpc : public LeafSystem<CdprMpcParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<PlatformEstimate> estimate{this, {"estimate"}};

@@ -6,7 +6,14 @@ CdprControl::CdprControl(Subdiagram& loop, const CdprLoopParams& params, const R
                          const CdprWorld& world, const CdprObserver& observer) {
   const CdprDescription& robot = params.path->robot();
   if (params.mpc) {
-    mpc = &loop.Add<CdprMpc>("mpc", *params.mpc);
+    if (SlowOptions slow = params.hardware.calculation; slow.any()) {
+      slow.rate = params.mpc->command_rate;
+      auto& slow_mpc = loop.Add<Slow<CdprMpc, &CdprMpc::plan>>("mpc", {.block = *params.mpc, .slow = slow});
+      mpc = &slow_mpc;
+      mpc_age = &slow_mpc.age;
+    } else {
+      mpc = &loop.Add<CdprMpc>("mpc", *params.mpc);
+    }
     loop.Connect(observer.estimator->estimate, mpc->estimate);
     if (observer.controller_load != nullptr) loop.Connect(*observer.controller_load, mpc->load);
     loop.Connect(observer.broken_cables->broken, mpc->broken);

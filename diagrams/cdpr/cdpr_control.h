@@ -20,9 +20,10 @@ struct CdprControl {
   CdprControl(Subdiagram& loop, const CdprLoopParams& params, const ReferenceGenerator& reference,
               const CdprWorld& world, const CdprObserver& observer);
 
-  CdprMpc* mpc = nullptr;                 ///< null if the controller is a PD
-  CablePd* pd = nullptr;                  ///< null if the controller is an MPC
-  ReferenceBalancer* balancer = nullptr;  ///< balancer for a PD with feedforward
+  CdprMpc* mpc = nullptr;                       ///< null if the controller is a PD
+  const OutputPort<double>* mpc_age = nullptr;  ///< age of its plan [s]; null if plans are there at once
+  CablePd* pd = nullptr;                        ///< null if the controller is an MPC
+  ReferenceBalancer* balancer = nullptr;        ///< balancer for a PD with feedforward
 
   const OutputPort<CableVector>& command() const { return mpc != nullptr ? mpc->command : pd->command; }
 };

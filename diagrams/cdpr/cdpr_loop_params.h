@@ -14,6 +14,7 @@
 #include <tenon/plants/sensors/imu_errors.h>
 #include <tenon/plants/sensors/pose_sensor.h>
 #include <tenon/plants/sensors/sensor_noise.h>
+#include <tenon/systems/io/slow.h>
 #include <tenon/systems/primitives/jittered_delay.h>
 
 #include <memory>
@@ -24,6 +25,7 @@ namespace tenon {
 /// Imperfections of drives, links and sensors. Each optional part that has no value is ideal.
 struct CdprHardwareParams {
   std::optional<JitteredDelayParams<CableVector>> command_delay;  ///< delay of the computer and the field bus
+  SlowOptions calculation;  ///< duration of a solve of the MPC; its rate becomes that of the commands
   std::optional<WinchErrorsParams> winch_errors;
   std::optional<Delayed<CableSensorsParams>> cable_sensors;
   std::optional<ImuErrorsParams> imu_errors;

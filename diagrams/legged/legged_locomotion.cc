@@ -78,7 +78,14 @@ void LeggedLocomotion::AddMpc(const LeggedLocomotionParams& params,
   CentroidalMpcParams of_mpc{.robot = params.whole_body.robot, .mpc = *params.mpc};
   of_mpc.friction = params.whole_body.gains.qp.friction;
   of_mpc.retarget_phase = params.swing_planner.step.retarget_phase;
-  mpc = &Add<CentroidalMpc>("mpc", of_mpc);
+  if (params.calculation.any()) {
+    auto& slow =
+        Add<Slow<CentroidalMpc, &CentroidalMpc::plan>>("mpc", {.block = of_mpc, .slow = params.calculation});
+    mpc = &slow;
+    mpc_age = &slow.age;
+  } else {
+    mpc = &Add<CentroidalMpc>("mpc", of_mpc);
+  }
   Connect(com_planner.reference, mpc->body);
   Connect(com_planner.path, mpc->path);
   Connect(scheduler.schedule, mpc->schedule);

@@ -44,8 +44,9 @@ class LeggedLocomotion final : public Subdiagram {
   MappedGround* mapped_ground = nullptr;  ///< null without LeggedLocomotionParams::mapped
   ComPlanner& com_planner;
   SwingPlanner& swing_planner;
-  TrunkPlanner* trunk_planner = nullptr;  ///< null with `mpc`
-  CentroidalMpc* mpc = nullptr;           ///< null without LeggedLocomotionParams::mpc
+  TrunkPlanner* trunk_planner = nullptr;        ///< null with `mpc`
+  CentroidalMpc* mpc = nullptr;                 ///< null without LeggedLocomotionParams::mpc
+  const OutputPort<double>* mpc_age = nullptr;  ///< age of its plan [s]; null if plans are there at once
   WholeBodyController& whole_body;
 
   OutputPort<Vec<12>> torque{this, {"torque", "N m", kJointElements}};

@@ -12,6 +12,7 @@
 #include <tenon/controllers/legged/planning/trunk_planner.h>
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
 #include <tenon/plants/model/quadruped_description.h>
+#include <tenon/systems/io/slow.h>
 
 #include <array>
 #include <optional>
@@ -63,6 +64,7 @@ struct LeggedLocomotionParams {
   SwingPlannerParams swing_planner;
   TrunkPlannerParams trunk_planner;
   std::optional<CentroidalMpcProperties> mpc;  ///< empty: a TrunkPlanner instead
+  SlowOptions calculation;                     ///< duration of a solve of the MPC
   WholeBodyParams whole_body;
   bool mapped = false;  ///< the planners read an elevation map
 };

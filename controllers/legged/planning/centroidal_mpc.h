@@ -212,7 +212,7 @@ class CentroidalWalkSolver {
 /// **Reference.** The plan starts at the robot's state. Between solves, position and velocity follow the mean
 /// acceleration of the first step; the reference's acceleration is that of the planned forces of the feet
 /// which are on the ground.
-class CentroidalMpc final : public LeafSystem<CentroidalMpcParams> {
+class CentroidalMpc : public LeafSystem<CentroidalMpcParams> {
  public:
   using LeafSystem::LeafSystem;
   const NominalStance stance{params.robot};

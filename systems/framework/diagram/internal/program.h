@@ -154,6 +154,10 @@ struct Program {
   /// Appends the rows of calculations of the same code, then their lists; see Thunk.
   static void AppendRows(std::span<const Source* const> sources, std::vector<Offset>& rows);
 
+  /// For Slow: see internal::Defer and internal::ModelOf.
+  static void Defer(Source& output, Source& result);
+  static const void* ModelOf(const Source& source);
+
   std::vector<CalculationInfo> calculations;
   std::vector<Offset> rows;  ///< rows of all calculations
 
