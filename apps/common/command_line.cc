@@ -134,7 +134,9 @@ void AddLiveArguments(CommandLine& line, CommonArguments& arguments) {
       "--live-address", &arguments.live_address,
       "address at which the server listens, for browsers on other machines, which need the printed token",
       {.needs = "--live"});
-  line.Add("--replay", &arguments.replay, "repeat a live run from its live.jsonl, without a browser",
+  line.Add("--replay", &arguments.replay,
+           "repeat a live run from its live.jsonl, without a browser; tenon-quadruped: or any run from its "
+           "directory",
            {.excludes = "--live"});
   line.Add("--ros2{any}", &arguments.ros2,
            "publish the robot in ROS 2, and take /cmd_vel and /joy, in real time; --ros2=INTERFACE[,DOMAIN], "

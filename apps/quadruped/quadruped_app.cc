@@ -8,11 +8,16 @@
 #include <tenon/apps/quadruped/serving.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/files/input_file.h>
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 namespace tenon::apps {
@@ -126,10 +131,51 @@ int RunCommand(YamlDocument document, const CommonArguments& arguments, const Wa
       CheckJudged(scenario.walk->judged_from_s, Duration(scenario), arguments.duration.has_value());
     for (const std::string& warning : Blame("robot", [&] { return QuadrupedWarnings(scenario.robot); }))
       Say(fmt::format("warning: {}\n", warning));
-    if (!walk.drive.empty()) return PrintResult(Drive(walk.drive, scenario, options).summary, options);
+    if (!walk.drive.empty()) return PrintResult(Drive({walk.drive}, scenario, options).summary, options);
     if (walk.compare) return CompareObservers(options, scenario, customisation);
-    return PrintResult(RunQuadruped(scenario, options, customisation, walk.serve).summary, options);
+    return PrintResult(RunQuadruped(scenario, options, customisation, {walk.serve}).summary, options);
   });
+}
+
+/// Repeats the run that left this directory, and, if options or settings change its scenario, shows beside it
+/// the run with the changes on the same input. Returns the exit code.
+int ReplayRun(CommonArguments arguments, const WalkArguments& walk, const std::string& app,
+              const WalkCustomisation& customisation) {
+  namespace fs = std::filesystem;
+  const fs::path run = std::exchange(arguments.replay, "");
+  if (!arguments.scenario.empty() || arguments.seed || arguments.duration || !walk.serve.empty() ||
+      !walk.drive.empty())
+    throw ParameterError(
+        "--replay DIRECTORY has scenario, seed, duration and robot of the run: remove these");
+  arguments.scenario = (run / "scenario.yaml").string();
+  if (arguments.out.empty()) arguments.out = (run / "replay").string();
+  const RunOptions options = OptionsOf(arguments);
+  std::error_code ignored;
+  if (fs::equivalent(run, options.out, ignored))
+    throw ParameterError(fmt::format("--out {} holds the run: name another directory", arguments.out));
+  const bool wired = fs::exists(run / "wire.bin"), changed = walk.any() || !arguments.settings.empty();
+  const auto variant = [&](std::string name, CommonArguments with, const WalkArguments& on) -> Variant {
+    YamlDocument document = LoadScenario(with, app);
+    if (on.any()) SetWalk(on, with.scenario, document);
+    return {std::move(name), [=](const RunOptions& each) {
+              const QuadrupedScenario scenario = ReadScenario(document, customisation);
+              const Wire wire{.replay = run, .changed = on.any() || !with.settings.empty()};
+              if (wired && scenario.walk) return Drive(wire, scenario, each);
+              return RunQuadruped(scenario, each, customisation, wired ? wire : Wire{});
+            }};
+  };
+  CommonArguments plain = arguments;
+  plain.settings.clear();
+  const Variant recorded = variant("recorded", plain, {});
+  if (changed) {
+    const auto scenario = ReadScenario(LoadScenario(plain, app), customisation);
+    return Compare(options, ReportOf(scenario), {recorded, variant("changed", arguments, walk)});
+  }
+  const int code = PrintResult(recorded.run(options).summary, options);
+  if (wired || code >= kOutputFailed) return code;
+  const bool equal = ReadText(run / "signals.csv") == ReadText(options.out / "signals.csv");
+  fmt::print("{:<28} {}\n", "signals.csv", equal ? "equal" : "DIFFERENT");
+  return equal ? code : std::max<int>(code, kLimitBroken);
 }
 
 }  // namespace
@@ -164,6 +210,9 @@ int QuadrupedApp::Run(int argc, char** argv) const {
   AddWalkArguments(line, walk);
   return RunMain(line, argc, argv, [&]() -> int {
     if (PrintsInstead(arguments, app)) return kRan;
+    std::error_code ignored;
+    if (std::filesystem::is_directory(arguments.replay, ignored))
+      return ReplayRun(arguments, walk, app.name, customisation_);
     if (walk.compare && (!arguments.live.empty() || !arguments.replay.empty()))
       throw ParameterError("--live and --replay run one scenario: remove --compare");
     return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {

@@ -12,8 +12,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <system_error>
 #include <type_traits>
 
 namespace tenon::apps {
@@ -35,7 +37,7 @@ void JudgeTask(const QuadrupedScenario& scenario, double commanded, Summary& sum
 template <class Loop, class Figures>
 RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, const auto& params,
                   std::optional<ObserverKind> observer, const Customisation<Loop>& customisation,
-                  const std::string& serve, const auto&... judging) {
+                  const Wire& wire, const auto&... judging) {
   const double duration = Duration(scenario);
   DiagramBuilder builder;
   Outputs outputs(builder);
@@ -54,13 +56,14 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
   }
   Ros2Outputs ros2(builder, options);
   AddRos2(builder, ros2, scenario, loop, live ? live->drive() : nullptr);
-  std::function<void(Summary&, const Simulator&)> served;
+  Served served;
   if constexpr (std::is_same_v<Loop, QuadrupedStand>)
-    if (!serve.empty()) served = Serve(serve, builder, loop);
+    if (wire.any()) served = Serve(wire, builder, loop, options.out);
   const auto diagram = builder.Build();
   SimulatorOptions simulation = MakeSimulatorOptions(scenario, loop.world.plant);
-  if (served || (options.ros2 && !options.live)) simulation.real_time_rate = 1;
+  if (!wire.where.empty() || (options.ros2 && !options.live)) simulation.real_time_rate = 1;
   Simulator simulator(*diagram, simulation);
+  if (served.log) served.log(simulator);
   const auto figures = std::make_shared<Figures>(loop, judging...);
   simulator.AddLog(Hz(1000), Figures::Judged(loop), {figures});
   const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
@@ -74,7 +77,7 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
       summary.Set("observer", IsReplaced(loop.observer) ? kMine : EnumName(*observer));
     figures->AddTo(summary);
     limits->AddTo(summary);
-    if (served) served(summary, simulator);
+    if (served.figures) served.figures(summary, simulator);
     ros2.AddTo(summary, simulator);
     if constexpr (requires { loop.deployment; })
       if (loop.deployment) SetDeployment(simulator.context().Eval(loop.deployment->status), summary);
@@ -126,15 +129,17 @@ void CheckQuadruped(const QuadrupedScenario& scenario, const Customisation<Quadr
 }
 
 RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options,
-                       const Customisation<QuadrupedWalk>& customisation, const std::string& serve) {
+                       const Customisation<QuadrupedWalk>& customisation, const Wire& wire) {
+  std::error_code ignored;  // the recording of an earlier run
+  if (!options.out.empty()) std::filesystem::remove(options.out / "wire.bin", ignored);
   if (!scenario.walk) {
     QuadrupedStandParams params = Blame("", [&] { return MakeStandParams(scenario); });
-    if (!serve.empty()) params.world.min_height = kLying;
-    return RunLoop<QuadrupedStand, StandFigures>(options, scenario, params, std::nullopt, {}, serve);
+    if (wire.any()) params.world.min_height = kLying;
+    return RunLoop<QuadrupedStand, StandFigures>(options, scenario, params, std::nullopt, {}, wire);
   }
   const QuadrupedWalkParams params = Blame("", [&] { return MakeWalkParams(scenario); });
   return RunLoop<QuadrupedWalk, WalkFigures>(
-      options, scenario, params, params.observer.kind, customisation, serve, scenario.walk->judged_from_s,
+      options, scenario, params, params.observer.kind, customisation, wire, scenario.walk->judged_from_s,
       params.observer.kind != ObserverKind::kNone, MakePathVerdict(*scenario.walk, options.live != nullptr));
 }
 

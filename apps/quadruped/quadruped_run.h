@@ -5,6 +5,7 @@
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/apps/quadruped/wire_recorder.h>
 
 #include <optional>
 #include <string>
@@ -21,10 +22,10 @@ void CheckObserver(const std::optional<ObserverKind>& observer, const QuadrupedW
 /// Checks whether a scenario can be run, without running it. Throws KeyError.
 void CheckQuadruped(const QuadrupedScenario& scenario, const Customisation<QuadrupedWalk>& customisation);
 
-/// Runs one scenario, in the diagram of a walk that `customisation` changes. With `serve`, a standing robot
-/// is served in real time, see Serve. Throws KeyError and the errors of the outputs.
+/// Runs one scenario, in the diagram of a walk that `customisation` changes. With a wire, a standing
+/// robot is served in real time, see Serve. Throws KeyError and the errors of the outputs.
 RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options,
-                       const Customisation<QuadrupedWalk>& customisation = {}, const std::string& serve = "");
+                       const Customisation<QuadrupedWalk>& customisation = {}, const Wire& wire = {});
 
 /// Sets the mode of a supervisor at the end, what damped the joints, and when.
 void SetDeployment(const DeploymentStatus& status, Summary& summary);

@@ -13,8 +13,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -58,18 +60,27 @@ static void SetReceived(const std::string& what, const DdsInput<T>& input, const
   summary.Set("tick_late_max_s", simulator.real_time().worst_lateness);
 }
 
-std::function<void(Summary&, const Simulator&)> Serve(const std::string& where, DiagramBuilder& builder,
-                                                      QuadrupedStand& loop) {
-  const DdsLink link = LinkOf("--serve", where);
-  const UnitreeServerParams params{.link = link, .initial = HoldStance(loop.pd.params)};
+Served Serve(const Wire& wire, DiagramBuilder& builder, QuadrupedStand& loop,
+             const std::filesystem::path& out) {
+  const DdsLink link = wire.replay.empty() ? LinkOf("--serve", wire.where) : DdsLink{};
+  UnitreeServerParams params{.link = link, .initial = HoldStance(loop.pd.params)};
+  const auto recorder = std::make_shared<WireRecorder>(wire, out);
+  if (wire.replay.empty()) {
+    Say(fmt::format(
+        "serving rt/lowcmd and rt/lowstate in domain {} at {}; the robot stands until a client commands\n",
+        link.domain, link.interface));
+  } else {
+    params.replay = recorder->Received(params.initial);
+  }
   auto& server = builder.Replace<UnitreeServer>(loop.pd, params);
   server.ConnectSensors(builder, loop.world);
-  Say(fmt::format(
-      "serving rt/lowcmd and rt/lowstate in domain {} at {}; the robot stands until a client commands\n",
-      link.domain, link.interface));
-  return [&command = server.command](Summary& summary, const Simulator& simulator) {
-    SetReceived("command", command, simulator, summary);
-  };
+  return {[recorder, &server, rate = params.command_rate](Simulator& simulator) {
+            recorder->AddTo(simulator, rate, server.command.y, server.checksum);
+          },
+          [recorder, &server, wire](Summary& summary, const Simulator& simulator) {
+            recorder->AddTo(summary);
+            if (wire.replay.empty()) SetReceived("command", server.command, simulator, summary);
+          }};
 }
 
 constexpr double kReady = 6;  // from the start to the walk [s]
@@ -102,43 +113,65 @@ class LastCommand {
   bool sent_ = false;
 };
 
-RunResult Drive(const std::string& where, QuadrupedScenario scenario, const RunOptions& options) {
-  const DdsLink link = LinkOf("--drive", where);
+using SlowMpc = Slow<CentroidalMpc, &CentroidalMpc::plan>;
+
+RunResult Drive(const Wire& wire, QuadrupedScenario scenario, const RunOptions& options) {
+  const bool repeats = !wire.replay.empty();
+  const DdsLink link = repeats ? DdsLink{} : LinkOf("--drive", wire.where);
   WalkScheduleParams& path = scenario.walk->path;
   const double end = kReady + EndOfWalk(*scenario.walk);
+  double duration = scenario.duration_s.value_or(end + 2 + 2 * scenario.deployment->rise_time);
+  scenario.report = {};  // its plots are of a simulated robot
+  QuadrupedScenario given = scenario;
+  given.duration_s = duration;
   path.segments.insert(path.segments.begin(), {.gait = Gait::kStand, .duration = kReady});
   if (scenario.deployment->goals.empty())
     scenario.deployment->goals = {{0, DeploymentGoal::kLie},
                                   {1, DeploymentGoal::kStand},
                                   {kReady - 1, DeploymentGoal::kWalk},
                                   {end + 1, DeploymentGoal::kLie}};
-  const double duration = scenario.duration_s.value_or(end + 2 + 2 * scenario.deployment->rise_time);
-  scenario.report = {};  // its plots are of a simulated robot
   DiagramBuilder builder;
   Outputs outputs(builder);
   std::vector<const Source*> faults;
-  const QuadrupedWalkParams params = Blame("", [&] { return MakeWalkParams(scenario); });
+  QuadrupedWalkParams params = Blame("", [&] { return MakeWalkParams(scenario); });
+  WireRecorder recorder(wire, options.out);
+  UnitreeWorldParams on_wire{.link = link, .initial = params.world.plant.initial};
+  on_wire.replay = recorder.Received(UnitreeState());
+  SlowOptions& slow = params.locomotion.calculation;
+  if (params.locomotion.mpc) slow = {.thread = true, .record = true, .replay = ReadDurations(wire.replay)};
   auto& loop = AddDiagram<QuadrupedWalk>(
       builder, [&] { return params; }, {}, scenario, outputs, faults);
   Ros2Outputs ros2(builder, options);
   const std::chrono::duration<double> epoch = std::chrono::system_clock::now().time_since_epoch();
   AddRos2(builder, ros2, scenario, loop, nullptr, epoch.count());
-  UnitreeWorld& robot = DriveUnitree(builder, loop, {.link = link, .initial = params.world.plant.initial});
+  UnitreeWorld& robot = DriveUnitree(builder, loop, on_wire);
   const auto diagram = builder.Build();
-  Simulator simulator(*diagram, {.real_time_rate = 1});
-  LastCommand last(link, *loop.deployment, simulator);
-  Say(fmt::format(
-      "driving the robot of domain {} at {}; Ctrl-C, or L2 and B of the remote, damp its joints\n",
-      link.domain, link.interface));
+  Simulator simulator(*diagram, {.real_time_rate = repeats ? 0.0 : 1.0});
+  recorder.AddTo(simulator, on_wire.rate, robot.from_robot.y, robot.checksum);
+  std::optional<LastCommand> last;
+  if (repeats) {
+    duration = std::min(duration, recorder.recorded().end());
+  } else {
+    last.emplace(link, *loop.deployment, simulator);
+    Say(fmt::format(
+        "driving the robot of domain {} at {}; Ctrl-C, or L2 and B of the remote, damp its joints\n",
+        link.domain, link.interface));
+  }
   const auto judge = [&](Summary& summary) {
-    last.Send();
-    SetReceived("state", robot.from_robot, simulator, summary);
+    if (last) {
+      last->Send();
+      SetReceived("state", robot.from_robot, simulator, summary);
+    }
+    recorder.AddTo(summary);
     ros2.AddTo(summary, simulator);
     SetDeployment(simulator.context().Eval(loop.deployment->status), summary);
+    if (const auto* mpc = dynamic_cast<const SlowMpc*>(loop.locomotion.mpc))
+      WriteDurations(options.out, simulator.context().Eval(mpc->job).durations);
   };
-  return RunScenario(options, scenario, Describe(scenario, duration), duration, simulator,
-                     {&robot.from_robot.y, &loop.estimator->estimate, &loop.locomotion.body,
-                      &loop.locomotion.schedule, &loop.deployment->status, &loop.deployment->command},
+  std::vector<const Source*> signals{
+      &robot.from_robot.y,   &loop.estimator->estimate, &loop.locomotion.body,    &loop.locomotion.schedule,
+      &loop.observer.wrench, &loop.deployment->status,  &loop.deployment->command};
+  return RunScenario(options, given, Describe(given, duration), duration, simulator, signals,
                      {&loop.view.geometry}, {}, judge);
 }
 
@@ -150,12 +183,11 @@ RunResult Drive(const std::string& where, QuadrupedScenario scenario, const RunO
                   "cyclonedds-tools, and build Tenon again",
                   option, where));
 }
-std::function<void(Summary&, const Simulator&)> Serve(const std::string& where, DiagramBuilder&,
-                                                      QuadrupedStand&) {
-  ThrowWithoutDds("--serve", where);
+Served Serve(const Wire& wire, DiagramBuilder&, QuadrupedStand&, const std::filesystem::path&) {
+  ThrowWithoutDds("--serve", wire.where);
 }
-RunResult Drive(const std::string& where, QuadrupedScenario, const RunOptions&) {
-  ThrowWithoutDds("--drive", where);
+RunResult Drive(const Wire& wire, QuadrupedScenario, const RunOptions&) {
+  ThrowWithoutDds("--drive", wire.where);
 }
 
 #endif

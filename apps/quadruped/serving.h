@@ -3,6 +3,7 @@
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/apps/quadruped/wire_recorder.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 
 #include <functional>
@@ -12,14 +13,18 @@ namespace tenon::apps {
 
 /// The option --serve: a client on DDS commands the joints of a standing robot in place of its PD control.
 /// `where` is "unitree[:interface[,domain]]"; by default, as in the maker's simulator, domain 1 on "lo".
-/// Another interface has domain 0, as the robots do. Returns a function that adds the numbers of commands and
-/// of late ticks to the figures. Throws ParameterError, also in a build without Cyclone DDS.
-std::function<void(Summary&, const Simulator&)> Serve(const std::string& where, DiagramBuilder& builder,
-                                                      QuadrupedStand& loop);
+/// Another interface has domain 0, as the robots do. The run is recorded in `out`, or repeated without DDS,
+/// see Wire. Throws ParameterError, also in a build without Cyclone DDS.
+struct Served {
+  std::function<void(Simulator&)> log;                      ///< to be called before the run
+  std::function<void(Summary&, const Simulator&)> figures;  ///< adds numbers of commands and of late ticks
+};
+Served Serve(const Wire& wire, DiagramBuilder& builder, QuadrupedStand& loop,
+             const std::filesystem::path& out);
 
 /// The option --drive: the scenario's controller walks a robot on DDS, with `where` as above, in real time
 /// and under a supervisor. However the run ends, its last command damps the joints. Throws as Serve does.
-RunResult Drive(const std::string& where, QuadrupedScenario scenario, const RunOptions& options);
+RunResult Drive(const Wire& wire, QuadrupedScenario scenario, const RunOptions& options);
 
 /// The scenario that Drive needs: a Go2 in place of DogBot, the state estimated, no foot sensors, and by
 /// default a supervisor that lets a lying robot stand up, walk and lie down. Throws ParameterError for a

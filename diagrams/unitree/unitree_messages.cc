@@ -162,6 +162,19 @@ std::uint32_t UnitreeCrc(std::span<const std::uint32_t> words) {
   return crc;
 }
 
+std::uint32_t ChecksumOf(const UnitreeCommand& command) {
+  LowCmd message;
+  std::memset(&message, 0, sizeof message);
+  WriteCommand(command, message);
+  return message.crc;
+}
+std::uint32_t ChecksumOf(const UnitreeState& state) {
+  LowState message;
+  std::memset(&message, 0, sizeof message);
+  WriteState(state, message);
+  return message.crc;
+}
+
 const DdsMessage& DdsMessageOf<UnitreeCommand>::Get() {
   static const auto kMessage =
       MakeDdsMessage<LowCmd, UnitreeCommand, WriteCommand, ReadCommand>(&unitree_go_msg_dds__LowCmd__desc);

@@ -49,6 +49,10 @@ struct DdsMessageOf<UnitreeState> {
   static const DdsMessage& Get();
 };
 
+/// The checksums of the messages that these values are sent as.
+std::uint32_t ChecksumOf(const UnitreeCommand& command);
+std::uint32_t ChecksumOf(const UnitreeState& state);
+
 /// The checksum of the messages: CRC-32 with the polynomial 04C11DB7 and the initial value FFFFFFFF, most
 /// significant bit first, neither reflected nor inverted.
 std::uint32_t UnitreeCrc(std::span<const std::uint32_t> words);

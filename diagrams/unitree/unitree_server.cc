@@ -27,7 +27,8 @@ UnitreeServer::UnitreeServer(const UnitreeServerParams& params)
       to_client(Add<DdsPublisher<UnitreeState>>("to_client", {.topic = "rt/lowstate",
                                                               .link = params.link,
                                                               .rate = params.state_rate,
-                                                              .lock_step = params.lock_step})) {
+                                                              .lock_step = params.lock_step,
+                                                              .silent = !params.replay.empty()})) {
   auto& drives = Add<JointDrives>("drives", {.rate = params.command_rate});
   Connect(AddFunction({"joint_command"}, Uses(command.y),
                       [](const UnitreeCommand& c) -> JointCommand { return c; }),
@@ -52,6 +53,9 @@ UnitreeServer::UnitreeServer(const UnitreeServerParams& params)
                     return state;
                   });
   Connect(sensors, to_client.u);
+  Connect(AddFunction({"checksum_of_sensors"}, Uses(sensors),
+                      [](const UnitreeState& s) { return ChecksumOf(s); }),
+          checksum);
 }
 
 void UnitreeServer::ConnectSensors(DiagramBuilder& builder, const QuadrupedWorld& world) {

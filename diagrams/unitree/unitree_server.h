@@ -15,7 +15,7 @@ struct UnitreeServerParams {
       false;  ///< each state waits for the command with its time, so that the run repeats bit for bit
   double timeout_s = 10;                  ///< timeout of lock-step [s of wall-clock time]
   bool record = false;                    ///< records the commands, see DdsInput
-  Recording<UnitreeCommand> replay = {};  ///< if not empty, repeats these commands
+  Recording<UnitreeCommand> replay = {};  ///< if not empty, repeats these commands and does not join DDS
 };
 
 /// The command that holds the nominal stance as JointPd does.
@@ -37,7 +37,8 @@ UnitreeCommand HoldStance(const JointPdParams& pd);
 /// the 8 motors that the robots do not have are zero.
 ///
 ///     ports in  joints, measured_torque, inertial, foot_forces, state  of a QuadrupedWorld
-///     port out  torque  [N m], sampled
+///     ports out torque    [N m], sampled
+///               checksum  of the state's message
 class UnitreeServer final : public Subdiagram {
  public:
   using Params = UnitreeServerParams;
@@ -53,6 +54,7 @@ class UnitreeServer final : public Subdiagram {
   DdsPublisher<UnitreeState>& to_client;
 
   OutputPort<Vec<12>> torque{this, {"torque", "N m", kJointElements}};
+  OutputPort<std::uint32_t> checksum{this, {"checksum"}};
 
   /// Connects all inputs but `joints`.
   void ConnectSensors(DiagramBuilder& builder, const QuadrupedWorld& world);

@@ -27,9 +27,11 @@ UnitreeWorld::UnitreeWorld(const UnitreeWorldParams& params)
                                                             .timeout_s = params.timeout_s,
                                                             .record = params.record,
                                                             .replay = params.replay})),
-      to_robot(Add<DdsPublisher<UnitreeCommand>>(
-          "to_robot",
-          {.topic = "rt/lowcmd", .link = params.link, .rate = params.rate, .lock_step = params.lock_step})) {
+      to_robot(Add<DdsPublisher<UnitreeCommand>>("to_robot", {.topic = "rt/lowcmd",
+                                                              .link = params.link,
+                                                              .rate = params.rate,
+                                                              .lock_step = params.lock_step,
+                                                              .silent = !params.replay.empty()})) {
   const auto& sent =
       AddFunction({"sent"}, Uses(torque, command), [](const Vec<12>& torque, const JointCommand& command) {
         UnitreeCommand sent{command};
@@ -37,6 +39,9 @@ UnitreeWorld::UnitreeWorld(const UnitreeWorldParams& params)
         return sent;
       });
   Connect(sent, to_robot.u);
+  Connect(
+      AddFunction({"checksum_of_sent"}, Uses(sent), [](const UnitreeCommand& c) { return ChecksumOf(c); }),
+      checksum);
   const auto out = [&](auto& port, auto function) {
     Connect(AddFunction({port.name() + "_of_robot", port.spec().units, port.spec().elements},
                         Uses(from_robot.y), function),

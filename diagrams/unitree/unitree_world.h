@@ -14,7 +14,7 @@ struct UnitreeWorldParams {
       false;  ///< each tick waits for the state with its time, so that the run repeats bit for bit
   double timeout_s = 10;                ///< timeout of lock-step [s of wall-clock time]
   bool record = false;                  ///< records the states, see DdsInput
-  Recording<UnitreeState> replay = {};  ///< if not empty, repeats these states
+  Recording<UnitreeState> replay = {};  ///< if not empty, repeats these states and does not join DDS
 };
 
 /// A Unitree robot, Go2 or B2, on DDS in the place of a QuadrupedWorld: it has the ports that a walking
@@ -35,6 +35,7 @@ struct UnitreeWorldParams {
 ///                external_torque, added_wrench   zero, for they are not measured
 ///                joints, measured_torque, inertial
 ///                heartbeat        time of the last state; 0 before the first [s]
+///                checksum         of the message that is sent
 ///                goal             kStop while L2 and B of the remote are pressed, as in the maker's
 ///                                 controller, else kWalk
 class UnitreeWorld final : public Subdiagram {
@@ -58,6 +59,7 @@ class UnitreeWorld final : public Subdiagram {
   OutputPort<ImuMeasurement> inertial{this, {"inertial"}};
   OutputPort<double> heartbeat{this, {"heartbeat", "s"}};
   OutputPort<DeploymentGoal> goal{this, {"goal"}};
+  OutputPort<std::uint32_t> checksum{this, {"checksum"}};
 };
 
 /// Puts the robot in the place of walk.world. The walk must have an estimator, whose state is then also the

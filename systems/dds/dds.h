@@ -72,6 +72,7 @@ struct DdsPublisherParams {
       false;      ///< the receiver has lock_step; messages carry the time of the run, and none is lost
   int depth = 0;  ///< messages kept for readers that lag behind; 0: 10 for a message of ROS 2, else 1
   bool transient_local = false;  ///< readers that join later receive the kept messages, too
+  bool silent = false;           ///< does not join DDS and sends nothing, as in the replay of a run
 };
 
 template <class T>
@@ -109,11 +110,13 @@ class DdsPublisher final : public LeafSystem<DdsPublisherParams> {
 
  private:
   void Send(double t, const T& value, std::uint64_t& lost, std::vector<char>& bytes) const {
-    if (!sender_->Send(t, &value, bytes)) ++lost;
+    if (sender_ && !sender_->Send(t, &value, bytes)) ++lost;
   }
-  std::unique_ptr<internal::DdsSender> sender_ = internal::MakeDdsSender(
-      {params.topic, params.link, params.lock_step, params.depth, params.transient_local},
-      DdsMessageOf<T>::Get());
+  std::unique_ptr<internal::DdsSender> sender_ =
+      params.silent ? nullptr
+                    : internal::MakeDdsSender(
+                          {params.topic, params.link, params.lock_step, params.depth, params.transient_local},
+                          DdsMessageOf<T>::Get());
 };
 
 /// An input for values that DdsPublisher or another program sends by DDS. T needs a DdsMessageOf.

@@ -94,7 +94,7 @@ class SlowWorker {
   void Wait();                     ///< until the calculation has ended
   bool Holds(double start) const;  ///< whether the calculation that started then has not been taken
   bool done() const;               ///< whether it has ended
-  void Take(void* result);         ///< copies the result; rethrows what the calculation threw
+  void Take(void* result);         ///< copies the result; throws the error of the calculation
   struct Impl;
   Impl& impl() { return *impl_; }
 
@@ -135,10 +135,10 @@ long TicksPerPeriod(const Source& output, const SlowOptions& slow);
 ///     context.Eval(mpc.job).durations
 ///
 /// The tick neither waits, locks nor allocates after the first result: inputs and results are copied, and the
-/// thread is told by an atomic number. What the calculation throws ends the run with a RunError that names
-/// the block's `result`; out of a thread, at the tick at which the result would be taken. A clone or snapshot
-/// continues bit for bit, but without a calculation that runs in a thread: it starts anew at the next tick of
-/// the block. The destructor of a context waits for the thread.
+/// thread is woken by an atomic number. An exception of the calculation ends the run with a RunError that
+/// names the block's `result`; out of a thread, at the tick at which the result would be taken. A clone or
+/// snapshot continues bit for bit, but without a calculation that runs in a thread: it starts anew at the
+/// next tick of the block. The destructor of a context waits for the thread.
 ///
 ///     ports out  those of the block
 ///                result  the output, and the start of its calculation

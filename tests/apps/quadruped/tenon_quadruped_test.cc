@@ -18,8 +18,11 @@ using test::Read;
 using test::Result;
 using test::RunCommand;
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::Each;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::Lt;
 using ::testing::Not;
 
 class TenonQuadrupedTest : public test::AppTest {
@@ -27,6 +30,13 @@ class TenonQuadrupedTest : public test::AppTest {
   TenonQuadrupedTest() : AppTest(TENON_QUADRUPED) {}
   void ExpectNull(const std::vector<std::string>& figures) const {
     for (const std::string& figure : figures) EXPECT_THAT(Summary(), HasSubstr("\"" + figure + "\": null"));
+  }
+  /// Repeats the last run, with changes, and returns the figures of `name`.
+  nlohmann::json Replayed(const std::string& changes = "", const std::string& name = "") const {
+    const Result result = RunCommand(app + " --replay " + out.string() + changes);
+    const std::string summary = Read(out / "replay" / name / "summary.json");
+    EXPECT_FALSE(summary.empty()) << result.text;
+    return nlohmann::json::parse(summary);
   }
 };
 
@@ -161,6 +171,7 @@ TEST_F(TenonQuadrupedTest, ServesAStandingRobotInRealTime) {
   EXPECT_EQ(summary.at("commands"), 0);
   EXPECT_GE(summary.at("wall_s").get<double>(), 0.09);
   EXPECT_NEAR(summary.at("height_end_m").get<double>(), summary.at("height_min_m").get<double>(), 0.01);
+  EXPECT_EQ(Replayed().at("messages_equal"), 101);
   ExpectRefused({{"A1 --serve unitree", "'A1' walks"},
                  {"stand --serve spot", "unitree:eth0,0"},
                  {"stand --serve unitree:lo,x", "unitree:eth0,0"},
@@ -168,6 +179,37 @@ TEST_F(TenonQuadrupedTest, ServesAStandingRobotInRealTime) {
                  {"stand --serve unitree:lo,300", "domain = 300"},
                  {"stand --drive unitree", "'stand' stands"},
                  {"flat --drive unitree:lo,300", "domain = 300"}});
+}
+
+// Without a robot, its state is the initial one, and the supervisor damps the joints after the timeout.
+TEST_F(TenonQuadrupedTest, ADrivenRunIsRepeatedWithEqualChecksums) {
+  if (!TENON_WITH_UNITREE) return;
+  Run(fmt::format("pushed --duration 0.3 --drive unitree:lo,{}", 100 + getpid() % 100));
+  EXPECT_THAT(Read(out / "durations.csv"), HasSubstr("0,0\n0.01,")) << "predictive control in a thread";
+  const nlohmann::json same = Replayed();
+  EXPECT_EQ(same.at("messages_equal"), 151);
+  EXPECT_EQ(same.at("messages_different"), 0);
+  EXPECT_EQ(same.at("mode"), nlohmann::json::parse(Summary()).at("mode"));
+  EXPECT_GT(Replayed(" --set deployment.initial=walk", "changed").at("messages_different"), 100);
+  EXPECT_EQ(nlohmann::json::parse(Read(out / "replay/recorded/summary.json")).at("messages_different"), 0);
+  std::filesystem::resize_file(out / "wire.bin", std::filesystem::file_size(out / "wire.bin") - 5);
+  EXPECT_EQ(Replayed().at("messages_equal"), 150) << "the last row is not whole";
+  Write("wire.bin", "tenon wire 1: time\n");
+  const test::Result refused = test::RunCommand(app + " --replay " + out.string());
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.text, AllOf(HasSubstr("wire.bin"), HasSubstr("1 columns")));
+}
+
+TEST_F(TenonQuadrupedTest, ARunIsRepeatedFromItsDirectory) {
+  Run("stand --duration 0.2");
+  const std::string command = app + " --replay " + out.string();
+  const test::Result replay = test::RunCommand(command);
+  EXPECT_EQ(replay.exit_code, 0) << replay.text;
+  EXPECT_THAT(replay.text, ContainsRegex("signals.csv +equal"));
+  Write("signals.csv", Signals() + "0,0\n");
+  EXPECT_THAT(test::RunCommand(command).text, ContainsRegex("signals.csv +DIFFERENT"));
+  EXPECT_THAT(test::RunCommand(command + " --seed 3").text, HasSubstr("--replay DIRECTORY"));
+  EXPECT_THAT(test::RunCommand(command + Out()).text, HasSubstr("holds the run"));
 }
 
 TEST_F(TenonQuadrupedTest, DampsTheJointsWithin20MillisecondsOfALostLinkAndAtTheButton) {
@@ -221,6 +263,10 @@ TEST_F(TenonQuadrupedTest, WalksByPredictiveControl) {
   Run("pushed --duration 1");
   EXPECT_THAT(Read(out / "signals.csv"), HasSubstr("loop.locomotion.body"));
   EXPECT_THAT(Summary(), AllOf(HasSubstr("\"mpc_time_median_us\": "), HasSubstr("\"mpc_failures\": 0")));
+  const std::string slow = " --set 'hardware={file: ideal, calculation: {time_s: 0.004}}' --duration 0.1";
+  Run("pushed" + slow);
+  EXPECT_THAT(test::Column(out, "loop.locomotion.mpc.age [s]"), Each(Lt(0.015)));
+  ExpectRefused({{"A1" + slow, "predictive control"}});
   ExpectRefused({{"pushed --set walk.mpc.step_s=0.025", "walk.mpc"},
                  {"pushed --set walk.mpc.num_steps=1", "num_steps"}});
 }
