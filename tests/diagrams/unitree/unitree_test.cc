@@ -149,6 +149,7 @@ TEST(UnitreeMessagesTest, AStateIsWrittenAsTheRobotsDo) {
   std::memset(&message, 0, sizeof message);
   DdsMessageOf<UnitreeState>::Get().write(&state, &message);
   EXPECT_EQ(message.crc, CrcOfTheMaker(&message, 294));
+  EXPECT_EQ(ChecksumOf(state), message.crc);
   EXPECT_EQ(message.head[0], 0xFE);
   EXPECT_EQ(message.tick, 1234u);
   EXPECT_EQ(message.wireless_remote[2], 0x20);
@@ -186,6 +187,7 @@ TEST(UnitreeServerTest, AClientInAnotherProcessMovesTheRobotAndTheRunRepeats) {
   const QuadrupedDescription robot = LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/go2.yaml");
   UnitreeServerParams params{.link = kOwnLink, .lock_step = true, .record = true};
   std::vector<LeggedState> ends;
+  std::vector<std::uint32_t> checksums;
   const auto run = [&] {
     DiagramBuilder builder;
     auto& world = builder.Add<QuadrupedWorld>("world", MakeQuadrupedWorld(robot));
@@ -196,6 +198,7 @@ TEST(UnitreeServerTest, AClientInAnotherProcessMovesTheRobotAndTheRunRepeats) {
     Simulator simulator(builder.Build(), RecommendedOptions(world));
     simulator.RunTo(kEnd);
     ends.push_back(simulator.context().Eval(world.state));
+    checksums.push_back(simulator.context().Eval(server.checksum));
     return simulator.context().Eval(server.command.taken).recording;
   };
   for (int i = 0; i < 2; ++i) {
@@ -207,6 +210,7 @@ TEST(UnitreeServerTest, AClientInAnotherProcessMovesTheRobotAndTheRunRepeats) {
   }
   EXPECT_GT(std::abs(ends[0].q[2] - robot.stance[2]), 0.1) << "the knee follows the client";
   run();
+  EXPECT_EQ(checksums[2], checksums[0]);
   for (const LeggedState& x : {ends[1], ends[2]}) {
     EXPECT_EQ(x.p_WB, ends[0].p_WB);
     EXPECT_EQ(x.q, ends[0].q);
