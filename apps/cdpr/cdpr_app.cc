@@ -62,6 +62,7 @@ ScenarioApp CdprApp::AsScenarioApp() const {
         return RunCdpr(scenario, options, customisation);
       });
   app.keys = [customisation = customisation_] { return customisation.Keys(KeysOf<CdprScenario>()); };
+  app.figures = "thesis";
   app.files = {
       {"robot", "robots", &KeysOf<CdprDescription>}, {"profile", "profiles"}, {"hardware", "hardware/cdpr"}};
   return app;
@@ -73,6 +74,7 @@ int CdprApp::Run(int argc, char** argv) const {
   CommonArguments arguments;
   AddCommonArguments(line, arguments);
   AddLiveArguments(line, arguments);
+  AddFigureArgument(line, app, arguments);
   std::string controller;
   bool compare = false;
   line.Add("--controller", &controller,
@@ -82,7 +84,7 @@ int CdprApp::Run(int argc, char** argv) const {
            "make one run for each controller, each in its own directory below --out, and one report of all",
            {.excludes = "--controller"});
   return RunMain(line, argc, argv, [&]() -> int {
-    if (PrintsInstead(arguments, app)) return kRan;
+    if (const auto code = RunInstead(arguments, app)) return *code;
     if (compare && (!arguments.live.empty() || !arguments.replay.empty()))
       throw ParameterError("--live and --replay run one controller: remove --compare");
     return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {

@@ -1,4 +1,5 @@
 #include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/figure_list.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/files/output_file.h>
@@ -144,6 +145,15 @@ void AddLiveArguments(CommandLine& line, CommonArguments& arguments) {
   line.Add("--mcap", &arguments.mcap, "record the messages of ROS 2 in run.mcap in the output directory");
 }
 
+void AddFigureArgument(CommandLine& line, const ScenarioApp& app, CommonArguments& arguments) {
+  if (app.figures.empty()) return;
+  line.Add(
+      fmt::format("--figure{{{}}}", kListFigures), &arguments.figure,
+      "run the case of a figure of the thesis and save the figure, such as --figure 2.5; without a number, "
+      "list the figures and stop",
+      {.excludes = "SCENARIO"});
+}
+
 RunOptions OptionsOf(const CommonArguments& arguments) {
   const auto standard = std::filesystem::path("out") / std::filesystem::path(arguments.scenario).stem();
   return {.out = arguments.out.empty() ? standard : std::filesystem::path(arguments.out),
@@ -172,11 +182,13 @@ int RunMain(CommandLine& line, int argc, char** argv, const std::function<int()>
   OpenStandardDescriptors();
   std::signal(SIGXFSZ, SIG_IGN);  // at a limit of the file size, writing then fails with an error
   app.set_version_flag("--version", app.get_name() + " " + Version(), "print the version and stop");
-  // `--live 8081` means `--live=8081`; any other word after --live is the scenario.
+  // `--live 8081` means `--live=8081`; any other word after --live is the scenario. So for `--figure 2.5`.
   std::vector<std::string> words;
   for (int i = argc - 1; i > 0; --i) words.emplace_back(argv[i]);  // CLI11 expects them in reverse order
   for (std::size_t i = words.size(); i-- > 1;) {
-    if (words[i] != "--live" || !internal::NumberIn<int>(words[i - 1])) continue;
+    const bool live = words[i] == "--live" && internal::NumberIn<int>(words[i - 1]);
+    const bool figure = words[i] == "--figure" && !words[i - 1].starts_with('-');
+    if (!live && !figure) continue;
     words[i] += "=" + words[i - 1];
     words.erase(words.begin() + static_cast<std::ptrdiff_t>(i) - 1);
     break;
@@ -273,6 +285,12 @@ int RunLive(CommonArguments arguments,
     if (!seed) return code;
     arguments.seed = seed;
   }
+}
+
+std::optional<int> RunInstead(const CommonArguments& arguments, const ScenarioApp& app) {
+  if (PrintsInstead(arguments, app)) return kRan;
+  if (!arguments.figure.empty()) return RunFigure(app, arguments);
+  return {};
 }
 
 bool PrintsInstead(const CommonArguments& arguments, const ScenarioApp& app) {

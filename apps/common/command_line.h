@@ -74,6 +74,7 @@ struct CommonArguments {
   std::string replay;                 ///< recording of a live run; empty: none
   std::string ros2;                   ///< see RunOptions; empty: none
   bool mcap = false;                  ///< see RunOptions
+  std::string figure;                 ///< number of a figure, or kListFigures; empty: none
   bool list = false;
   bool keys = false;
 };
@@ -86,6 +87,9 @@ void AddCommonArguments(CommandLine& line, CommonArguments& arguments);
 
 /// Adds --live, --live-address, --replay, --ros2 and --mcap, for apps that run one scenario.
 void AddLiveArguments(CommandLine& line, CommonArguments& arguments);
+
+/// Adds --figure, for an app with `figures` (see ScenarioApp).
+void AddFigureArgument(CommandLine& line, const ScenarioApp& app, CommonArguments& arguments);
 
 /// Returns the output directory, --out or out/SCENARIO, and the file of --graph.
 RunOptions OptionsOf(const CommonArguments& arguments);
@@ -106,5 +110,8 @@ int RunLive(CommonArguments arguments,
 
 /// Prints the list of --list or --keys. Returns whether the command line has one of them.
 bool PrintsInstead(const CommonArguments& arguments, const ScenarioApp& app);
+
+/// Runs the command lines that all apps share: prints a list, makes a figure, or returns nothing.
+std::optional<int> RunInstead(const CommonArguments& arguments, const ScenarioApp& app);
 
 }  // namespace tenon::apps

@@ -64,7 +64,7 @@ std::vector<Request> RequestsOf(const CommonScenario& scenario) {
   std::vector<Request> requests;
   const auto add = [&](const std::string& key, const std::vector<std::string>& names) {
     for (std::size_t i = 0; i < names.size(); ++i)
-      requests.push_back({fmt::format("{}.{}", key, i), names[i]});
+      requests.push_back({fmt::format("{}.{}", key, i), std::string(LoggedName(names[i]))});
   };
   add("log.signals", scenario.log.signals);
   for (std::size_t i = 0; i < report.plots.size(); ++i) {

@@ -11,7 +11,8 @@ namespace tenon::apps {
 
 /// The key `report` of a scenario: the contents of its report.
 struct ReportScenario {
-  std::vector<Plot> plots;          ///< signals are named as in signals.csv, or by the paths of other ports
+  /// Signals are named as in signals.csv, or by the paths of other ports; norm:, rate: and xy: derive curves.
+  std::vector<Plot> plots;
   std::vector<std::string> events;  ///< signals whose changes are marked
   std::vector<Band> bands;          ///< signals whose values are shown as coloured bands, such as modes
 

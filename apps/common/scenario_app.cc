@@ -17,8 +17,9 @@ int RunApp(const ScenarioApp& app, int argc, char** argv) {
   CommonArguments arguments;
   AddCommonArguments(line, arguments);
   AddLiveArguments(line, arguments);
+  AddFigureArgument(line, app, arguments);
   return RunMain(line, argc, argv, [&]() -> int {
-    if (PrintsInstead(arguments, app)) return kRan;
+    if (const auto code = RunInstead(arguments, app)) return *code;
     return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {
       const YamlDocument document = LoadScenario(now, app.name);
       if (app.warnings)

@@ -48,6 +48,8 @@ struct ScenarioApp {
   std::function<std::vector<ScenarioKey>()> keys;
   /// Keys that name a resource. --set can change its values.
   std::vector<ScenarioFile> files{};
+  /// A shipped list of figures that --figure makes, such as "thesis" (see ThesisFigure); empty: none.
+  std::string figures{};
   /// Checks a scenario without a run. Throws ParameterError.
   std::function<void(const YamlDocument& scenario)> check;
   /// Runs a scenario without random values for its own duration or `duration` [s]. Throws ParameterError with

@@ -63,6 +63,8 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   if (options.live) Blame("forces", [&] { live.emplace(builder, loop.world, &loop.walk, scenario.live); });
   Ros2Outputs ros2(builder, options);
   AddRos2(builder, ros2, scenario, loop, live ? live->drive() : nullptr);
+  const OutputPort<Geometry>* footholds =
+      options.live || !options.out.empty() ? AddLegErrors(builder, loop) : nullptr;
   const auto diagram = builder.Build();
   SimulatorOptions simulation = MakeSimulatorOptions(scenario, loop.world.plant);
   if (options.ros2 && !options.live) simulation.real_time_rate = 1;
@@ -99,6 +101,7 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
     controls = live->Controls();
     if (FindCurrent(loop.person.goal) != nullptr) controls.goal = PersonGoalOf(loop.person);
   }
+  if (footholds != nullptr) shapes.push_back(footholds);
   outputs.AddTo(signals, shapes);
   return RunScenario(options, scenario, Describe(scenario, duration), duration, simulator, signals, shapes,
                      DriveLimits(loop.world.plant), judge, controls, outputs.plots());
@@ -127,6 +130,7 @@ ScenarioApp GuideDogApp::AsScenarioApp() const {
       });
   app.keys = [customisation = customisation_] { return customisation.Keys(KeysOf<GuideDogScenario>()); };
   app.files = LeggedFiles();
+  app.figures = "thesis";
   app.warnings = [](const YamlDocument& document) {
     return RunBlaming(document, [&] {
       const auto scenario = document.Read<GuideDogScenario>();

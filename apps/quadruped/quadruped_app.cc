@@ -197,6 +197,7 @@ ScenarioApp QuadrupedApp::AsScenarioApp() const {
       "tenon-quadruped", "Lets a quadruped stand or walk and reports how well it did.", read, prepare, run);
   app.keys = [customisation = customisation_] { return customisation.Keys(KeysOf<QuadrupedScenario>()); };
   app.files = LeggedFiles();
+  app.figures = "thesis";
   return app;
 }
 
@@ -206,10 +207,11 @@ int QuadrupedApp::Run(int argc, char** argv) const {
   CommonArguments arguments;
   AddCommonArguments(line, arguments);
   AddLiveArguments(line, arguments);
+  AddFigureArgument(line, app, arguments);
   WalkArguments walk;
   AddWalkArguments(line, walk);
   return RunMain(line, argc, argv, [&]() -> int {
-    if (PrintsInstead(arguments, app)) return kRan;
+    if (const auto code = RunInstead(arguments, app)) return *code;
     std::error_code ignored;
     if (std::filesystem::is_directory(arguments.replay, ignored))
       return ReplayRun(arguments, walk, app.name, customisation_);

@@ -56,6 +56,9 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
   }
   Ros2Outputs ros2(builder, options);
   AddRos2(builder, ros2, scenario, loop, live ? live->drive() : nullptr);
+  const OutputPort<Geometry>* footholds = nullptr;
+  if constexpr (requires { loop.locomotion; })
+    if (options.live || !options.out.empty()) footholds = AddLegErrors(builder, loop);
   Served served;
   if constexpr (std::is_same_v<Loop, QuadrupedStand>)
     if (wire.any()) served = Serve(wire, builder, loop, options.out);
@@ -91,6 +94,7 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
   signals.insert(signals.end(), faults.begin(), faults.end());
   std::vector<const OutputPort<Geometry>*> shapes = Figures::Shapes(loop);
   if (live) live->AddTo(signals, shapes);
+  if (footholds != nullptr) shapes.push_back(footholds);
   outputs.AddTo(signals, shapes);
   return RunScenario(options, scenario, Describe(scenario, duration), duration, simulator, signals, shapes,
                      DriveLimits(loop.world.plant), judge, live ? live->Controls() : LiveControls(),

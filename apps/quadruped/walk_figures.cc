@@ -34,6 +34,22 @@ double Yaw(std::span<const double> row, const std::vector<std::size_t>& attitude
 
 }  // namespace
 
+const OutputPort<Geometry>* AddLegErrors(DiagramBuilder& builder, const QuadrupedWalk& loop) {
+  auto& errors = builder.Add<LegErrors>("leg_errors", LegErrorsParams{.robot = loop.errors.params.robot});
+  builder.Connect(loop.world.state, errors.state);
+  builder.Connect(loop.world.external_torque, errors.external_torque);
+  builder.Connect(loop.observer.leg_forces, errors.leg_forces);
+  builder.Connect(loop.locomotion.schedule, errors.schedule);
+  builder.Connect(loop.locomotion.feet, errors.feet);
+  // A block in the place of a shipped one may lack these ports.
+  const auto& external = loop.world.disturbances.forces;
+  if (FindCurrent(external) != nullptr) builder.Connect(external, errors.external);
+  const auto& footholds = loop.locomotion.swing_planner.footholds;
+  if (FindCurrent(footholds) == nullptr) return nullptr;
+  builder.Connect(footholds, errors.footholds);
+  return &errors.geometry;
+}
+
 WalkFigures::WalkFigures(const QuadrupedWalk& loop, double from, bool observes, const PathVerdict& path)
     : loop_(loop),
       from_(from),

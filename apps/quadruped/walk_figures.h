@@ -6,6 +6,7 @@
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/verdicts.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
+#include <tenon/diagrams/evaluation/leg_errors.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/systems/simulation/signal_log.h>
@@ -20,6 +21,10 @@ namespace tenon::apps {
 /// Throws KeyError if the run ends at `end` [s], before `from` [s], the time from which it is judged. Its
 /// figures would be null. If --duration has `cut` the run, this prints a warning instead.
 void CheckJudged(double from, double end, bool cut = false);
+
+/// Adds the block `leg_errors` to the diagram of a walk. Returns the port that shows the planned footholds,
+/// or null if the planner does not tell them.
+const OutputPort<Geometry>* AddLegErrors(DiagramBuilder& builder, const QuadrupedWalk& loop);
 
 /// Figures of a walking robot, computed during the run from a log of every control tick.
 ///

@@ -7,6 +7,7 @@
 #include <tenon/controllers/legged/observers/ground_force_observer.h>
 #include <tenon/controllers/legged/planning/walk_drive.h>
 #include <tenon/diagrams/cdpr/cdpr_messages.h>
+#include <tenon/diagrams/evaluation/leg_errors.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
@@ -295,6 +296,7 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   shelf.Put(Make<GroundForceObserver>(GroundForceObserverParams{.robot = shipped.dog}));
   shelf.Put(Make<Supervisor>());
   shelf.Put(Make<AdmittanceFilter>());
+  shelf.Put(Make<LegErrors>(LegErrorsParams{.robot = shipped.dog}));
   shelf.Put(Make<TrackingError>(TrackingErrorParams{.robot = shipped.dog}));
   shelf.Put(Make<WalkView>(WalkViewParams{.robot = shipped.dog}));
   shelf.Put(Make<QuadrupedMessages>(QuadrupedMessagesParams{.robot = shipped.dog}));

@@ -22,6 +22,7 @@ function digitsFor({low, high}) {
 function measure(values) {
   let low = Infinity, high = -Infinity, way = 0, back = 0, last = 0;
   for (let i = 0; i < values.length; ++i) {
+    if (!Number.isFinite(values[i])) continue;
     low = Math.min(low, values[i]);
     high = Math.max(high, values[i]);
     const step = i > 0 ? values[i] - values[i - 1] : 0;
@@ -42,13 +43,19 @@ function shortest(value) {
   return Number(value.toPrecision(9));
 }
 
-// Removes the common prefix of dotted names: loop.plant.euler.roll, loop.plant.euler.yaw -> roll, yaw.
-function shortNames(names) {
+// Removes the common prefix of dotted names: loop.plant.euler.roll, loop.plant.euler.yaw -> roll, yaw. norm:loop.errors.com and
+// rate:loop.errors.com become |com| and d/dt com.
+function shortNames(all) {
+  const names = all.map((name) => name.replace(/^(norm|rate):/, ''));
   const parts = names.map((name) => name.split('.'));
   let common = 0;
   while (parts.length > 1 && parts.every((p) => p.length > common + 1 && p[common] === parts[0][common])) ++common;
   if (new Set(names).size === 1) common = parts[0].length - 1;
-  return parts.map((p) => p.slice(common).join('.'));
+  const around = {norm: ['|', '|'], rate: ['d/dt ', '']};
+  return parts.map((p) => p.slice(common).join('.')).map((text, i) => {
+    const [before, after] = around[all[i].split(':')[0]] || ['', ''];
+    return before + text + after;
+  });
 }
 
 // Rows of curves with common times in a window: all samples, or for each short interval the lowest and the highest sample of
@@ -425,8 +432,7 @@ class Plot {
   }
 
   // The signals of the visible curves as CSV text, in SI units, named as in signals.csv.
-  csv() {
-    const shown = this.series.filter((s) => this.section.visible[s.run] && !this.hidden.has(s.signal.name));
+  csv(shown = this.series.filter((s) => this.section.visible[s.run] && !this.hidden.has(s.signal.name))) {
     const rows = new Map();
     shown.forEach(({signal: {time, values}}, column) => time.forEach((t, i) => {
       if (!rows.has(t)) rows.set(t, [t, ...new Array(shown.length).fill('')]);

@@ -14,6 +14,7 @@ function pathOf(points) {
 
 // Returns an SVG element, or null for a plot without a visible curve.
 function pictureOf(plot, width = plot.chart.clientWidth, height = plot.chart.clientHeight + 50) {
+  if (plot instanceof PathPlot) return plot.picture(width, height);
   if (!plot.graph) return null;
   return Theme.onPaper(() => {
     const drawing = svg(null, width, 0), {runs} = plot.section, shown = plot.shown();

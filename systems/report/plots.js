@@ -22,7 +22,7 @@ class Plots {
   // Adds a plot and returns it, or null if no run has one of its signals.
   add(spec) {
     if (!this.runs.some((run) => spec.signals.some((name) => run.find(name).length))) return null;
-    const plot = new Plot(this, spec);
+    const plot = new (isPath(spec.signals[0]) ? PathPlot : Plot)(this, spec);
     this.groupOf(spec.group || '').append(plot.box);
     this.plots.push(plot);
     plot.draw();

@@ -1,3 +1,4 @@
+#include <tenon/systems/report/internal/derived_log.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/internal/run.h>
@@ -21,6 +22,12 @@ void ReportParams::Validate() const {
     if (plot.signals.empty()) {
       throw ParameterError(fmt::format("the plot '{}' has no signals; name at least one", plot.title));
     }
+    for (const auto* names : {&plot.signals, &plot.references})
+      for (const std::string& name : *names)
+        if (internal::IsPath(name) != internal::IsPath(plot.signals.front()))
+          throw ParameterError(
+              fmt::format("the plot '{}' has both paths and signals over time, '{}' and '{}': make two plots",
+                          plot.title, plot.signals.front(), name));
   }
 }
 
@@ -53,12 +60,17 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
   }
   const auto check = [&](const std::string& place, const std::vector<std::string>& wanted) {
     for (const std::string& name : wanted) {
-      if (!all_known || !FindColumns(names, name).empty()) continue;
+      const std::string logged(LoggedName(name));
+      const std::size_t found = FindColumns(names, logged).size();
+      if (!all_known || found > (internal::IsPath(name) ? 1U : 0U)) continue;
+      if (found > 0)
+        throw ParameterError(
+            fmt::format("{} '{}' has one element, but a path needs two: name a vector", place, name));
       std::vector<std::string> known = names;
       for (const Source* signal : signals) known.push_back(signal->path());
       throw ParameterError(
           fmt::format("{} there is no signal '{}'; did you mean '{}'? Use the names in signals.csv", place,
-                      name, internal::NearestName(name, known)));
+                      logged, internal::NearestName(logged, known)));
     }
   };
   for (const Plot& plot : params_.plots) {
@@ -74,7 +86,7 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
   run.limits = params_.limits;
   // The sinks hold copies, because they may outlive the report.
   run.signals = std::make_shared<ColumnLog>(ColumnLog::Thinning::kPeaks, ColumnLog::kRows, nullptr);
-  simulator.AddLog(params_.signal_rate, signals, {run.signals});
+  simulator.AddLog(params_.signal_rate, signals, {internal::WithDerived(params_.plots, run.signals)});
 
   // Constant properties of the shapes are not in the rows.
   run.frames = std::make_shared<ColumnLog>(ColumnLog::Thinning::kSample, ColumnLog::kFrames,

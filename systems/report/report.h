@@ -7,14 +7,20 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tenon {
 
 /// One diagram of signals over time.
+///
+/// Three prefixes derive curves from logged signals. `norm:NAME` is the Euclidean norm of the elements of
+/// NAME. `rate:NAME` is the rate of change of each element from one row of the log to the next. `xy:NAME` is
+/// a path: the second element of NAME over the first, with equal scales. The signals and references of a plot
+/// are either all paths or none.
 struct Plot {
   std::string title{};  ///< title above the plot
-  /// Names as in logs, "cart.x.position"; "cart.x" stands for all elements of the signal.
+  /// Names as in logs, "cart.x.position"; "cart.x" stands for all elements of the signal. See the prefixes.
   std::vector<std::string> signals{};
   /// References of the signals in the same order, drawn dashed; there may be fewer than signals.
   std::vector<std::string> references{};
@@ -28,6 +34,9 @@ struct Plot {
             {"group", &Plot::group}};
   }
 };
+
+/// The logged signal of a name in a plot: the name without `norm:`, `rate:` or `xy:`.
+std::string_view LoggedName(std::string_view name);
 
 /// Bounds of a value; an empty bound is not checked.
 struct Limits {
@@ -87,7 +96,7 @@ struct ReportParams {
 class Report {
  public:
   /// Throws RunError with the package to install if three.js or Dygraphs is missing, and ParameterError for a
-  /// plot without signals.
+  /// plot without signals, or with paths and other signals.
   explicit Report(ReportParams params);
   /// Reads the report of a completed run from report.html and signals.csv in its output directory, with all
   /// samples, so that it can be added to other reports. Throws ParameterError that names the directory and

@@ -59,7 +59,8 @@ function showReport(report, runs, live, bar) {
     ready: false, webgl: !!replay, replay, plots, runs, duration: () => plots.duration,
     time: () => time, playing: () => playing, seek, play: () => setPlaying(true), pause: () => setPlaying(false),
     show, append, live, follower: null,
-    pictures: (width, height) => plots.plots.filter((plot) => plot.graph).map((plot) => [plot.name, svgText(pictureOf(plot, width, height))]),
+    pictures: (width, height) => plots.plots.map((plot) => [plot.name, pictureOf(plot, width, height)])
+        .filter(([, picture]) => picture).map(([name, picture]) => [name, svgText(picture)]),
     movie: (options) => new Movie(replay, {from: 0, to: plots.duration, ...options}),
     picture(t) {
       seek(t);

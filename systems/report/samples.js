@@ -179,8 +179,9 @@ class Recording {
     return times.length ? Math.min(...times) : 0;
   }
 
-  // Finds signals by name; a name without an element selects all elements.
+  // Finds signals by name; a name without an element selects all elements, and a path, xy:NAME, the first two.
   find(name) {
+    if (name.startsWith('xy:')) return this.find(name.slice(3)).slice(0, 2);
     const own = this.signals.get(name);
     return own ? [own] : [...this.signals.values()].filter((signal) => signal.name.startsWith(`${name}.`));
   }

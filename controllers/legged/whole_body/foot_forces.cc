@@ -20,20 +20,18 @@ double Damping(const Eigen::Matrix3d& J, double min_singular_value) {
 
 }  // namespace
 
+Vec<3> SolveForce(const Eigen::Matrix3d& J, const Vec<3>& torque, double min_singular_value) {
+  const double damping = Damping(J, min_singular_value);
+  if (damping == 0) return J.transpose().inverse() * torque;
+  const Eigen::Matrix3d normal = J * J.transpose() + damping * Eigen::Matrix3d::Identity();
+  return internal::SolveCholesky<3>(normal, J * torque);
+}
+
 FootForces SolveFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& torque,
                            double min_singular_value) {
   FootForces forces;
-  for (int leg = 0; leg < kNumLegs; ++leg) {
-    const Eigen::Matrix3d& J = dynamics.foot(leg).J_leg;
-    const Vec<3> tau = torque.segment<3>(3 * leg);
-    const double damping = Damping(J, min_singular_value);
-    if (damping == 0) {
-      forces[leg] = J.transpose().inverse() * tau;
-    } else {
-      const Eigen::Matrix3d normal = J * J.transpose() + damping * Eigen::Matrix3d::Identity();
-      forces[leg] = internal::SolveCholesky<3>(normal, J * tau);
-    }
-  }
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    forces[leg] = SolveForce(dynamics.foot(leg).J_leg, torque.segment<3>(3 * leg), min_singular_value);
   return forces;
 }
 

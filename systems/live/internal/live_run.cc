@@ -2,6 +2,7 @@
 #include <tenon/systems/framework/diagram/internal/program.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/live/internal/live_run.h>
+#include <tenon/systems/report/internal/derived_log.h>
 
 #include <fmt/format.h>
 
@@ -31,7 +32,7 @@ LiveRun::LiveRun(Simulator& simulator, const LiveView& view, const LiveOptions& 
       parameters_(Tunable(simulator.context().diagram())),
       wanted_rate_(options.rate) {
   simulator_.HoldLogs(options.history + 2 * kSnapshotPeriod);
-  simulator_.AddLog(options.signal_rate, view.signals, {signals_});
+  simulator_.AddLog(options.signal_rate, view.signals, {WithDerived(view.plots, signals_)});
   if (!view.shapes.empty())
     simulator_.AddLog(options.frame_rate, {view.shapes.begin(), view.shapes.end()}, {frames_});
   Begin();

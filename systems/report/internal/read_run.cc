@@ -1,5 +1,6 @@
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/report/internal/derived_log.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/run.h>
 #include <tenon/systems/text/parse_number.h>
@@ -38,8 +39,9 @@ void Split(std::string_view line, char separator, const auto& take) {
   take(line);
 }
 
-/// Reads a file of CsvLog.
-std::shared_ptr<ColumnLog> ReadSignals(const fs::path& file, std::string_view text) {
+/// Reads a file of CsvLog, and computes what `plots` derive from it.
+std::shared_ptr<ColumnLog> ReadSignals(const fs::path& file, std::string_view text,
+                                       const std::vector<Plot>& plots) {
   const auto fail = [&](std::size_t line, const std::string& what) {
     throw ParameterError(fmt::format("'{}', line {}: {}; run the scenario again", file.string(), line, what));
   };
@@ -56,7 +58,8 @@ std::shared_ptr<ColumnLog> ReadSignals(const fs::path& file, std::string_view te
   });
   if (names.front() != "time") fail(1, "the first column of a log must be the time");
   auto log = std::make_shared<ColumnLog>(ColumnLog::Thinning::kPeaks, ColumnLog::kRows, nullptr);
-  log->Begin(names, units);
+  const std::shared_ptr<LogSink> sink = internal::WithDerived(plots, log);
+  sink->Begin(names, units);
   std::vector<double> row;
   for (std::size_t number = 2; !text.empty(); ++number) {
     row.clear();
@@ -67,7 +70,7 @@ std::shared_ptr<ColumnLog> ReadSignals(const fs::path& file, std::string_view te
     });
     if (row.size() != names.size())
       fail(number, fmt::format("the line has {} values for {} columns", row.size(), names.size()));
-    log->Row(row);
+    sink->Row(row);
   }
   return log;
 }
@@ -89,7 +92,7 @@ Report Report::Read(const fs::path& directory) {
             {plot.at("title"), plot.at("signals"), plot.at("references"), plot.at("group")});
       }
       report.variants_.push_back({"", std::make_shared<Run>(Run::FromJson(data.at("runs").at(0)))});
-      report.own().signals = ReadSignals(directory / "signals.csv", signals);
+      report.own().signals = ReadSignals(directory / "signals.csv", signals, report.params_.plots);
       return report;
     }
   } catch (const Json::exception&) {  // handled below

@@ -129,6 +129,11 @@ void ColumnLog::DropRows() {
 }
 
 std::vector<std::size_t> FindColumns(const std::vector<std::string>& names, const std::string& name) {
+  if (name.starts_with("xy:")) {
+    std::vector<std::size_t> path = FindColumns(names, name.substr(3));
+    path.resize(std::min<std::size_t>(path.size(), 2));
+    return path;
+  }
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i] == name || names[i].starts_with(name + ".")) found.push_back(i);

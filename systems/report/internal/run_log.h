@@ -57,7 +57,8 @@ class ColumnLog final : public LogSink {
   std::vector<float> data_;
 };
 
-/// Returns the indices of the column of that name, or of all elements of the signal of that name.
+/// Returns the indices of the column of that name, or of all elements of the signal of that name; of a path,
+/// `xy:NAME`, the first two elements.
 std::vector<std::size_t> FindColumns(const std::vector<std::string>& names, const std::string& name);
 
 /// Selects about `limit` rows that preserve the curves of the columns: of each interval of rows the first row

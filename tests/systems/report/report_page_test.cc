@@ -98,6 +98,42 @@ class RunPageTest : public testing::BrowserTest {
   Browser browser;
 };
 
+// A path is drawn with equal scales, has a dot at the time that is shown, and is saved as picture and as
+// table.
+TEST_F(RunPageTest, APathIsDrawnOverTheFirstElement) {
+  DiagramBuilder builder;
+  auto& p = builder.AddFunction({"p", "m", "x,y"}, Uses(builder.time),
+                                [](double t) { return Vec<2>(2 * std::cos(t), std::sin(t)); });
+  const auto diagram = builder.Build();
+  Report report({.title = "ellipse", .plots = {{"orbit", {"xy:p.output"}}, {"radius", {"norm:p.output"}}}});
+  Simulator simulator(*diagram);
+  report.Log(simulator, {&p});
+  report.Conclude(simulator.AdvanceTo(2 * std::numbers::pi));
+  Open(report);
+  const std::string box = "plot('orbit').chart.querySelector('path:not(.axis)').getBBox()";
+  const double width = browser.Evaluate(box + ".width"), height = browser.Evaluate(box + ".height");
+  EXPECT_NEAR(width / height, 2, 0.02);
+  EXPECT_GT(height, 50);
+  const auto dot = [&](const char* name) {
+    return std::stod(
+        browser
+            .Evaluate("plot('orbit').chart.querySelector('circle').getAttribute('" + std::string(name) + "')")
+            .get<std::string>());
+  };
+  browser.Evaluate("tenonReport.seek(0)");
+  const double right = dot("cx"), middle = dot("cy");
+  browser.Evaluate("tenonReport.seek(Math.PI / 2)");
+  EXPECT_NEAR(right - dot("cx"), width / 2, 1);
+  EXPECT_NEAR(middle - dot("cy"), height / 2, 1);
+  EXPECT_THAT(browser.Evaluate("plot('orbit').csv()").get<std::string>(),
+              StartsWith("time [s],p.output.x [m],p.output.y [m]\n0,2,0\n"));
+  EXPECT_EQ(browser.Evaluate(
+                "tenonReport.pictures(600, 300).map(([name, text]) => [name, text.includes('<path')])"),
+            Json::array({Json::array({"orbit", true}), Json::array({"radius", true})}));
+  EXPECT_EQ(browser.Evaluate("plot('radius').series[0].label"), "|output|");
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
 TEST_F(RunPageTest, TheReplayStaysInViewInWindowsOfAnySize) {
   Open(Run(true, 0));
   for (const auto& [width, height] : {std::pair{480, 900}, {1920, 700}, {1280, 800}}) {

@@ -132,6 +132,41 @@ TEST_F(ReportTest, PlotsHoldWhatWasLogged) {
   EXPECT_EQ(SamplesOf(run, "force.output").time, speed.time) << "a reference has the times of its signal";
 }
 
+// The prefixes of a plot's signals: the norm of x = (position, velocity), and the rate of the position, which
+// is the mean velocity between two rows.
+TEST_F(ReportTest, PlotsDeriveNormsAndRates) {
+  Report report({.title = "cart",
+                 .plots = {{"size", {"norm:cart.x"}, {"cart.x.position"}},
+                           {"speed", {"rate:cart.x.position"}, {"cart.x.velocity"}}}});
+  Simulator simulator(*diagram);
+  report.Log(simulator, {&cart->state});
+  static_cast<void>(simulator.AdvanceTo(1));
+  report.Write(file);
+  const Json run = DataOf(file).at("runs").at(0);
+  const Samples norm = SamplesOf(run, "norm:cart.x"), rate = SamplesOf(run, "rate:cart.x.position");
+  const Samples x = SamplesOf(run, "cart.x.position"), v = SamplesOf(run, "cart.x.velocity");
+  ASSERT_EQ(norm.values.size(), 201);
+  EXPECT_EQ(norm.unit, "m");
+  EXPECT_EQ(rate.unit, "m/s");
+  EXPECT_TRUE(std::isnan(rate.values[0])) << "no row before the first one";
+  for (std::size_t i = 1; i < norm.values.size(); ++i) {
+    EXPECT_FLOAT_EQ(norm.values[i], std::hypot(x.values[i], v.values[i]));
+    EXPECT_NEAR(rate.values[i], (v.values[i] + v.values[i - 1]) / 2, 0.011) << "a force of 2 N jumps to -1.5";
+  }
+}
+
+TEST_F(ReportTest, PathsNeedTwoElementsAndPlotsOfTheirOwn) {
+  const auto make = [&](std::vector<std::string> signals) {
+    Report report({.title = "cart", .plots = {{"path", std::move(signals)}}});
+    Simulator simulator(*diagram);
+    report.Log(simulator, {&cart->state, force});
+  };
+  make({"xy:cart.x"});
+  EXPECT_TRUE(Throws<ParameterError>([&] { make({"xy:force.output"}); }, "xy:force.output"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { make({"xy:cart.x", "cart.x"}); }, "path"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { make({"norm:cart.y"}); }, "cart.x"));
+}
+
 TEST_F(ReportTest, SignalsThatNoPlotShowsAreThereToo) {
   Run({.title = "cart", .plots = {{"speed", {"cart.x.velocity"}, {}}}, .signal_rate = Hz(10)}).Write(file);
   const Json run = DataOf(file).at("runs").at(0);
