@@ -27,6 +27,13 @@ bool IsExtended(const QuadrupedPlant& plant) {
   return CurrentBlock(plant) != &shipped || shipped.params.extend;
 }
 
+/// Whether the planner resets the reference to the robot, so that errors against it tell nothing about the
+/// path.
+bool IsReset(const QuadrupedWalk& loop) {
+  const ComPlanner& planner = loop.locomotion.com_planner;
+  return planner.params.reference == ComReference::kThesis && FindCurrent(planner.path) != nullptr;
+}
+
 double Yaw(std::span<const double> row, const std::vector<std::size_t>& attitude) {
   const Eigen::Matrix3d R = RotationFromQuaternion(VectorIn<4>(row, attitude));
   return std::atan2(R(1, 0), R(0, 0));
@@ -105,6 +112,7 @@ std::vector<const Source*> WalkFigures::WithSolvers(std::vector<const Source*> s
   if (const Source* solves = Solves(loop)) signals.push_back(solves);
   if (const Source* solves = MpcSolves(loop)) signals.push_back(solves);
   if (FindCurrent(loop.walk.command) != nullptr) signals.push_back(&loop.walk.command);
+  if (IsReset(loop)) signals.push_back(&loop.locomotion.com_planner.path);
   return signals;
 }
 
@@ -113,6 +121,12 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   com_ = Columns(names, errors, &WalkingErrors::com);
   foot_ = Columns(names, errors, &WalkingErrors::foot);
   ground_force_ = Columns(names, errors, &WalkingErrors::ground_force);
+  if (IsReset(loop_)) {
+    com_position_ = Columns(names, errors, &WalkingErrors::com_position);
+    commanded_place_ =
+        Columns(names, FindCurrent(loop_.locomotion.com_planner.path), &PlanarPath::position_W);
+    commanded_heading_ = Column(names, FindCurrent(loop_.locomotion.com_planner.path), &PlanarPath::yaw);
+  }
   const QuadrupedPlant& plant = loop_.world.plant;
   external_force_ = Columns(names, FindCurrent(plant.external_wrench), &WrenchEstimate::force_W);
   if (IsExtended(plant) && loop_.known_additions == nullptr)
@@ -139,8 +153,13 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
 }
 
 void WalkFigures::Row(std::span<const double> row) {
-  if (!com_.empty())
+  if (!com_.empty() && commanded_heading_) {
+    const double deviation = std::hypot(row[com_position_[0]] - row[commanded_place_[0]],
+                                        row[com_position_[1]] - row[commanded_place_[1]]);
+    path_.Add(row[0], deviation, Yaw(row, attitude_) - row[*commanded_heading_]);
+  } else if (!com_.empty()) {
     path_.Add(row[0], std::hypot(row[com_[0]], row[com_[1]]), Yaw(row, attitude_) - Yaw(row, told_attitude_));
+  }
   if (row[0] < from_) return;
   const auto norm = [&](const std::vector<std::size_t>& columns) {
     return std::hypot(row[columns[0]], row[columns[1]], row[columns[2]]);

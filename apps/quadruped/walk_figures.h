@@ -96,6 +96,8 @@ class WalkFigures final : public LogSink {
   std::vector<std::size_t> external_force_, added_force_, estimated_force_, rope_force_;
   std::vector<std::size_t> com_, foot_, ground_force_, slip_, touch_, position_, attitude_, told_attitude_,
       command_, torque_, speed_;
+  std::vector<std::size_t> com_position_, commanded_place_;  // of a planner that resets its reference
+  std::optional<std::size_t> commanded_heading_;
   std::array<std::size_t, kNumLegs> contact_{};
   std::optional<std::size_t> solve_time_, failures_, mpc_time_, mpc_failures_;
 

@@ -1,3 +1,4 @@
+#include <tenon/controllers/legged/planning/thesis_planner.h>
 #include <tenon/diagrams/legged/legged_locomotion.h>
 
 namespace tenon {
@@ -8,6 +9,12 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
       com_planner(Add<ComPlanner>("com_planner", params.com_planner)),
       swing_planner(Add<SwingPlanner>("swing_planner", params.swing_planner)),
       whole_body(Add<WholeBodyController>("whole_body", params.whole_body)) {
+  if (params.com_planner.reference == ComReference::kThesis) {
+    auto& planner = Replace<ThesisPlanner>(com_planner, params.com_planner);
+    Connect(state, planner.state);
+    Connect(foot_forces, planner.foot_forces);
+    Connect(wrench, planner.wrench);
+  }
   if (params.pace) {
     pacer = &Add<Pacer>("pacer", PacerParams{.robot = params.whole_body.robot,
                                              .gaits = params.scheduler.gaits,

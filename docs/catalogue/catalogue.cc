@@ -3,8 +3,10 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/cdpr/broken_cable_detector.h>
 #include <tenon/controllers/cdpr/goal_path.h>
+#include <tenon/controllers/guide_dog/reference_admittance.h>
 #include <tenon/controllers/legged/deployment/deployment.h>
 #include <tenon/controllers/legged/observers/ground_force_observer.h>
+#include <tenon/controllers/legged/planning/thesis_planner.h>
 #include <tenon/controllers/legged/planning/walk_drive.h>
 #include <tenon/diagrams/cdpr/cdpr_messages.h>
 #include <tenon/diagrams/evaluation/leg_errors.h>
@@ -278,6 +280,7 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   shelf.Put(Make<GroundEstimator>(locomotion.ground));
   shelf.Put(Make<MappedGround>(MappedGroundParams{.robot = locomotion.ground.robot}));
   shelf.Put(Make<ComPlanner>(locomotion.com_planner));
+  shelf.Put(Make<ThesisPlanner>(locomotion.com_planner));
   shelf.Put(Make<SwingPlanner>(locomotion.swing_planner));
   shelf.Put(Make<TrunkPlanner>(locomotion.trunk_planner));
   shelf.Put(Make<CentroidalMpc>(CentroidalMpcParams{.robot = locomotion.whole_body.robot}));
@@ -296,6 +299,7 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   shelf.Put(Make<GroundForceObserver>(GroundForceObserverParams{.robot = shipped.dog}));
   shelf.Put(Make<Supervisor>());
   shelf.Put(Make<AdmittanceFilter>());
+  shelf.Put(Make<ReferenceAdmittance>());
   shelf.Put(Make<LegErrors>(LegErrorsParams{.robot = shipped.dog}));
   shelf.Put(Make<TrackingError>(TrackingErrorParams{.robot = shipped.dog}));
   shelf.Put(Make<WalkView>(WalkViewParams{.robot = shipped.dog}));

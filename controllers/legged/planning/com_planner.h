@@ -18,10 +18,11 @@ namespace tenon {
 enum class ComReference {
   kPendulum,   ///< the periodic motion of the linear inverted pendulum, in closed form
   kZmpSpline,  ///< an optimised spline whose ZMP stays in the support polygons
+  kThesis,     ///< plans from the measured motion to rest, see ThesisPlanner
 };
 constexpr auto EnumNames(ComReference) {
-  return std::array{Named{ComReference::kPendulum, "pendulum"},
-                    Named{ComReference::kZmpSpline, "zmp_spline"}};
+  return std::array{Named{ComReference::kPendulum, "pendulum"}, Named{ComReference::kZmpSpline, "zmp_spline"},
+                    Named{ComReference::kThesis, "thesis"}};
 }
 
 /// Parameters of ComReference::kZmpSpline; the defaults are chosen for feet of 0.03 m and steps of 0.25 s.

@@ -138,7 +138,10 @@ void ZmpSpline::AddCost(const ZmpSplineProblem& problem, double path_weight) {
       const double s = kGaussPoint[i], weight = kGaussWeight[i] * T;
       AddSquare(Derivative(2, k, s), Eigen::Vector2d::Zero(), weight);
       if (path_weight == 0) continue;
-      const Eigen::Vector2d path = problem.path.At(begin + s * T).position_W - origin_;
+      const double t = begin + s * T;
+      const Eigen::Vector2d path = (problem.regularized != nullptr ? problem.regularized->At(t).position
+                                                                   : problem.path.At(t).position_W) -
+                                   origin_;
       AddSquare(Derivative(0, k, s), path, path_weight * weight);
     }
     begin += T;

@@ -54,6 +54,7 @@ struct ZmpSplineProblem {
   std::span<const SupportPhase> phases;  ///< consecutive
   PlanarPoint begin{}, end{};            ///< boundary conditions; the final acceleration is only weighted
   PlanarPath path{};                     ///< path at t = 0
+  const PlanarSpline* regularized = nullptr;  ///< a path instead of `path`, from t = 0 on
   HeightProfile height{};
   double gravity = kGravity;  ///< [m/s^2]
 };

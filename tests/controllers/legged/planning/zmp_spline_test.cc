@@ -1,3 +1,4 @@
+#include <tenon/controllers/legged/planning/thesis_planner.h>
 #include <tenon/controllers/legged/planning/zmp_spline.h>
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
@@ -285,6 +286,21 @@ TEST(PlanarSpline, DerivativesAreThoseOfThePosition) {
   }
   EXPECT_EQ(spline.At(0.3).position, spline.origin + spline.segments[1].coefficients[0]);
   EXPECT_EQ(PlanarSpline().At(1).position, Eigen::Vector2d(0, 0));
+}
+
+// A polynomial of degree five is one of the splines, so without polygons and with a great weight it is the
+// solution.
+TEST(ZmpSpline, FollowsARegularisedPath) {
+  const PlanarPoint begin{{0.01, -0.02}, {0.1, 0.2}, {0.5, -0.3}}, end{{0.07, 0.01}, {}, {}};
+  const PlanarSpline path = QuinticBetween(begin, end, 0.4);
+  const std::vector<SupportPhase> phases{{0.4, SupportPolygon()}};
+  PlanarSpline spline;
+  const QpReport report =
+      ZmpSpline().Solve({.phases = phases, .begin = begin, .end = end, .regularized = &path},
+                        {.order = SplineOrder::kQuintic, .path_weight = 1e9}, &spline);
+  ASSERT_TRUE(report.ok()) << report.Message();
+  for (double t = 0; t <= 0.4; t += 0.05)
+    EXPECT_THAT(spline.At(t).position, IsNear(path.At(t).position, 1e-6)) << t;
 }
 
 TEST(ZmpSpline, RefusesNonsense) {
