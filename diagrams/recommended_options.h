@@ -3,10 +3,6 @@
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/simulation/simulator_options.h>
 
-#include <array>
-#include <cstdint>
-#include <string>
-
 namespace tenon {
 
 class CdprLoop;

@@ -7,8 +7,6 @@
 
 #include <Eigen/Core>
 
-#include <vector>
-
 namespace tenon {
 
 /// Inertia of a uniform box whose edges [m] are parallel to the axes: I_x = m (b^2 + c^2) / 12.

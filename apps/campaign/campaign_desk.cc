@@ -3,11 +3,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <chrono>
-#include <system_error>
 #include <thread>
-#include <vector>
 
 namespace tenon::apps {
 

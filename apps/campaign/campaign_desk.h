@@ -6,11 +6,7 @@
 #include <tenon/apps/common/progress.h>
 
 #include <condition_variable>
-#include <cstddef>
-#include <exception>
 #include <mutex>
-#include <optional>
-#include <string>
 
 namespace tenon::apps {
 

@@ -3,9 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
-#include <limits>
-
 namespace tenon::apps {
 namespace {
 

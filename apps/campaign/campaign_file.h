@@ -4,14 +4,6 @@
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/yaml/yaml.h>
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <map>
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 /// The variation of one key of the scenarios in a campaign, in exactly one of these ways. Grids, lists and

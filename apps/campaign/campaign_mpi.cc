@@ -3,12 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <chrono>
-#include <cstdlib>
-#include <deque>
-#include <string>
 #include <thread>
-#include <vector>
 
 #ifdef TENON_WITH_MPI
 #include <mpi.h>

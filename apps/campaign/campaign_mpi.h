@@ -3,10 +3,6 @@
 #include <tenon/apps/campaign/campaign_desk.h>
 #include <tenon/apps/campaign/campaign_runner.h>
 
-#include <cstddef>
-#include <optional>
-#include <string>
-
 namespace tenon::apps {
 
 /// Message of an MPI rank to rank 0 about a completed run.

@@ -3,14 +3,7 @@
 #include <tenon/apps/campaign/campaign_file.h>
 #include <tenon/systems/yaml/yaml.h>
 
-#include <cstddef>
-#include <cstdint>
 #include <functional>
-#include <map>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace tenon::apps {
 

@@ -13,15 +13,8 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <limits>
-#include <map>
-#include <optional>
 #include <set>
-#include <string_view>
-#include <vector>
 
 namespace tenon::apps {
 namespace {

@@ -4,7 +4,6 @@
 #include <tenon/apps/campaign/campaign_schedule.h>
 
 #include <filesystem>
-#include <string>
 
 namespace tenon::apps {
 

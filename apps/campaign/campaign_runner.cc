@@ -6,12 +6,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <exception>
-#include <new>
-#include <system_error>
-#include <utility>
-
 namespace tenon::apps {
 
 CampaignRunner::CampaignRunner(const CampaignPlan& plan, const YamlDocument& file, ScenarioApp app)

@@ -4,13 +4,6 @@
 #include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/apps/common/scenario_app.h>
 
-#include <cstddef>
-#include <filesystem>
-#include <map>
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 /// The result of a run.

@@ -3,12 +3,8 @@
 #include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/systems/campaign/statistics.h>
 
-#include <cstddef>
-#include <map>
-#include <optional>
 #include <unordered_map>
 #include <unordered_set>
-#include <vector>
 
 namespace tenon::apps {
 

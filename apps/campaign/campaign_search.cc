@@ -16,10 +16,6 @@
 #include <nlohmann/json.hpp>
 #include <nlopt.hpp>
 
-#include <algorithm>
-#include <cmath>
-#include <exception>
-#include <limits>
 #include <tuple>
 
 namespace tenon::apps {

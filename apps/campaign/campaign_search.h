@@ -3,8 +3,6 @@
 #include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/apps/common/scenario_app.h>
 
-#include <filesystem>
-
 namespace tenon::apps {
 
 /// Searches for the values of `optimise` at which the campaign costs least, and compares the best with the

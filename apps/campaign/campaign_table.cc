@@ -9,10 +9,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <fstream>
-#include <map>
 #include <unordered_map>
 
 namespace tenon::apps {

@@ -2,15 +2,10 @@
 
 #include <tenon/systems/files/output_file.h>
 
-#include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <ios>
 #include <memory>
-#include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 namespace tenon::apps {

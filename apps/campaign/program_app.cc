@@ -9,16 +9,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
-#include <chrono>
 #include <csignal>
-#include <cstdlib>
-#include <string>
-#include <system_error>
 #include <thread>
-#include <vector>
 
 namespace tenon::apps {
 

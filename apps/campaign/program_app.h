@@ -2,8 +2,6 @@
 
 #include <tenon/apps/common/scenario_app.h>
 
-#include <filesystem>
-
 namespace tenon::apps {
 
 /// Makes an app of a separate program whose main function calls RunApp. Each run is a process, and its

@@ -26,13 +26,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
-#include <limits>
 #include <thread>
-#include <unordered_map>
-#include <unordered_set>
-#include <vector>
 
 namespace tenon::apps {
 namespace {

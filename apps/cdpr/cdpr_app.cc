@@ -4,9 +4,6 @@
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/run_scenario.h>
 
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 namespace {
 

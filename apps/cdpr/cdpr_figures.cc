@@ -1,8 +1,5 @@
 #include <tenon/apps/cdpr/cdpr_figures.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace tenon::apps {
 namespace {
 

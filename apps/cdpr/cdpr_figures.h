@@ -6,11 +6,6 @@
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/systems/simulation/signal_log.h>
 
-#include <array>
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 /// Figures of a cable robot's run, computed row by row from a log of Signals.

@@ -4,9 +4,6 @@
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/yaml/yaml.h>
 
-#include <optional>
-#include <string>
-
 namespace tenon::apps {
 
 /// The sensors of a cable robot, but for the noise of pose sensor and inertial unit, which is the scenario's

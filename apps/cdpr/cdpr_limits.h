@@ -8,11 +8,6 @@
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/systems/simulation/signal_log.h>
 
-#include <cstddef>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon::apps {
 
 /// The robot of the plant that stands in the diagram, see CurrentAs.

@@ -5,8 +5,6 @@
 
 #include <Eigen/Geometry>
 
-#include <cmath>
-
 namespace tenon::apps {
 namespace {
 

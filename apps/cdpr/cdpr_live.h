@@ -6,8 +6,6 @@
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/live/live_server.h>
 
-#include <vector>
-
 namespace tenon::apps {
 
 /// Additional blocks and commands of a live run of a cable robot: `live_pull`, a spring that pulls the

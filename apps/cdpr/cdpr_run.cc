@@ -13,10 +13,6 @@
 
 #include <fmt/core.h>
 
-#include <memory>
-#include <optional>
-#include <vector>
-
 namespace tenon::apps {
 
 std::string Describe(const CdprScenario& scenario, const std::string& controllers) {

@@ -4,8 +4,6 @@
 #include <tenon/apps/common/customisation.h>
 #include <tenon/apps/common/run_scenario.h>
 
-#include <string>
-
 namespace tenon::apps {
 
 /// Returns robot, controllers, duration and seed in one line.

@@ -11,8 +11,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace tenon::apps {

@@ -14,12 +14,6 @@
 
 #include <Eigen/Core>
 
-#include <cstdint>
-#include <map>
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 enum class PathKind { kHold, kLine, kCircle, kSpline, kWaypoints, kFile };

@@ -10,8 +10,6 @@
 
 #include <fmt/core.h>
 
-#include <vector>
-
 namespace tenon::apps {
 namespace {
 

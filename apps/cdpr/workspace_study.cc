@@ -11,11 +11,6 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <limits>
-
 namespace tenon::apps {
 namespace {
 

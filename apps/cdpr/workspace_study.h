@@ -5,11 +5,6 @@
 #include <Eigen/Core>
 
 #include <filesystem>
-#include <functional>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace tenon::apps {
 

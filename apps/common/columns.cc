@@ -5,8 +5,6 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace tenon::apps {

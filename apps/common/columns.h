@@ -4,14 +4,6 @@
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/geometry.h>
 
-#include <concepts>
-#include <cstddef>
-#include <functional>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 // The columns of a log are found by the port that was logged, and by the members of its value:

@@ -13,16 +13,10 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
-#include <new>
 #include <sstream>
-#include <system_error>
-#include <type_traits>
 
 namespace tenon::apps {
 

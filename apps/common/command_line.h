@@ -4,15 +4,7 @@
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/common/scenario_file.h>
 
-#include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <string>
-#include <utility>
 #include <variant>
-#include <vector>
 
 namespace CLI {
 class App;

@@ -6,14 +6,6 @@
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/yaml/yaml.h>
 
-#include <array>
-#include <functional>
-#include <optional>
-#include <string>
-#include <type_traits>
-#include <utility>
-#include <vector>
-
 namespace tenon::apps {
 
 /// Empty keys, for a customisation that has no keys.

@@ -4,9 +4,6 @@
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/diagrams/faults/faults.h>
 
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 /// Returns the result of `insert`, a call of InsertFaults with the faults of a scenario. Throws KeyError with

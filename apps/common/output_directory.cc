@@ -12,10 +12,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <system_error>
-#include <utility>
 
 namespace tenon::apps {
 

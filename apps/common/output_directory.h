@@ -3,10 +3,6 @@
 #include <tenon/systems/framework/diagram/diagram.h>
 
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 namespace tenon::apps {
 

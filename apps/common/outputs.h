@@ -5,16 +5,6 @@
 #include <tenon/systems/geometry.h>
 #include <tenon/systems/simulation/simulator.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 /// Statistics of a sequence of numbers; empty without numbers, and NaN if one of them was NaN.

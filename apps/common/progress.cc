@@ -7,15 +7,11 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <atomic>
 #include <cctype>
 #include <csignal>
 #include <cstdio>
 #include <mutex>
-#include <new>
-#include <utility>
 
 namespace tenon::apps {
 

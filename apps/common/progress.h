@@ -3,14 +3,6 @@
 #include <tenon/systems/live/live_server.h>
 #include <tenon/systems/simulation/simulator.h>
 
-#include <chrono>
-#include <cstdint>
-#include <filesystem>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <string>
-
 namespace tenon::apps {
 
 /// Prints on stderr with control characters escaped. Errors are ignored.

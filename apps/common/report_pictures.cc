@@ -8,12 +8,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cctype>
-#include <cstdint>
-#include <functional>
-#include <string_view>
-#include <vector>
 
 namespace tenon::apps {
 namespace {

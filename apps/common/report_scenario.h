@@ -4,9 +4,6 @@
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/report/report.h>
 
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 /// The key `report` of a scenario: the contents of its report.

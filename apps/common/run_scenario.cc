@@ -6,11 +6,7 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
-#include <new>
 #include <set>
-#include <string_view>
 
 namespace tenon::apps {
 

@@ -7,15 +7,7 @@
 #include <tenon/apps/common/summary.h>
 #include <tenon/systems/report/report.h>
 
-#include <filesystem>
-#include <functional>
-#include <map>
-#include <memory>
-#include <optional>
-#include <string>
 #include <system_error>
-#include <utility>
-#include <vector>
 
 namespace tenon::apps {
 

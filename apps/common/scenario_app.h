@@ -6,14 +6,6 @@
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/yaml/yaml.h>
 
-#include <cstdint>
-#include <functional>
-#include <map>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon::apps {
 
 /// The keys of a scenario whose runs have a duration. Derive your own scenario from it and add its keys:

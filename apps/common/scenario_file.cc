@@ -10,14 +10,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cstddef>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <sstream>
-#include <string_view>
-#include <system_error>
-#include <typeinfo>
 
 namespace tenon::apps {
 

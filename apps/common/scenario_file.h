@@ -3,12 +3,7 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 
-#include <cstdint>
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace tenon::apps {
 

@@ -7,11 +7,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstddef>
-#include <filesystem>
-#include <map>
-#include <memory>
-#include <optional>
 
 namespace tenon::apps {
 

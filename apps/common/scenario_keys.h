@@ -4,10 +4,6 @@
 #include <tenon/systems/framework/types/range.h>
 #include <tenon/systems/yaml/yaml.h>
 
-#include <string>
-#include <typeinfo>
-#include <vector>
-
 namespace tenon::apps {
 
 /// A key of a scenario, for --keys.

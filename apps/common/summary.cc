@@ -14,10 +14,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-
 namespace tenon::apps {
 
 namespace fs = std::filesystem;

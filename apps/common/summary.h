@@ -3,14 +3,6 @@
 #include <tenon/apps/common/progress.h>
 #include <tenon/systems/report/report.h>
 
-#include <cstdint>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon::apps {
 
 /// An event that makes the point of a case. A run that lasts until it is due is not finished without it.

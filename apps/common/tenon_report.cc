@@ -10,11 +10,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 namespace {
 

@@ -4,11 +4,6 @@
 #include <tenon/apps/common/summary.h>
 #include <tenon/systems/framework/types/fields.h>
 
-#include <map>
-#include <optional>
-#include <string>
-#include <utility>
-
 namespace tenon::apps {
 
 /// Decides whether a robot followed its path. The position may deviate by `tolerance` times the length of the

@@ -5,10 +5,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <limits>
-#include <utility>
-
 namespace tenon::apps {
 namespace {
 

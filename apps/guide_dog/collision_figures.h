@@ -7,9 +7,6 @@
 #include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/systems/simulation/signal_log.h>
 
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 /// Checks that robot, person, leash and pillars do not run through each other, from a log of every control

@@ -14,11 +14,6 @@
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/yaml/resources.h>
 
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 namespace {
 

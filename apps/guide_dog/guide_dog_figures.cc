@@ -5,11 +5,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <utility>
-
 namespace tenon::apps {
 namespace {
 

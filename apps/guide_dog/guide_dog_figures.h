@@ -6,10 +6,6 @@
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/systems/simulation/signal_log.h>
 
-#include <deque>
-#include <optional>
-#include <vector>
-
 namespace tenon::apps {
 
 /// Figures of a person on a leash, computed during the run from a log of every control tick. Tension and

@@ -3,10 +3,6 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 /// The task of a case, see GuideDogFigures.

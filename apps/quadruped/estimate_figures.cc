@@ -5,10 +5,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
-
 namespace tenon::apps {
 
 void EstimateFigures::Begin(const std::vector<std::string>& names) {

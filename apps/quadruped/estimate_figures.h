@@ -5,13 +5,6 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 
-#include <array>
-#include <cstddef>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 /// Figures of the state estimate and of the walk relative to it (PathErrors), from a log of the true state,

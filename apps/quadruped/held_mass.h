@@ -2,8 +2,6 @@
 
 #include <tenon/plants/model/quadruped_description.h>
 
-#include <string>
-
 namespace tenon::apps {
 
 /// The mass that the drives of a quadruped can hold.

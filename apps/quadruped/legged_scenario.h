@@ -19,14 +19,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-#include <cstdint>
-#include <map>
-#include <numbers>
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 /// The state that the walking controller reads.

@@ -4,10 +4,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-#include <string>
-
 namespace tenon::apps {
 
 std::vector<SignalLimits> DriveLimits(const QuadrupedPlant& plant) {

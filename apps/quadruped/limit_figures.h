@@ -10,10 +10,6 @@
 #include <tenon/systems/report/report.h>
 #include <tenon/systems/simulation/signal_log.h>
 
-#include <array>
-#include <utility>
-#include <vector>
-
 namespace tenon::apps {
 
 /// The parameters of the plant that stands in the diagram, see CurrentAs.

@@ -1,9 +1,6 @@
 #include <tenon/apps/quadruped/quadruped_hardware.h>
 #include <tenon/systems/yaml/resources.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace tenon::apps {
 
 FieldList DriveRatings::Fields() {

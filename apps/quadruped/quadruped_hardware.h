@@ -6,9 +6,6 @@
 #include <tenon/systems/io/slow.h>
 #include <tenon/systems/yaml/yaml.h>
 
-#include <optional>
-#include <string>
-
 namespace tenon::apps {
 
 /// Data of all drives. Torques are relative to those of the robot.

@@ -5,10 +5,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
-#include <string>
-
 namespace tenon::apps {
 namespace {
 

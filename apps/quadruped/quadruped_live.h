@@ -9,8 +9,6 @@
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/live/live_server.h>
 
-#include <vector>
-
 namespace tenon::apps {
 
 /// The blocks that a live run of a quadruped adds: `live_drive`, which overrides the command of its walk,

@@ -12,12 +12,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numbers>
-#include <optional>
 #include <set>
-#include <utility>
 
 namespace tenon {
 namespace {

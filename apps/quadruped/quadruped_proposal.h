@@ -2,11 +2,6 @@
 
 #include <tenon/apps/quadruped/urdf_legs.h>
 
-#include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 /// A proposed YAML file of a robot, made from its URDF.

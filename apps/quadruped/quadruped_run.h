@@ -7,10 +7,6 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/apps/quadruped/wire_recorder.h>
 
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 /// The keys of a scenario that name shipped files, and the kinds of these files.

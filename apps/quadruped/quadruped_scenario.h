@@ -11,11 +11,6 @@
 
 #include <Eigen/Core>
 
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon::apps {
 
 /// Joint PD control of a standing robot. The default gains are those of MakeJointPd: K_p = 3.886 m g l per

@@ -18,7 +18,6 @@
 #include <memory>
 #include <optional>
 #include <thread>
-#include <vector>
 
 namespace tenon::apps {
 

@@ -6,9 +6,6 @@
 #include <tenon/apps/quadruped/wire_recorder.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 
-#include <functional>
-#include <string>
-
 namespace tenon::apps {
 
 /// The option --serve: a client on DDS commands the joints of a standing robot in place of its PD control.

@@ -1,8 +1,5 @@
 #include <tenon/apps/quadruped/stand_figures.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace tenon::apps {
 
 std::vector<const Source*> StandFigures::Signals(const QuadrupedStand& loop) {

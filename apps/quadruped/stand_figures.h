@@ -6,9 +6,6 @@
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/systems/simulation/signal_log.h>
 
-#include <optional>
-#include <vector>
-
 namespace tenon::apps {
 
 /// Figures of a standing robot, computed during the run from a log of Signals.

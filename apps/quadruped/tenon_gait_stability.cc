@@ -10,12 +10,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-#include <complex>
 #include <numeric>
-#include <string>
-#include <vector>
 
 namespace tenon::apps {
 namespace {

@@ -20,14 +20,6 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 namespace {

@@ -6,11 +6,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <iterator>
 #include <set>
-#include <string_view>
-#include <utility>
 
 namespace tenon {
 

@@ -5,12 +5,6 @@
 
 #include <Eigen/Geometry>
 
-#include <array>
-#include <map>
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 /// The place of a leg as its name gives it: 1 for front or left, -1 for rear or right, 0 if the name does not

@@ -11,11 +11,6 @@
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/systems/simulation/signal_log.h>
 
-#include <array>
-#include <deque>
-#include <optional>
-#include <vector>
-
 namespace tenon::apps {
 
 /// Throws KeyError if the run ends at `end` [s], before `from` [s], the time from which it is judged. Its

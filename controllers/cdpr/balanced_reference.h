@@ -4,9 +4,6 @@
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 
-#include <optional>
-#include <vector>
-
 namespace tenon {
 
 /// Difference of attitude and tensions from the static equilibrium without load.

@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-
 namespace tenon {
 
 void BrokenCableDetectorParams::Validate() const {

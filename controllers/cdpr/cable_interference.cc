@@ -5,9 +5,6 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <limits>
 
 namespace tenon {
 namespace {

@@ -4,9 +4,6 @@
 
 #include <Eigen/Core>
 
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 /// Clearance of the cables from one another and from the platform.

@@ -6,8 +6,6 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <cmath>
-
 namespace tenon {
 namespace {
 

@@ -5,10 +5,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-#include <optional>
-#include <vector>
-
 namespace tenon {
 
 /// One column per cable.

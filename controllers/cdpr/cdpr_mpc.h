@@ -5,8 +5,6 @@
 #include <tenon/controllers/cdpr/cdpr_plan.h>
 #include <tenon/systems/framework/block/parameter.h>
 
-#include <memory>
-
 namespace tenon {
 
 /// The model predictive controller of the cable robot (Morlando 2023, section 3.4): SLQ on the

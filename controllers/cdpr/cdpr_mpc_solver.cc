@@ -10,9 +10,6 @@
 #include <Eigen/LU>
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-#include <type_traits>
 #include <variant>
 
 namespace tenon {

@@ -5,10 +5,6 @@
 #include <tenon/controllers/optimization/slq_options.h>
 #include <tenon/systems/framework/block/rate.h>
 
-#include <array>
-#include <memory>
-#include <vector>
-
 namespace tenon {
 
 /// Weights of the squared errors, per second of the horizon.

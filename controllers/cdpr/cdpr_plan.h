@@ -3,8 +3,6 @@
 #include <tenon/controllers/cdpr/balanced_reference.h>
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
 
-#include <vector>
-
 namespace tenon {
 
 /// Statistics of the solves of the cable robot's MPC.

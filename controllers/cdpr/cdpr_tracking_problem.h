@@ -2,8 +2,6 @@
 
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
 
-#include <vector>
-
 namespace tenon {
 
 /// The optimal control problem of the cable robot's MPC (Morlando 2023, eqs. (3.10)-(3.17)), for Slq:

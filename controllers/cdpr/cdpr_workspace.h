@@ -4,9 +4,7 @@
 
 #include <Eigen/Core>
 
-#include <array>
 #include <functional>
-#include <vector>
 
 namespace tenon {
 

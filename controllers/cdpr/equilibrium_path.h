@@ -6,10 +6,6 @@
 
 #include <Eigen/Core>
 
-#include <memory>
-#include <optional>
-#include <vector>
-
 namespace tenon {
 
 /// The quasi-static reference at a time.

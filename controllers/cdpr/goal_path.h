@@ -3,8 +3,6 @@
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/systems/block.h>
 
-#include <memory>
-
 namespace tenon {
 
 /// A goal of the platform, and the motion of its reference at departure.

@@ -11,13 +11,8 @@
 #include <fmt/format.h>
 #include <nlopt.hpp>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
-#include <string>
-#include <vector>
 
 namespace tenon {
 namespace {

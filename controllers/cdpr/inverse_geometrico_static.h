@@ -5,8 +5,6 @@
 
 #include <Eigen/Core>
 
-#include <optional>
-
 namespace tenon {
 
 /// A static equilibrium of the platform.

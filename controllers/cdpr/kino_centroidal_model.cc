@@ -10,8 +10,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
-#include <type_traits>
 
 namespace tenon {
 namespace {

@@ -6,9 +6,6 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace tenon {
 namespace {
 

@@ -5,9 +5,6 @@
 #include <Eigen/Cholesky>
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace tenon {

@@ -6,9 +6,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-#include <vector>
-
 namespace tenon {
 
 /// Verdict on a property of a set of poses.

@@ -4,8 +4,6 @@
 #include <tenon/systems/block.h>
 #include <tenon/systems/geometry.h>
 
-#include <memory>
-
 namespace tenon {
 
 struct ReferenceGeneratorParams {

@@ -4,8 +4,6 @@
 #include <Eigen/Householder>
 #include <fmt/format.h>
 
-#include <cmath>
-
 namespace tenon {
 namespace {
 

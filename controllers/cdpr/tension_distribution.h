@@ -6,8 +6,6 @@
 #include <Eigen/Core>
 #include <Eigen/QR>
 
-#include <string>
-
 namespace tenon {
 
 /// A distribution of tensions, or the reason why there is none.

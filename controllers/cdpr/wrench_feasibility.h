@@ -4,8 +4,6 @@
 
 #include <Eigen/Core>
 
-#include <vector>
-
 namespace tenon {
 
 /// Wrenches that the cables must be able to exert on the platform, as a box with the centre `centre` and the

@@ -5,9 +5,6 @@
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/block.h>
 
-#include <array>
-#include <utility>
-
 namespace tenon {
 
 enum class GuideMode {

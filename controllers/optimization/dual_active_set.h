@@ -6,12 +6,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 /// Matrices of constraints: one constraint a row, rows contiguous.

@@ -8,12 +8,6 @@
 
 #include <Eigen/Core>
 
-#include <algorithm>
-#include <concepts>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 /// An optimal control problem for Slq. The sizes kStates and kInputs are constants or Eigen::Dynamic; k is

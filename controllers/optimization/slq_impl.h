@@ -4,9 +4,6 @@
 
 #include <tenon/controllers/optimization/slq.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace tenon {
 
 template <SlqProblem P>

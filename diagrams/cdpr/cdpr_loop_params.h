@@ -17,9 +17,6 @@
 #include <tenon/systems/io/slow.h>
 #include <tenon/systems/primitives/jittered_delay.h>
 
-#include <memory>
-#include <optional>
-
 namespace tenon {
 
 /// Imperfections of drives, links and sensors. Each optional part that has no value is ideal.

@@ -2,8 +2,6 @@
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 
-#include <cmath>
-
 namespace tenon {
 CdprScale ScaleOf(const CdprDescription& robot, const Eigen::Vector3d& p_WB, double gravity) {
   CdprScale scale;

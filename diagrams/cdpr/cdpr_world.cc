@@ -4,10 +4,6 @@
 #include <tenon/plants/signals/quaternion.h>
 #include <tenon/systems/primitives/late.h>
 
-#include <algorithm>
-#include <cmath>
-#include <string>
-
 namespace tenon {
 namespace {
 

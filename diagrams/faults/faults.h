@@ -5,13 +5,6 @@
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/primitives/signal_fault.h>
 
-#include <array>
-#include <functional>
-#include <limits>
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 /// The kinds of SignalFaultKind under the same names, and `broken` for mechanical parts.

@@ -2,9 +2,6 @@
 
 #include <tenon/diagrams/faults/faults.h>
 
-#include <array>
-#include <vector>
-
 namespace tenon {
 
 class GuideDog;

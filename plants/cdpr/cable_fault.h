@@ -4,9 +4,6 @@
 #include <tenon/systems/block.h>
 #include <tenon/systems/primitives/fault_schedule.h>
 
-#include <array>
-#include <vector>
-
 namespace tenon {
 
 enum class CableFaultKind {

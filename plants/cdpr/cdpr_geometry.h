@@ -4,8 +4,6 @@
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/systems/geometry.h>
 
-#include <vector>
-
 namespace tenon {
 
 /// Half edges of the platform's box in B [m]: centred at the CoM, it contains all attachments.

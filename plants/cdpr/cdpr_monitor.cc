@@ -3,9 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cstddef>
-
 namespace tenon {
 Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,
                                   double max_tension_ratio) const {

@@ -6,9 +6,6 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace tenon {
 namespace {
 

@@ -9,8 +9,6 @@
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/systems/block.h>
 
-#include <vector>
-
 namespace tenon {
 
 struct CdprPlantParams {

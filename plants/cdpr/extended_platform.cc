@@ -1,8 +1,6 @@
 #include <tenon/plants/cdpr/cdpr_multibody.h>
 #include <tenon/plants/cdpr/extended_platform.h>
 
-#include <memory>
-
 namespace tenon {
 
 ExtendedRobot ExtendedPlatform(const CdprDescription& robot, double gravity, const ExtendCdpr& extend,

@@ -4,8 +4,6 @@
 #include <tenon/plants/multibody/extended_robot.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 
-#include <functional>
-
 namespace tenon {
 
 class CdprMultibody;

@@ -7,8 +7,6 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <utility>
-
 namespace tenon {
 namespace {
 

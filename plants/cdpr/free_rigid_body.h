@@ -4,8 +4,6 @@
 
 #include <Eigen/Core>
 
-#include <memory>
-
 namespace tenon {
 
 /// One rigid body that moves freely, as a Simbody model (a Free mobilizer with a quaternion), optionally with

@@ -3,8 +3,6 @@
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/systems/block.h>
 
-#include <vector>
-
 namespace tenon {
 
 /// A gust of wind on the platform.

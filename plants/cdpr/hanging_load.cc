@@ -3,9 +3,6 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace tenon {
 
 void HangingLoadParams::Validate() const {

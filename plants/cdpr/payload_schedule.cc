@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
-
 namespace tenon {
 
 void PayloadScheduleParams::Validate() const {

@@ -3,8 +3,6 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <cmath>
-
 namespace tenon {
 
 void PlatformPullParams::Validate() const {

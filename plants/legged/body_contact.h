@@ -4,10 +4,6 @@
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/surroundings/terrain.h>
 
-#include <array>
-#include <cstddef>
-#include <vector>
-
 namespace tenon {
 
 /// Contact of trunk, hips, knees and shanks with the terrain, for a robot that lies, falls or gets up.

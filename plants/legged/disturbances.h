@@ -4,8 +4,6 @@
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/block.h>
 
-#include <limits>
-
 namespace tenon {
 
 /// @file

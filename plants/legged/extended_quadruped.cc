@@ -1,8 +1,6 @@
 #include <tenon/plants/legged/extended_quadruped.h>
 #include <tenon/plants/legged/quadruped_multibody.h>
 
-#include <memory>
-
 namespace tenon {
 namespace {
 

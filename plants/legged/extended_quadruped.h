@@ -7,9 +7,6 @@
 
 #include <Eigen/Core>
 
-#include <functional>
-#include <span>
-
 namespace tenon {
 
 class QuadrupedMultibody;

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 namespace tenon {
 
 void JointLockParams::Validate() const {

@@ -4,8 +4,6 @@
 #include <tenon/systems/block.h>
 #include <tenon/systems/primitives/fault_schedule.h>
 
-#include <vector>
-
 namespace tenon {
 
 struct JointLockParams {

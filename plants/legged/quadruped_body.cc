@@ -7,9 +7,6 @@
 
 #include <Eigen/Geometry>
 
-#include <array>
-#include <utility>
-
 namespace tenon {
 namespace {
 

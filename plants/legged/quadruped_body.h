@@ -6,9 +6,6 @@
 
 #include <Eigen/Core>
 
-#include <memory>
-#include <span>
-
 namespace tenon {
 
 /// The bodies of a quadruped as a Simbody model: a Free mobilizer for the trunk and twelve Pins.

@@ -4,10 +4,6 @@
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/surroundings/terrain.h>
 
-#include <array>
-#include <limits>
-#include <vector>
-
 namespace tenon {
 
 /// Distances between parts of a quadruped and to the ground; negative if they overlap.

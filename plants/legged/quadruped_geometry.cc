@@ -5,9 +5,6 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <string>
 
 namespace tenon {
 namespace {

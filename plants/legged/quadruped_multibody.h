@@ -3,9 +3,6 @@
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/multibody/robot_multibody.h>
 
-#include <array>
-#include <string>
-
 namespace tenon {
 
 /// A quadruped in Simbody, to which QuadrupedPlantParams::extend adds. robot_multibody.h is the guide: what

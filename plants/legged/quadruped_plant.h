@@ -11,8 +11,6 @@
 #include <tenon/plants/surroundings/terrain.h>
 #include <tenon/systems/block.h>
 
-#include <array>
-
 namespace tenon {
 
 struct QuadrupedPlantParams {

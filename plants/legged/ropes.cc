@@ -2,8 +2,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-
 namespace tenon {
 
 void Ropes::CalcTension(const CableVector& command, CableVector* tension) const {

@@ -6,12 +6,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-#include <limits>
-#include <memory>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 /// Joints of attached bodies.

@@ -6,12 +6,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 inline constexpr int kMinCables = 2;

@@ -5,11 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <limits>
 #include <numbers>
-#include <string>
 
 namespace tenon {
 

@@ -4,9 +4,6 @@
 
 #include <Eigen/Core>
 
-#include <optional>
-#include <vector>
-
 namespace tenon {
 
 /// A point of a path, with its derivatives in time.

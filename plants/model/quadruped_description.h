@@ -10,11 +10,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-#include <memory>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 /// A revolute joint between a body P and the next one, J, in a leg. The axes of all bodies are parallel to

@@ -7,8 +7,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-
 namespace tenon {
 
 inline constexpr int kNumVelocities = 6 + kNumJoints;

@@ -5,9 +5,6 @@
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/framework/types/fields.h>
 
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 inline constexpr int kMaxRopes = 4;

@@ -1,6 +1,5 @@
 #include <tenon/plants/model/swivel_pulley.h>
 
-#include <cmath>
 #include <numbers>
 
 namespace tenon {

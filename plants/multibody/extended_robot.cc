@@ -9,10 +9,7 @@
 #include <fmt/format.h>
 
 #include <exception>
-#include <limits>
 #include <mutex>
-#include <utility>
-#include <vector>
 
 namespace tenon {
 namespace {

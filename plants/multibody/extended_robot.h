@@ -9,12 +9,7 @@
 
 #include <Eigen/Core>
 
-#include <array>
-#include <cstddef>
 #include <functional>
-#include <memory>
-#include <span>
-#include <string>
 
 namespace tenon {
 

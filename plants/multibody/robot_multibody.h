@@ -4,12 +4,7 @@
 #include <tenon/plants/simbody.h>
 #include <tenon/systems/geometry.h>
 
-#include <cstddef>
 #include <deque>
-#include <limits>
-#include <map>
-#include <string>
-#include <vector>
 
 namespace tenon {
 

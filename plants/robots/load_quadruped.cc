@@ -9,8 +9,6 @@
 #include <fmt/format.h>
 
 #include <numbers>
-#include <optional>
-#include <vector>
 
 namespace tenon {
 namespace {

@@ -4,9 +4,6 @@
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/quadruped_description.h>
 
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 struct YamlFile;

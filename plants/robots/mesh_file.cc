@@ -3,12 +3,7 @@
 
 #include <meshoptimizer.h>
 
-#include <algorithm>
-#include <array>
-#include <map>
 #include <mutex>
-#include <utility>
-#include <vector>
 
 namespace tenon {
 namespace {

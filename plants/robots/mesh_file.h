@@ -2,9 +2,7 @@
 
 #include <tenon/systems/geometry.h>
 
-#include <cstddef>
 #include <filesystem>
-#include <memory>
 
 namespace tenon {
 

@@ -4,8 +4,6 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <cmath>
-
 namespace tenon {
 
 void ImuParams::Validate() const {

@@ -2,8 +2,6 @@
 #include <tenon/plants/sensors/sensor_noise.h>
 #include <tenon/plants/signals/quaternion.h>
 
-#include <cmath>
-
 namespace tenon {
 
 ImuErrors::Unit ImuErrors::Draw(RandomStream& random) const {

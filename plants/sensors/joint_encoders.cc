@@ -1,6 +1,5 @@
 #include <tenon/plants/sensors/joint_encoders.h>
 
-#include <cmath>
 #include <numbers>
 
 namespace tenon {

@@ -4,8 +4,6 @@
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/block.h>
 
-#include <optional>
-
 namespace tenon {
 
 /// Encoders of the joints. By default there are no errors.

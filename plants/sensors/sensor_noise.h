@@ -4,8 +4,6 @@
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
 
-#include <cmath>
-
 namespace tenon {
 
 /// Three independent normal numbers with the given standard deviations.

@@ -3,8 +3,6 @@
 
 #include <Eigen/Geometry>
 
-#include <cmath>
-
 namespace tenon {
 
 TerrainMapper::TerrainMapper(const TerrainMapperParams& params) : LeafSystem(params) {

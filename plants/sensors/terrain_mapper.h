@@ -5,9 +5,6 @@
 #include <tenon/plants/surroundings/terrain.h>
 #include <tenon/systems/block.h>
 
-#include <array>
-#include <cstdint>
-
 namespace tenon {
 
 /// Resolution, noise and rate of an elevation map; the defaults are choices. A user may put another source of

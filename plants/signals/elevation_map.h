@@ -6,8 +6,6 @@
 #include <Eigen/Core>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 namespace tenon {
 

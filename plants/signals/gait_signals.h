@@ -5,8 +5,6 @@
 #include <tenon/systems/framework/types/signal.h>
 
 #include <algorithm>
-#include <array>
-#include <utility>
 
 namespace tenon {
 

@@ -5,8 +5,6 @@
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
 
-#include <array>
-
 namespace tenon {
 
 /// @file

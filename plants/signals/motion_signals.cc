@@ -2,8 +2,6 @@
 
 #include <Eigen/Geometry>
 
-#include <cmath>
-
 namespace tenon {
 
 Eigen::Matrix2d PlanarPath::Heading() const {

@@ -4,8 +4,6 @@
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
 
-#include <array>
-
 namespace tenon {
 
 /// Reference of CoM and trunk. W is the world, z up; B is fixed to the trunk.

@@ -2,8 +2,6 @@
 
 #include <Eigen/Geometry>
 
-#include <cmath>
-
 namespace tenon {
 
 Eigen::Matrix3d RotationFromQuaternion(const Vec<4>& q) {

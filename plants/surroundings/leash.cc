@@ -2,8 +2,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-
 namespace tenon {
 namespace {
 

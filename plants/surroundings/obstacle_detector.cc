@@ -1,8 +1,5 @@
 #include <tenon/plants/surroundings/obstacle_detector.h>
 
-#include <cmath>
-#include <string>
-
 namespace tenon {
 
 bool ObstacleDetector::CalcObstacle(const LeggedState& state, double range, double half_width) const {

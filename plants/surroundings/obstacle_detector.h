@@ -4,8 +4,6 @@
 #include <tenon/systems/block.h>
 #include <tenon/systems/geometry.h>
 
-#include <vector>
-
 namespace tenon {
 
 /// A cylindrical obstacle, such as a pillar.

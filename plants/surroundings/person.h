@@ -4,10 +4,6 @@
 #include <tenon/systems/block.h>
 #include <tenon/systems/geometry.h>
 
-#include <array>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 enum class Activity {

@@ -3,11 +3,6 @@
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
 
-#include <array>
-#include <cstdint>
-#include <optional>
-#include <vector>
-
 namespace tenon {
 
 /// Box on the ground with sides along x and y.

@@ -5,10 +5,6 @@
 #include <fmt/core.h>
 #include <unsupported/Eigen/NonLinearOptimization>
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
 namespace tenon {
 namespace {
 

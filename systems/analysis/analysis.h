@@ -5,9 +5,6 @@
 
 #include <Eigen/Core>
 
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 /// The linear model ẋ = ẋ0 + A (x - x0) + B (u - u0), y = y0 + C (x - x0) + D (u - u0), with named rows and

@@ -5,10 +5,6 @@
 
 #include <Eigen/Core>
 
-#include <map>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 /// A bool, integer or enumeration that changed when a state or input was varied, which indicates a jump of

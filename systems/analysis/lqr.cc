@@ -12,7 +12,6 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <string>
 
 namespace tenon {
 namespace {

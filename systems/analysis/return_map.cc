@@ -6,9 +6,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace tenon {
 namespace {
 

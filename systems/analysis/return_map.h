@@ -4,11 +4,6 @@
 
 #include <Eigen/Core>
 
-#include <functional>
-#include <map>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 /// A motion x*(t) that repeats itself after the period T relative to a reference that may move: P(x*) = x*,

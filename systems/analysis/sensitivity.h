@@ -4,12 +4,6 @@
 
 #include <Eigen/Core>
 
-#include <functional>
-#include <map>
-#include <memory>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 /// A figure of a run and its derivative with respect to numbers in the run's initial context.

@@ -2,17 +2,6 @@
 
 #include <tenon/systems/simulation/simulator.h>
 
-#include <cstddef>
-#include <cstdint>
-#include <exception>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <string>
-#include <type_traits>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 /// The figures of one run of a campaign, or the reason why it failed.

@@ -5,7 +5,6 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <stdexcept>
 
 namespace tenon {
 

@@ -3,10 +3,7 @@
 #include <tenon/systems/framework/block/external_port.h>
 #include <tenon/systems/io/recording.h>
 
-#include <cstdint>
 #include <mutex>
-#include <string>
-#include <utility>
 
 namespace tenon {
 

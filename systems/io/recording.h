@@ -3,9 +3,6 @@
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
 
-#include <cstdint>
-#include <vector>
-
 namespace tenon {
 
 /// A value from outside the diagram and the time of the tick that took it over.

@@ -3,12 +3,7 @@
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/io/recording.h>
 
-#include <cstddef>
-#include <cstdint>
 #include <mutex>
-#include <optional>
-#include <span>
-#include <string>
 
 namespace tenon {
 

@@ -6,10 +6,6 @@
 #include <fmt/core.h>
 
 #include <list>
-#include <mutex>
-#include <optional>
-#include <utility>
-#include <vector>
 
 namespace tenon::internal {
 namespace {

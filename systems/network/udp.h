@@ -5,10 +5,6 @@
 #include <tenon/systems/network/inbox.h>
 #include <tenon/systems/network/internal/udp_ends.h>
 
-#include <cstdint>
-#include <memory>
-#include <string>
-
 namespace tenon {
 
 struct UdpPublisherParams {

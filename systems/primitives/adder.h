@@ -4,8 +4,6 @@
 #include <tenon/systems/primitives/internal/elementwise.h>
 #include <tenon/systems/primitives/internal/weights.h>
 
-#include <string>
-
 namespace tenon {
 
 struct AdderParams {

@@ -3,11 +3,7 @@
 #include <tenon/systems/framework/block/state.h>
 
 #include <deque>
-#include <memory>
-#include <string>
 #include <tuple>
-#include <utility>
-#include <vector>
 
 namespace tenon {
 

@@ -2,8 +2,6 @@
 
 #include <tenon/systems/block.h>
 
-#include <string>
-
 namespace tenon {
 
 template <class T = double>

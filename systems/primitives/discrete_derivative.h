@@ -3,8 +3,6 @@
 #include <tenon/systems/block.h>
 #include <tenon/systems/primitives/internal/filtered_difference.h>
 
-#include <string>
-
 namespace tenon {
 
 struct DiscreteDerivativeParams {

@@ -2,9 +2,6 @@
 
 #include <tenon/systems/block.h>
 
-#include <limits>
-#include <string>
-
 namespace tenon {
 
 /// Time interval in which a fault acts: start <= t < start + duration, both rounded up to the ticks of its

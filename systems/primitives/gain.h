@@ -4,8 +4,6 @@
 #include <tenon/systems/primitives/internal/elementwise.h>
 #include <tenon/systems/primitives/internal/product.h>
 
-#include <string>
-
 namespace tenon {
 
 struct GainParams {

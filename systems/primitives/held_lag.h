@@ -3,10 +3,7 @@
 #include <tenon/systems/block.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
-#include <cmath>
-#include <concepts>
 #include <numbers>
-#include <string>
 
 namespace tenon {
 

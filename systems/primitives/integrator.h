@@ -3,8 +3,6 @@
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
-#include <string>
-
 namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>

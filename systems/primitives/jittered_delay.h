@@ -3,13 +3,6 @@
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
-#include <algorithm>
-#include <cmath>
-#include <concepts>
-#include <cstddef>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 template <class T = double>

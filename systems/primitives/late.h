@@ -3,8 +3,6 @@
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/primitives/sample_delay.h>
 
-#include <string>
-
 namespace tenon {
 
 /// Delays `from` by `samples` periods with a block NAME_delay in `diagram`, whose output is `initial` until

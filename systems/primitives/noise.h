@@ -3,8 +3,6 @@
 #include <tenon/systems/block.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
-#include <string>
-
 namespace tenon {
 
 template <internal::DoublesInside T = double>

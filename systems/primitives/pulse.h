@@ -3,10 +3,6 @@
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
-#include <cmath>
-#include <limits>
-#include <string>
-
 namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>

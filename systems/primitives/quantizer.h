@@ -3,10 +3,6 @@
 #include <tenon/systems/block.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
-#include <algorithm>
-#include <cmath>
-#include <string>
-
 namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>

@@ -4,9 +4,6 @@
 #include <tenon/systems/primitives/internal/elementwise.h>
 #include <tenon/systems/primitives/internal/per.h>
 
-#include <cmath>
-#include <string>
-
 namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>

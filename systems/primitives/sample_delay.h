@@ -2,11 +2,6 @@
 
 #include <tenon/systems/framework/block/state.h>
 
-#include <algorithm>
-#include <string>
-#include <type_traits>
-#include <vector>
-
 namespace tenon {
 
 template <class T = double>

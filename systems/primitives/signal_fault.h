@@ -4,13 +4,6 @@
 #include <tenon/systems/primitives/fault_schedule.h>
 #include <tenon/systems/primitives/internal/fault_elements.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 /// The output of a SignalFault while the fault acts, from its first tick on.

@@ -3,9 +3,6 @@
 #include <tenon/systems/block.h>
 #include <tenon/systems/primitives/internal/product.h>
 
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 struct StateSpaceParams {

@@ -2,9 +2,6 @@
 
 #include <tenon/systems/block.h>
 
-#include <string>
-#include <type_traits>
-
 namespace tenon {
 
 struct SwitchParams {

@@ -3,11 +3,6 @@
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
 
-#include <algorithm>
-#include <functional>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>

@@ -4,11 +4,6 @@
 #include <tenon/systems/primitives/internal/elementwise.h>
 #include <tenon/systems/primitives/internal/per.h>
 
-#include <algorithm>
-#include <functional>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 template <internal::DoubleOrMatrix T = double>

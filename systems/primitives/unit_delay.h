@@ -2,8 +2,6 @@
 
 #include <tenon/systems/framework/block/state.h>
 
-#include <string>
-
 namespace tenon {
 
 template <class T = double>

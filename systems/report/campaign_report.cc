@@ -7,13 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <cstdlib>
-#include <functional>
 #include <iterator>
-#include <map>
 #include <random>
 
 namespace tenon {

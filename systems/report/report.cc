@@ -7,10 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstddef>
-#include <new>
-
 namespace tenon {
 
 using internal::ColumnLog;

@@ -2,12 +2,7 @@
 
 #include <tenon/systems/geometry.h>
 
-#include <array>
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace tenon {
 

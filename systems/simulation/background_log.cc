@@ -2,7 +2,6 @@
 #include <tenon/systems/io/internal/no_signals.h>
 #include <tenon/systems/simulation/background_log.h>
 
-#include <algorithm>
 #include <system_error>
 
 namespace tenon {

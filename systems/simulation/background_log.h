@@ -2,18 +2,10 @@
 
 #include <tenon/systems/simulation/signal_log.h>
 
-#include <array>
-#include <chrono>
 #include <condition_variable>
-#include <cstddef>
 #include <exception>
-#include <functional>
-#include <memory>
 #include <mutex>
-#include <span>
-#include <string>
 #include <thread>
-#include <vector>
 
 namespace tenon {
 

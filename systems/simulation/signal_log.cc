@@ -7,13 +7,9 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <fstream>
 #include <iterator>
-#include <map>
-#include <utility>
 
 namespace tenon {
 

@@ -5,13 +5,7 @@
 #include <tenon/systems/framework/context/context.h>
 
 #include <chrono>
-#include <cstddef>
 #include <deque>
-#include <limits>
-#include <memory>
-#include <span>
-#include <string>
-#include <vector>
 
 namespace tenon {
 

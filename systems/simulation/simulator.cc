@@ -8,8 +8,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <chrono>
 #include <thread>
 namespace tenon {
 

@@ -6,15 +6,7 @@
 #include <tenon/systems/simulation/signal_log.h>
 #include <tenon/systems/simulation/simulator_options.h>
 
-#include <cmath>
-#include <cstdint>
 #include <exception>
-#include <functional>
-#include <limits>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 namespace tenon {
 

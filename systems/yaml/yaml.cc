@@ -8,14 +8,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <charconv>
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <optional>
-#include <system_error>
 
 namespace tenon {
 

@@ -3,12 +3,7 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/type_info.h>
 
-#include <cstdint>
-#include <memory>
-#include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 namespace tenon {
 

@@ -5,8 +5,6 @@
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/systems/block.h>
 
-#include <array>
-
 namespace tenon {
 
 /// Gain matrix Lambda of the observer in terms of X; publications differ.

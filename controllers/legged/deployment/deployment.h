@@ -7,11 +7,6 @@
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
 
-#include <array>
-#include <span>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 enum class DeploymentMode {

@@ -2,8 +2,6 @@
 
 #include <Eigen/Geometry>
 
-#include <cmath>
-
 namespace tenon {
 
 void ComObserverParams::Validate() const {

@@ -6,8 +6,6 @@
 #include <tenon/plants/signals/imu_signals.h>
 #include <tenon/systems/block.h>
 
-#include <array>
-
 namespace tenon {
 
 /// Source of the CoM's acceleration.

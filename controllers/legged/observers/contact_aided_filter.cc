@@ -6,8 +6,6 @@
 
 #include <Eigen/Geometry>
 
-#include <cmath>
-
 namespace tenon {
 namespace {
 

@@ -7,8 +7,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-
 namespace tenon {
 
 /// Noise model of ContactAidedFilter: standard deviations per axis.

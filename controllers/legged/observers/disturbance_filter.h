@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 
 #include <complex>
-#include <vector>
 
 namespace tenon {
 

@@ -2,8 +2,6 @@
 
 #include <Eigen/Core>
 
-#include <utility>
-
 namespace tenon {
 namespace {
 

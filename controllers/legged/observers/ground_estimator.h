@@ -6,8 +6,6 @@
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/block.h>
 
-#include <array>
-
 namespace tenon {
 
 /// Noise model of GroundEstimator: standard deviations.

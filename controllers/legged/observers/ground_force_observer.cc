@@ -3,8 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
-
 namespace tenon {
 void ContactThresholds::Validate() const {
   Demand(leave < touch,

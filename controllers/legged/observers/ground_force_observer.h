@@ -6,8 +6,6 @@
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/systems/block.h>
 
-#include <array>
-
 namespace tenon {
 
 /// Hysteresis of the stance detection, in normal force over the robot's weight.

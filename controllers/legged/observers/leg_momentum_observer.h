@@ -6,10 +6,6 @@
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/systems/block.h>
 
-#include <array>
-#include <optional>
-#include <vector>
-
 namespace tenon {
 
 /// Equations of motion of the legs in an observer.

@@ -3,10 +3,6 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-
 namespace tenon {
 namespace {
 

@@ -9,8 +9,6 @@
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/block.h>
 
-#include <array>
-
 namespace tenon {
 
 /// Standard deviations per axis of the initial state and of the sensors' biases.

@@ -1,8 +1,6 @@
 #include <tenon/controllers/legged/observers/mapped_ground.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
-#include <algorithm>
-
 namespace tenon {
 
 GroundPlane MappedGround::CalcGround(const ElevationMap& map, const LeggedState& state) const {

@@ -4,8 +4,6 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
-
 namespace tenon {
 
 void JointPdParams::Validate() const {

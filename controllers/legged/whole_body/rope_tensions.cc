@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <numbers>
 
 namespace tenon {

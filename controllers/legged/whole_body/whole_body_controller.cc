@@ -7,9 +7,7 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 
 namespace tenon {
 namespace {

@@ -8,8 +8,6 @@
 #include <tenon/plants/signals/motion_signals.h>
 #include <tenon/systems/block.h>
 
-#include <array>
-
 namespace tenon {
 
 /// Compensation of external forces on the legs.

@@ -6,12 +6,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <numbers>
-#include <span>
-#include <utility>
 
 namespace tenon {
 namespace {

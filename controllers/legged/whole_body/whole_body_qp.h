@@ -5,9 +5,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-#include <limits>
-
 namespace tenon {
 
 /// How the sides of a friction pyramid approximate the cone |f_t| <= mu f_n.

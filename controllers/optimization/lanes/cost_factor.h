@@ -5,11 +5,8 @@
 #include <Eigen/Core>
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 namespace tenon::internal {
 

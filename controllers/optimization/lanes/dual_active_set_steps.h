@@ -3,9 +3,6 @@
 #include <tenon/controllers/optimization/dual_active_set.h>
 #include <tenon/controllers/optimization/infinity.h>
 
-#include <algorithm>
-#include <cmath>
-
 // The two kinds of steps of DualActiveSet; included only by dual_active_set.cc.
 namespace tenon {
 namespace {

@@ -5,16 +5,6 @@
 #include <expat.h>
 #include <fmt/format.h>
 
-#include <cstdint>
-#include <limits>
-#include <map>
-#include <memory>
-#include <stdexcept>
-#include <string>
-#include <string_view>
-#include <type_traits>
-#include <vector>
-
 namespace tenon::internal {
 namespace {
 

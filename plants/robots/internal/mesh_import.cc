@@ -16,18 +16,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
 #include <chrono>
-#include <cmath>
 #include <csignal>
-#include <cstring>
-#include <fstream>
-#include <stdexcept>
-#include <string>
-#include <string_view>
-#include <utility>
 
 namespace tenon::internal {
 namespace {

@@ -3,8 +3,6 @@
 #include <tenon/systems/geometry.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string_view>

@@ -7,12 +7,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-#include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon::internal {
 
 /// Limits of a joint in a robot's YAML file, which replace those in the URDF.

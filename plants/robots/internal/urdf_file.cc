@@ -11,9 +11,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fstream>
 #include <regex>
-#include <utility>
 
 namespace tenon::internal {
 namespace {

@@ -5,9 +5,7 @@
 #include <fmt/format.h>
 
 #include <cstddef>
-#include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace tenon::internal {

@@ -4,9 +4,6 @@
 
 #include <Eigen/Core>
 
-#include <string>
-#include <vector>
-
 namespace tenon::internal {
 
 /// Returns the path of every number of the sources in order, such as "cart.x.velocity".

@@ -6,10 +6,6 @@
 
 #include <Eigen/Core>
 
-#include <functional>
-#include <memory>
-#include <vector>
-
 namespace tenon {
 
 class Simulator;

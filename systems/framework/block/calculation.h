@@ -3,13 +3,6 @@
 #include <tenon/systems/framework/block/source.h>
 #include <tenon/systems/framework/types/internal/fnv1a.h>
 
-#include <cstddef>
-#include <cstdint>
-#include <new>
-#include <type_traits>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 /// The current time [s], as a prerequisite: `Uses(time, x)`.

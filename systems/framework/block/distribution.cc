@@ -3,8 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
-
 namespace tenon {
 
 std::optional<Distribution> Distribution::Named(std::string_view name,

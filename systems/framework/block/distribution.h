@@ -2,10 +2,7 @@
 
 #include <tenon/systems/framework/block/random_stream.h>
 
-#include <array>
 #include <optional>
-#include <string>
-#include <string_view>
 
 namespace tenon {
 

@@ -3,8 +3,6 @@
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>
 
-#include <utility>
-
 namespace tenon {
 
 /// A sampled output that takes its value from outside the diagram: from another thread, a socket, a file.

@@ -4,11 +4,6 @@
 #include <tenon/systems/framework/block/system.h>
 #include <tenon/systems/framework/types/range.h>
 
-#include <cstddef>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 namespace internal {

@@ -3,11 +3,6 @@
 #include <tenon/systems/framework/block/calculation.h>
 #include <tenon/systems/framework/block/system.h>
 
-#include <memory>
-#include <type_traits>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 template <class T>

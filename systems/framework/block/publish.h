@@ -3,9 +3,6 @@
 #include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>
 
-#include <string>
-#include <utility>
-
 namespace tenon {
 
 /// A side effect: sends, writes or shows something. Its function returns nothing and receives the values

@@ -2,7 +2,6 @@
 #include <tenon/systems/framework/types/internal/fnv1a.h>
 
 #include <bit>
-#include <cmath>
 
 namespace tenon {
 namespace {

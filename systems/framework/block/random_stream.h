@@ -2,7 +2,6 @@
 
 #include <tenon/systems/framework/types/fields.h>
 
-#include <array>
 #include <cstdint>
 #include <string_view>
 

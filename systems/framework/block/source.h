@@ -3,14 +3,6 @@
 #include <tenon/systems/framework/block/rate.h>
 #include <tenon/systems/framework/types/signal.h>
 
-#include <cstddef>
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <type_traits>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 class System;

@@ -4,15 +4,7 @@
 #include <tenon/systems/framework/block/random_stream.h>
 
 #include <algorithm>
-#include <concepts>
-#include <cstdint>
 #include <functional>
-#include <limits>
-#include <optional>
-#include <string>
-#include <type_traits>
-#include <utility>
-#include <vector>
 
 namespace tenon {
 

@@ -4,9 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <mutex>
-#include <typeinfo>
 #include <unordered_set>
 
 namespace tenon {

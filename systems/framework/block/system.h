@@ -4,12 +4,6 @@
 #include <tenon/systems/framework/block/source.h>
 #include <tenon/systems/framework/types/errors.h>
 
-#include <cstddef>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 namespace internal {

@@ -4,8 +4,6 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
-#include <cstring>
 #include <exception>
 
 namespace tenon {

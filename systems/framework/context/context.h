@@ -6,16 +6,6 @@
 
 #include <Eigen/Core>
 
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-#include <memory>
-#include <new>
-#include <span>
-#include <string>
-#include <type_traits>
-#include <vector>
-
 namespace tenon {
 
 class Diagram;

@@ -5,9 +5,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <exception>
 
 namespace tenon {

@@ -7,11 +7,6 @@
 
 #include <fmt/core.h>
 
-#include <array>
-#include <cmath>
-#include <cstring>
-#include <fstream>
-
 namespace tenon {
 
 using internal::Cell;

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <iterator>
-#include <typeinfo>
 
 namespace tenon {
 namespace {

@@ -5,8 +5,6 @@
 
 #include <fmt/core.h>
 
-#include <functional>
-
 namespace tenon {
 
 Diagram::Diagram(std::vector<std::unique_ptr<System>> blocks, std::vector<std::unique_ptr<System>> replaced,

@@ -2,12 +2,6 @@
 
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <string_view>
-#include <vector>
-
 namespace tenon {
 
 class Context;

@@ -4,13 +4,7 @@
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/block/system.h>
 
-#include <memory>
-#include <optional>
-#include <string>
-#include <type_traits>
 #include <unordered_map>
-#include <utility>
-#include <vector>
 
 namespace tenon {
 

@@ -3,8 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <map>
-
 namespace tenon {
 namespace {
 

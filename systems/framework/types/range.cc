@@ -8,9 +8,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
-#include <vector>
 
 namespace tenon {
 

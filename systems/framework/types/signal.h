@@ -5,10 +5,6 @@
 
 #include <Eigen/Core>
 
-#include <cstddef>
-#include <string>
-#include <utility>
-
 namespace tenon {
 
 /// A vector signal of N doubles. Like Eigen::Matrix<double, N, 1>, but never over-aligned, so that a library

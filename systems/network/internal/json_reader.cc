@@ -4,11 +4,6 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
-#include <limits>
-#include <type_traits>
-#include <utility>
-
 namespace tenon::internal {
 namespace {
 

@@ -2,13 +2,8 @@
 
 #include <tenon/systems/framework/types/signal.h>
 
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <string>
 #include <unordered_map>
 #include <variant>
-#include <vector>
 
 namespace tenon::internal {
 

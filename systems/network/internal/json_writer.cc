@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <string_view>
-#include <type_traits>
 
 namespace tenon::internal {
 namespace {

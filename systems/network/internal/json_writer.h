@@ -2,11 +2,6 @@
 
 #include <tenon/systems/framework/types/signal.h>
 
-#include <cstddef>
-#include <span>
-#include <string>
-#include <vector>
-
 namespace tenon::internal {
 
 constexpr const char* kJsonTimestamp = "timestamp";

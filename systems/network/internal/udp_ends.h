@@ -4,9 +4,6 @@
 #include <tenon/systems/network/inbox.h>
 #include <tenon/systems/network/internal/json_writer.h>
 
-#include <memory>
-#include <string>
-
 namespace tenon::internal {
 
 class UdpSocket;

@@ -7,12 +7,8 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cmath>
-#include <cstring>
-#include <memory>
 
 namespace tenon::internal {
 namespace {

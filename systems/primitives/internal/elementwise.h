@@ -2,11 +2,6 @@
 
 #include <tenon/systems/framework/types/signal.h>
 
-#include <concepts>
-#include <cstddef>
-#include <cstdint>
-#include <type_traits>
-
 namespace tenon::internal {
 
 /// Value types of most primitives: a double, a Vec<N>, or another matrix of fixed size.

@@ -2,10 +2,6 @@
 
 #include <tenon/systems/framework/types/signal.h>
 
-#include <cstddef>
-#include <string>
-#include <vector>
-
 namespace tenon::internal {
 
 /// Returns the indices, in order, of a signal's elements named in `names`: by their names in logs, or by the

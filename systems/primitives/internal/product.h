@@ -4,8 +4,6 @@
 
 #include <Eigen/Core>
 
-#include <string>
-
 namespace tenon::internal {
 
 /// y = M v, or y += M v with `add`. Throws RunError that names M and v if their sizes do not match.

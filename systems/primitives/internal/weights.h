@@ -3,11 +3,7 @@
 #include <tenon/systems/framework/types/internal/type_info.h>
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
 #include <initializer_list>
-#include <utility>
-#include <vector>
 
 namespace tenon::internal {
 

@@ -13,7 +13,6 @@
 #include <cerrno>
 #include <cstdlib>
 #include <sstream>
-#include <string_view>
 
 namespace tenon::internal {
 

@@ -8,7 +8,6 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <stdexcept>
 
 namespace tenon::internal {
 namespace {

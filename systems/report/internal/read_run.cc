@@ -7,9 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <sstream>
-#include <string_view>
 
 namespace tenon {
 

@@ -6,8 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <optional>
-
 namespace tenon::internal {
 
 /// Converts a value to JSON, null if it is empty.

@@ -5,12 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <memory>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 /// The data of one run and their conversion to a page. Reports that show the run share this object.

@@ -1,12 +1,6 @@
 #include <tenon/systems/report/internal/run_log.h>
 
-#include <algorithm>
-#include <array>
 #include <bit>
-#include <cmath>
-#include <cstdint>
-#include <stdexcept>
-#include <string_view>
 
 namespace tenon::internal {
 

@@ -3,12 +3,6 @@
 #include <tenon/systems/geometry.h>
 #include <tenon/systems/simulation/signal_log.h>
 
-#include <cstring>
-#include <functional>
-#include <memory>
-#include <string>
-#include <vector>
-
 namespace tenon::internal {
 
 /// Columns of a log in single precision, with time in double precision, in memory of bounded size. A short

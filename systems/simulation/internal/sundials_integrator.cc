@@ -6,13 +6,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
-#include <limits>
 #include <tuple>
-#include <utility>
 namespace tenon {
 
 namespace {

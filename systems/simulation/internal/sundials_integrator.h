@@ -5,9 +5,6 @@
 #include <tenon/systems/simulation/internal/sundials_solver.h>
 #include <tenon/systems/simulation/simulator_options.h>
 
-#include <memory>
-#include <vector>
-
 namespace tenon {
 
 /// Integrates a context's continuous states with SUNDIALS, through internal::SundialsSolver. It integrates

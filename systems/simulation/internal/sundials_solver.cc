@@ -13,11 +13,9 @@
 #include <sunmatrix/sunmatrix_dense.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>  // arkode_butcher.h uses FILE without it
 #include <cstdlib>
 #include <initializer_list>
-#include <memory>
 #include <new>
 #include <type_traits>
 

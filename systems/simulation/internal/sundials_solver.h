@@ -4,8 +4,6 @@
 
 #include <cmath>
 #include <memory>
-#include <string>
-#include <vector>
 
 namespace tenon::internal {
 

@@ -9,12 +9,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <limits>
 #include <numeric>
-#include <system_error>
 
 namespace tenon::internal {
 namespace {

@@ -3,12 +3,6 @@
 #include <tenon/systems/framework/types/internal/type_info.h>
 #include <tenon/systems/yaml/internal/yaml_tree.h>
 
-#include <cstddef>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
-
 namespace tenon {
 struct YamlFile;
 struct YamlText;

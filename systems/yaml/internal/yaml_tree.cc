@@ -11,7 +11,6 @@
 
 #include <cctype>
 #include <map>
-#include <utility>
 
 namespace tenon::internal {
 namespace {

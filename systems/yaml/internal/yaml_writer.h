@@ -2,8 +2,6 @@
 
 #include <tenon/systems/framework/types/internal/type_info.h>
 
-#include <string>
-
 namespace tenon::internal {
 
 /// Writes block-style YAML with lists in flow style and the shortest numbers that read back exactly. Throws

@@ -4,10 +4,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <unordered_map>
-#include <utility>
-
 namespace tenon::internal {
 namespace {
 

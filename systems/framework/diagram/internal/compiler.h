@@ -3,10 +3,7 @@
 #include <tenon/systems/framework/block/system.h>
 #include <tenon/systems/framework/diagram/internal/program.h>
 
-#include <memory>
-#include <string>
 #include <unordered_set>
-#include <vector>
 
 namespace tenon::internal {
 

@@ -5,10 +5,8 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <set>
 #include <tuple>
-#include <unordered_map>
 
 namespace tenon::internal {
 namespace {

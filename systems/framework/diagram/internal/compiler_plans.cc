@@ -2,8 +2,6 @@
 #include <tenon/systems/framework/diagram/internal/compiler.h>
 #include <tenon/systems/framework/diagram/internal/schedule.h>
 
-#include <algorithm>
-
 namespace tenon::internal {
 
 /// Marks the sources that affect a derivative or a witness, through values or through updates of states.

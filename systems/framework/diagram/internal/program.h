@@ -4,12 +4,7 @@
 #include <tenon/systems/framework/block/source.h>
 
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <string>
 #include <unordered_map>
-#include <vector>
 
 namespace tenon::internal {
 

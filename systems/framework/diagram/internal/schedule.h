@@ -2,10 +2,6 @@
 
 #include <tenon/systems/framework/diagram/internal/program.h>
 
-#include <cstdint>
-#include <string>
-#include <vector>
-
 namespace tenon::internal {
 
 /// The ticks of a run, as integers of 1 / L seconds. Entries are a program's sample groups, followed by the

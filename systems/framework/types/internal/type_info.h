@@ -6,19 +6,10 @@
 
 #include <Eigen/Core>
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <new>
 #include <optional>
-#include <span>
-#include <string>
-#include <type_traits>
-#include <typeinfo>
-#include <utility>
-#include <vector>
 
 namespace tenon::internal {
 
