@@ -31,14 +31,12 @@ std::vector<Plot> PlotsOf(const ReportScenario& scenario, const std::vector<Plot
 }
 
 FieldList CommonScenario::With(const FieldList& own) {
-  FieldList fields{Required("app", &CommonScenario::app),
-                   {"description", &CommonScenario::description},
-                   Required("case", &CommonScenario::case_name)};
-  fields.insert(fields.end(), own.begin(), own.end());
-  fields.insert(fields.end(), {{"seed", &CommonScenario::seed},
-                               {"report", &CommonScenario::report},
-                               {"log", &CommonScenario::log},
-                               {"parameters", &CommonScenario::parameters}});
+  FieldList fields{
+      Required("app", &CommonScenario::app),        {"description", &CommonScenario::description},
+      Required("case", &CommonScenario::case_name), {"seed", &CommonScenario::seed},
+      {"report", &CommonScenario::report},          {"log", &CommonScenario::log},
+      {"parameters", &CommonScenario::parameters}};
+  fields.insert(fields.begin() + 3, own.begin(), own.end());  // behind the keys that name the scenario
   return fields;
 }
 

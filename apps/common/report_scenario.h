@@ -53,7 +53,7 @@ struct CommonScenario {
   std::string description;                                ///< description of the scenario in one line
   std::string case_name;                                  ///< title of the run
   std::uint64_t seed = 1;                                 ///< seed of all random streams
-  ReportScenario report;                                  ///< contents of the report; default: all signals
+  ReportScenario report;                                  ///< contents of the report
   LogScenario log;                                        ///< signals to log in addition to those of the app
   std::map<std::string, std::vector<double>> parameters;  ///< Parameters of the diagram to set, by path
 

@@ -95,7 +95,7 @@ void ReadStructs(const fs::path& file, std::map<std::string, Members>& found) {
 /// Reads the key of each member from the definitions of Fields() in a file.
 void ReadKeys(const fs::path& file, std::map<std::string, Members>& found) {
   static const std::regex kBegin(
-      R"(struct (\w+)(?: final)?(?: :[^;{]*)? \{|FieldList (?:(\w+)::)?Fields\(\) \{)");
+      R"(struct (\w+)(?: final)?(?: :[^;{]*)? \{|FieldList (?:(\w+)::)?(?:Fields|With)\([^)]*\) \{)");
   static const std::regex kKey(
       R"re((?:\{|Field\(|Required\()"(\w+)",\s*&(?:\w+::)*(\w+)(?:,\s*&(\w+)::(\w+))?)re");
   std::string text, name;

@@ -6,6 +6,7 @@
 namespace tenon {
 Verdict CdprMonitor::CheckTension(const CableSignals& cables, bool forbid_slack,
                                   double max_tension_ratio) const {
+  CheckNumCables(params.robot.num_cables(), cables.tension.size(), "CdprMonitor");
   for (Eigen::Index i = 0; i < cables.tension.size(); ++i) {
     // A cable whose tension is at most its weight is slack.
     const double weight = params.robot.cable.mass_per_length * kGravity * cables.rest_length[i];
