@@ -25,7 +25,7 @@ Vec<4> LegErrors::CalcFoot(const LeggedState& state, const ContactSchedule& sche
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     const bool swings = schedule.legs[i].state == ContactState::kSwing;
-    if (swings) memory.foothold[i] = footholds[i].allFinite() ? footholds[i] : feet[leg].p_W;
+    if (swings) memory.foothold[i] = footholds[i].isZero(0) ? feet[leg].p_W : footholds[i];
     memory.swung[i] = memory.swung[i] || swings;
     if (!memory.swung[i]) continue;
     const Vec<3> p_W = state.p_WB + state.R_WB() * params.robot.FootPosition(leg, state.q);

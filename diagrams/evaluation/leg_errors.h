@@ -9,7 +9,6 @@
 #include <tenon/systems/geometry.h>
 
 #include <array>
-#include <cmath>
 
 namespace tenon {
 
@@ -56,15 +55,15 @@ class LegErrors final : public LeafSystem<LegErrorsParams> {
  public:
   using LeafSystem::LeafSystem;
   using Points = std::array<Vec<3>, kNumLegs>;
-  static Points All(double value) {
+  static Points Origins() {
     Points points;
-    points.fill(Vec<3>::Constant(value));
+    points.fill(Vec<3>::Zero());
     return points;
   }
 
   /// The last planned footholds.
   struct Memory {
-    Points foothold = All(0);            ///< [m]
+    Points foothold = Origins();         ///< [m]
     std::array<bool, kNumLegs> swung{};  ///< whether the leg has stepped
 
     static FieldList Fields() {
@@ -79,7 +78,7 @@ class LegErrors final : public LeafSystem<LegErrorsParams> {
   InputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}, LegForceEstimate()};
   InputPort<ContactSchedule> schedule{this, {"schedule"}};
   InputPort<FeetReference> feet{this, {"feet"}};
-  InputPort<Points> footholds{this, {"footholds", "m", kLegElements}, All(std::nan(""))};
+  InputPort<Points> footholds{this, {"footholds", "m", kLegElements}, Origins()};
   Scratch<Memory> memory{this, "memory", Memory()};
   OutputPort<Vec<4>> foot{this,
                           {"foot", "m", kLegElements},

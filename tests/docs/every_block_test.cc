@@ -317,6 +317,7 @@ TEST(EveryBlock, ActsOnASetParameterAsOnOneThatItIsMadeWith) {
                                          "SineForce.start",
                                          "StateSpace.D",
                                          "SwingPlanner.step",
+                                         "ThesisPlanner.zmp",
                                          "TrackingError.min_singular_value",
                                          "TrunkPlanner.bandwidth",
                                          "TrunkPlanner.sway_limit",

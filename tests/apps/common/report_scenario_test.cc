@@ -58,8 +58,8 @@ class LogScenarioTest : public ::testing::Test {
 TEST_F(LogScenarioTest, AddsWhatIsNotLogged) {
   ReportScenario report;
   report.plots = {{.title = "front",
-                   .signals = {"pair.front.x.velocity", "pair.front.force"},
-                   .references = {"pair.rear.x", "pair.rear.x.position"}}};
+                   .signals = {"norm:pair.front.x", "rate:pair.front.force"},
+                   .references = {"xy:pair.rear.x", "pair.rear.x.position"}}};
   report.events = {"pair.rear.force"};
   report.bands = {{.signal = "pair.front.force", .names = {"none"}}};
   std::vector<const Source*> signals{&pair_.front.force};

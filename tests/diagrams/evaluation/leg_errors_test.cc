@@ -87,7 +87,7 @@ TEST_F(LegErrorsTest, ALegWithoutAForceHasItsPointAtTheFoot) {
 
 // A foot that lands 0.04 m above its planned foothold keeps this error until it swings again.
 TEST_F(LegErrorsTest, AFootOnABlockHasTheHeightOfTheBlockAsError) {
-  LegErrors::Points footholds = LegErrors::All(0);
+  LegErrors::Points footholds = LegErrors::Origins();
   footholds.fill(Foot(kRearRight) - Vec<3>(0, 0, 0.04));
   FeetReference feet;
   feet[kRearRight].p_W = Foot(kRearRight) - Vec<3>(0.003, 0, 0.004);
@@ -98,14 +98,14 @@ TEST_F(LegErrorsTest, AFootOnABlockHasTheHeightOfTheBlockAsError) {
   };
   EXPECT_THAT(errors(ContactState::kStance), IsNear(Vec<4>(0, 0, 0, 0), 0)) << "has not stepped yet";
   EXPECT_THAT(errors(ContactState::kSwing), IsNear(Vec<4>(0, 0, 0, 0.005), 1e-12));
-  footholds.fill(Vec<3>::Zero());
+  footholds.fill(Vec<3>(1, 2, 3));  // of a stance foot, without effect
   rig_.Fix(block_.footholds, footholds);
   EXPECT_THAT(errors(ContactState::kStance), IsNear(Vec<4>(0, 0, 0, 0.04), 1e-12));
   EXPECT_THAT(errors(ContactState::kLate), IsNear(Vec<4>(0, 0, 0, 0.04), 1e-12));
 }
 
 TEST_F(LegErrorsTest, ShowsThePlannedFootholds) {
-  LegErrors::Points footholds = LegErrors::All(0);
+  LegErrors::Points footholds = LegErrors::Origins();
   for (std::size_t i = 0; i < kNumLegs; ++i) footholds[i] << static_cast<double>(i), 1, 2;
   const Geometry& shapes = rig_.Fix(block_.footholds, footholds)[block_.geometry];
   ASSERT_EQ(shapes.size(), 4);
