@@ -158,7 +158,7 @@ std::vector<const Source*> InsertFaults(DiagramBuilder& builder, QuadrupedWalk& 
 std::vector<const Source*> InsertFaults(DiagramBuilder& builder, GuideDog& loop,
                                         const std::vector<LeggedFault>& faults) {
   Places places = PlacesOfWalk(loop, {&loop.obstacles.state, &loop.leash.robot});
-  places.obstacle = {loop.obstacles.obstacle, loop.supervisor.walk};
+  places.obstacle = {loop.obstacles.in_sight, loop.supervisor.walk};
   return Insert(builder, std::move(places), faults);
 }
 
