@@ -21,9 +21,10 @@ DdsMessage MakeShippedRos2Message(const TypeInfo& type) {
         &tf2_msgs_msg_dds__TFMessage__desc, &rosgraph_msgs_msg_dds__Clock__desc})
     if (name == descriptor->m_typename)
       return {.descriptor = descriptor, .size = descriptor->m_size, .as_is = &type};
-  throw ParameterError(fmt::format(
-      "the type {} is none of Tenon's messages: write its IDL and specialise DdsMessageOf by MakeRos2Message",
-      name));
+  throw ParameterError(
+      fmt::format("the type {} is not one of Tenon's messages: write its IDL and specialise DdsMessageOf by "
+                  "MakeRos2Message",
+                  name));
 }
 
 }  // namespace internal

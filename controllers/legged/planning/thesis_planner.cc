@@ -49,7 +49,7 @@ PlanarSpline QuinticBetween(const PlanarPoint& begin, const PlanarPoint& end, do
   PlanarSpline spline = OneSegment(begin, T);
   auto& c = spline.segments[0].coefficients;
   c[2] = T * T / 2 * begin.acceleration;
-  // What the first three coefficients lack at the end.
+  // The differences to the end that the first three coefficients leave.
   const Vec<2> p = end.position - begin.position - c[1] - c[2];
   const Vec<2> v = T * end.velocity - c[1] - 2 * c[2];
   const Vec<2> a = T * T * end.acceleration - 2 * c[2];

@@ -21,7 +21,7 @@ Vec<12> DecoupledGroundTorque(const QuadrupedDynamics& dynamics, const FootForce
 /// so that the component which hardly affects the joints tends to zero instead of infinity.
 FootForces SolveFootForces(const QuadrupedDynamics& dynamics, const Vec<12>& torque,
                            double min_singular_value);
-/// The same for one force and a leg's Jacobian J of the point where it acts, J^T f = torque.
+/// Solves J^T f = torque for one force f in the same way, with a leg's Jacobian J of the point where it acts.
 Vec<3> SolveForce(const Eigen::Matrix3d& J, const Vec<3>& torque, double min_singular_value);
 /// The forces of all legs in the decoupled dynamics, J_q^T f = torque, with s of the most singular leg.
 FootForces SolveFootForces(const QuadrupedDynamics& dynamics, const DecoupledDynamics& decoupled,

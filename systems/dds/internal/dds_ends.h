@@ -25,7 +25,7 @@ struct DdsMessage {
   std::size_t size;        ///< of the struct [bytes]
   void (*write)(const void* signal, void* message) = nullptr;
   std::string (*read)(const void* message, void* signal) = nullptr;
-  /// Of a signal that is a message of ROS 2 and travels as it is, without the functions above; else null.
+  /// The type of a signal that is a message of ROS 2 and travels without the functions above; else null.
   const internal::TypeInfo* as_is = nullptr;
 };
 

@@ -1,4 +1,4 @@
-// Recordings of ROS 2 messages: what is written is read back, and what is not whole is told.
+// Recordings of ROS 2 messages: what is written is read back, and damage is reported.
 
 #include <tenon/systems/ros2/mcap.h>
 #include <tenon/tests/testing/block_test.h>

@@ -84,8 +84,8 @@ TEST_F(ThesisPlannerTest, AStanceGoesFromTheMeasuredMotionToTheCentreOfTheFeetAt
               IsNear(Vec<3>(0.02, -0.03, 0.01), 1e-12));
   EXPECT_THAT(begin.w_W, IsNear(state_.w_W, 1e-12));
   const BodyReference end = At(0.15);
-  // Of the trot's feet, the pair that swings next is half a stance ahead of its lift-off, the other one a
-  // step less.
+  // The pair of the trot's feet that swings next is half a stance ahead of its lift-off, the other one a step
+  // less.
   const double stance = 2 * 0.265 - 0.115, ahead = (0.15 + 0.15 + 0.265 - stance) / 2 * 0.12;
   const Vec<2> start = rig_.system().stance.center_B;
   EXPECT_THAT(Vec<2>(end.com_W.head<2>()), IsNear(Vec<2>(start + Vec<2>(ahead, 0)), 1e-12));
