@@ -7,7 +7,7 @@ namespace tenon::reference_admittance_test {
 class ReferenceAdmittanceTest : public ::testing::Test {
  protected:
   void Pull(double tension) {
-    rig_.Fix(block_.body, body_).Fix(block_.wrench, WrenchEstimate{tension * -forward_, {}});
+    rig_.Fix(block_.body, body_).Fix(block_.wrench, WrenchEstimate{.force_W = tension * -forward_});
   }
   static ReferenceAdmittanceGains Gains() {
     ReferenceAdmittanceGains gains;
@@ -52,7 +52,7 @@ TEST_F(ReferenceAdmittanceTest, AxesHaveGainsOfTheirOwn) {
   rig_.Set(block_.gains, gains);
   const Vec<3> left(-forward_[1], forward_[0], 0);
   rig_.Fix(block_.body, body_)
-      .Fix(block_.wrench, WrenchEstimate{-30 * forward_ + 10 * left + Vec<3>(0, 0, 8), {}});
+      .Fix(block_.wrench, WrenchEstimate{.force_W = -30 * forward_ + 10 * left + Vec<3>(0, 0, 8)});
   EXPECT_THAT(rig_.RunTo(5)[block_.x], IsNear((Vec<6>() << 0, 0.005, 0.002, 0, 0, 0).finished(), 1e-6));
   EXPECT_TRUE(Refuses<ReferenceAdmittance>(
       [] {

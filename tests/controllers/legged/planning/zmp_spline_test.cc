@@ -291,7 +291,7 @@ TEST(PlanarSpline, DerivativesAreThoseOfThePosition) {
 // A polynomial of degree five is one of the splines, so without polygons and with a great weight it is the
 // solution.
 TEST(ZmpSpline, FollowsARegularisedPath) {
-  const PlanarPoint begin{{0.01, -0.02}, {0.1, 0.2}, {0.5, -0.3}}, end{{0.07, 0.01}, {}, {}};
+  const PlanarPoint begin{{0.01, -0.02}, {0.1, 0.2}, {0.5, -0.3}}, end{.position = {0.07, 0.01}};
   const PlanarSpline path = QuinticBetween(begin, end, 0.4);
   const std::vector<SupportPhase> phases{{0.4, SupportPolygon()}};
   PlanarSpline spline;
