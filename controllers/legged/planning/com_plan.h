@@ -19,6 +19,15 @@ struct ComDiagnostics {
   QpStatus status = QpStatus::kSolved;  ///< status of the last solve
   int constraint = -1;                  ///< constraint that the status refers to, see QpReport
 
+  /// Counts a solve.
+  void Count(const QpReport& report) {
+    ++solves;
+    failures += !report.ok();
+    failures_in_a_row = report.ok() ? 0 : failures_in_a_row + 1;
+    iterations = report.iterations;
+    status = report.status;
+    constraint = report.constraint;
+  }
   static FieldList Fields() {
     return {{"solves", &ComDiagnostics::solves},
             {"failures", &ComDiagnostics::failures},

@@ -110,11 +110,7 @@ void ComPlanner::PlanPendulum(const ContactSchedule& schedule, ComPlan* plan) co
                       [&](double duration, std::span<const Eigen::Vector2d> feet) {
                         // Without a foot on the ground the CoM moves evenly above the path.
                         Eigen::Vector2d zmp = plan->path.At(t + duration / 2).position_W;
-                        if (!feet.empty()) {
-                          Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-                          for (const Eigen::Vector2d& foot : feet) sum += foot;
-                          zmp = sum / static_cast<double>(feet.size());
-                        }
+                        if (!feet.empty()) zmp = CentreOf(feet);
                         plan->pendulum.Add(duration, zmp);
                         t += duration;
                       });
@@ -142,13 +138,7 @@ bool ComPlanner::PlanSpline(const ContactSchedule& schedule, const PlanarPoint& 
                                            .height = height,
                                            .gravity = params.gravity},
                                           zmp.spline, &plan->spline);
-  ComDiagnostics& diagnostics = plan->diagnostics;
-  ++diagnostics.solves;
-  diagnostics.failures += !report.ok();
-  diagnostics.failures_in_a_row = report.ok() ? 0 : diagnostics.failures_in_a_row + 1;
-  diagnostics.iterations = report.iterations;
-  diagnostics.status = report.status;
-  diagnostics.constraint = report.constraint;
+  plan->diagnostics.Count(report);
   return report.ok();
 }
 

@@ -7,9 +7,15 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <span>
 
 namespace tenon {
+
+/// The mean of at least one foothold.
+inline Eigen::Vector2d CentreOf(std::span<const Eigen::Vector2d> feet) {
+  return std::accumulate(feet.begin(), feet.end(), Eigen::Vector2d(0, 0)) / static_cast<double>(feet.size());
+}
 
 /// Calls visit(duration, feet) for the phases of the next `steps` steps, from the start of the present step:
 /// the stance of all feet, then the swing with the remaining stance feet, of each step. `path` is the

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 namespace tenon {
 
 /// Position, velocity and acceleration of one coordinate.
@@ -7,18 +9,30 @@ struct MotionPoint {
   double position = 0, velocity = 0, acceleration = 0;
 };
 
-/// The polynomial of degree five that connects two points of motion within `duration` > 0, at time t from its
-/// start.
+/// Coefficients of s^0 to s^5, s = t / duration, of the polynomial of degree five that connects two points of
+/// motion, such as MotionPoint or PlanarPoint, within `duration` > 0.
+template <class Point>
+auto QuinticCoefficients(const Point& begin, const Point& end, double duration) {
+  using Position = decltype(begin.position);
+  const double T = duration;
+  std::array<Position, 6> c;
+  c[0] = begin.position;
+  c[1] = T * begin.velocity;
+  c[2] = T * T * begin.acceleration / 2;
+  // End conditions less the contribution of the terms up to s^2.
+  const Position p = end.position - c[0] - c[1] - c[2];
+  const Position v = T * end.velocity - c[1] - 2 * c[2];
+  const Position a = T * T * end.acceleration - 2 * c[2];
+  c[3] = 10 * p - 4 * v + a / 2;
+  c[4] = -15 * p + 7 * v - a;
+  c[5] = 6 * p - 3 * v + a / 2;
+  return c;
+}
+
+/// The motion along this polynomial at time t from its start.
 inline MotionPoint Quintic(const MotionPoint& begin, const MotionPoint& end, double duration, double t) {
   const double T = duration, s = t / T;
-  const double c0 = begin.position, c1 = T * begin.velocity, c2 = T * T * begin.acceleration / 2;
-  // End conditions less the contribution of the terms up to s^2.
-  const double p = end.position - c0 - c1 - c2;
-  const double v = T * end.velocity - c1 - 2 * c2;
-  const double a = T * T * end.acceleration - 2 * c2;
-  const double c3 = 10 * p - 4 * v + a / 2;
-  const double c4 = -15 * p + 7 * v - a;
-  const double c5 = 6 * p - 3 * v + a / 2;
+  const auto [c0, c1, c2, c3, c4, c5] = QuinticCoefficients(begin, end, T);
   return {c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5)))),
           (c1 + s * (2 * c2 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5)))) / T,
           (2 * c2 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5))) / (T * T)};

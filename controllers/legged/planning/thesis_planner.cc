@@ -1,4 +1,5 @@
 #include <tenon/controllers/legged/planning/planned_phases.h>
+#include <tenon/controllers/legged/planning/quintic.h>
 #include <tenon/controllers/legged/planning/thesis_planner.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/plants/signals/quaternion.h>
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 namespace tenon {
 namespace {
@@ -21,10 +21,6 @@ PlanarSpline OneSegment(const PlanarPoint& begin, double duration) {
   spline.segments[0].duration = duration;
   spline.segments[0].coefficients[1] = duration * begin.velocity;
   return spline;
-}
-
-Eigen::Vector2d CentreOf(std::span<const Eigen::Vector2d> feet) {
-  return std::accumulate(feet.begin(), feet.end(), Eigen::Vector2d(0, 0)) / static_cast<double>(feet.size());
 }
 
 /// The acceleration whose ZMP is about the point of the polygon nearest to that of `point`. `ratio` is the
@@ -45,17 +41,9 @@ Vec<2> Realisable(const PlanarPoint& point, const SupportPolygon& polygon, doubl
 }  // namespace
 
 PlanarSpline QuinticBetween(const PlanarPoint& begin, const PlanarPoint& end, double duration) {
-  const double T = duration;
-  PlanarSpline spline = OneSegment(begin, T);
-  auto& c = spline.segments[0].coefficients;
-  c[2] = T * T / 2 * begin.acceleration;
-  // The differences to the end that the first three coefficients leave.
-  const Vec<2> p = end.position - begin.position - c[1] - c[2];
-  const Vec<2> v = T * end.velocity - c[1] - 2 * c[2];
-  const Vec<2> a = T * T * end.acceleration - 2 * c[2];
-  c[3] = 10 * p - 4 * v + a / 2;
-  c[4] = -15 * p + 7 * v - a;
-  c[5] = 6 * p - 3 * v + a / 2;
+  PlanarSpline spline = OneSegment(begin, duration);
+  spline.segments[0].coefficients = QuinticCoefficients(begin, end, duration);
+  spline.segments[0].coefficients[0].setZero();  // it is the origin
   return spline;
 }
 
@@ -161,13 +149,7 @@ void ThesisPlanner::PlanSwing(const ContactSchedule& schedule, const Vec<2>& slo
                                            .gravity = params.gravity},
                                           zmp.spline, &plan->spline);
   if (!report.ok()) plan->spline = regularized;
-  ComDiagnostics& counts = plan->diagnostics;
-  ++counts.solves;
-  counts.failures += !report.ok();
-  counts.failures_in_a_row = report.ok() ? 0 : counts.failures_in_a_row + 1;
-  counts.iterations = report.iterations;
-  counts.status = report.status;
-  counts.constraint = report.constraint;
+  plan->diagnostics.Count(report);
 }
 
 BodyReference ThesisPlanner::CalcReference(double now, const ThesisPlan& plan) const {
