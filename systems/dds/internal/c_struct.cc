@@ -1,5 +1,6 @@
 #include <tenon/systems/dds/internal/c_struct.h>
 #include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/ros2/internal/cdr.h>
 
 #include <dds/dds.h>
 #include <fmt/core.h>
@@ -56,18 +57,6 @@ Layout ForEachField(const TypeInfo& type, const Visit& visit) {
     whole.alignment = std::max(whole.alignment, part.alignment);
   }
   return {Aligned(whole.size, whole.alignment), whole.alignment};
-}
-
-struct Items {
-  std::size_t count;
-  char* data;
-};
-Items ItemsIn(const TypeInfo& type, const void* value) {
-  void* changeable = const_cast<void*>(value);
-  if (type.kind == Kind::kArray) return {type.count, static_cast<char*>(changeable)};
-  std::size_t rows = 0, cols = 0;
-  type.shape(value, &rows, &cols);
-  return {rows, static_cast<char*>(type.data(changeable))};
 }
 
 const char* At(const void* value, std::size_t offset) {

@@ -17,17 +17,6 @@ using Kind = TypeInfo::Kind;
 constexpr std::size_t kEncapsulation = 4;  // bytes before the message
 constexpr char kLittleEndian[kEncapsulation] = {0, 1, 0, 0};
 
-struct Items {
-  std::size_t count;
-  char* data;
-};
-Items ItemsIn(const TypeInfo& type, void* value) {
-  if (type.kind == Kind::kArray) return {type.count, static_cast<char*>(value)};
-  std::size_t rows = 0, cols = 0;
-  type.shape(value, &rows, &cols);
-  return {rows, static_cast<char*>(type.data(value))};
-}
-
 /// Appends to a message. Numbers are aligned to their size from the end of the encapsulation on.
 class Writer {
  public:

@@ -9,6 +9,19 @@
 
 namespace tenon::internal {
 
+/// The items of a list or an array.
+struct Items {
+  std::size_t count;
+  char* data;
+};
+inline Items ItemsIn(const TypeInfo& type, const void* value) {
+  void* changeable = const_cast<void*>(value);
+  if (type.kind == TypeInfo::Kind::kArray) return {type.count, static_cast<char*>(changeable)};
+  std::size_t rows = 0, cols = 0;
+  type.shape(value, &rows, &cols);
+  return {rows, static_cast<char*>(type.data(changeable))};
+}
+
 /// Sets `out` to a message of ROS 2 in CDR (XCDR 1, little endian), with the four bytes of its encapsulation.
 void WriteCdr(const TypeInfo& type, const void* message, std::vector<char>& out);
 

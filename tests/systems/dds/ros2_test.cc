@@ -121,7 +121,7 @@ void ExpectArrives(const M& message, const dds_topic_descriptor_t& descriptor, c
   }
   EXPECT_EQ(Contents(input.Tick()[input->y]), Contents(message));
   EXPECT_EQ(input[input->refused].reason, "");
-  // The same bytes from a sender that has the type of idlc.
+  // The input also reads the message from a sender that has the type of idlc.
   Listener<C> last(topic, descriptor);
   const test::DdsPeer peer(topic, descriptor);
   publisher.Fix(publisher->u, message).Tick();
