@@ -2,8 +2,7 @@
 #include <tenon/systems/campaign/sampling.h>
 #include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/core.h>
 

@@ -5,9 +5,7 @@
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/report/campaign_report.h>
 #include <tenon/systems/report/internal/run_log.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/nearest_name.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>
 
 #include <fmt/core.h>

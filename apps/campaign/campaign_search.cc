@@ -8,8 +8,7 @@
 #include <tenon/systems/campaign/sampling.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/report/campaign_report.h>
-#include <tenon/systems/text/nearest_name.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>
 
 #include <fmt/core.h>

@@ -21,7 +21,7 @@
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/fnv1a.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>

@@ -1,8 +1,7 @@
 #include <tenon/apps/cdpr/path_file.h>
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
 

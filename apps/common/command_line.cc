@@ -4,8 +4,7 @@
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>
 
 #include <CLI/CLI.hpp>

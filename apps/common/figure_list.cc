@@ -1,8 +1,7 @@
 #include <tenon/apps/common/figure_list.h>
 #include <tenon/apps/common/report_pictures.h>
 #include <tenon/systems/report/internal/browser.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <fmt/format.h>

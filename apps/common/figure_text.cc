@@ -1,6 +1,5 @@
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/systems/text/key_unit.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/core.h>
 

@@ -2,7 +2,7 @@
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/ros2/mcap.h>
-#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
 

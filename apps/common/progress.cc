@@ -1,7 +1,7 @@
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/systems/files/output_file.h>
-#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
 #include <sys/time.h>

@@ -4,7 +4,7 @@
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/report/internal/browser.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include <tenon/apps/common/report_scenario.h>
 #include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
 

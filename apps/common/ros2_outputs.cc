@@ -1,6 +1,5 @@
 #include <tenon/apps/common/ros2_outputs.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 #ifdef TENON_WITH_DDS
 #include <tenon/systems/dds/ros2.h>
 #endif

@@ -1,8 +1,7 @@
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 #include <tenon/systems/yaml/resources.h>

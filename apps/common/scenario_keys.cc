@@ -1,6 +1,6 @@
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/framework/block/rate.h>
-#include <tenon/systems/text/key_unit.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>

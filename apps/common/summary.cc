@@ -7,8 +7,7 @@
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/report_json.h>
-#include <tenon/systems/text/nearest_name.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>
 
 #include <fmt/format.h>

@@ -6,7 +6,7 @@
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/report.h>
-#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
 

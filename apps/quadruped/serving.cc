@@ -5,7 +5,7 @@
 #include <tenon/apps/quadruped/serving.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 #ifdef TENON_WITH_UNITREE
 #include <tenon/diagrams/unitree/unitree_server.h>
 #include <tenon/diagrams/unitree/unitree_world.h>

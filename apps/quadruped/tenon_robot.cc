@@ -13,7 +13,7 @@
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 #include <tenon/systems/yaml/resources.h>
 

@@ -2,7 +2,7 @@
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 

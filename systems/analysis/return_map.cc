@@ -2,7 +2,7 @@
 #include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/systems/analysis/return_map.h>
 #include <tenon/systems/simulation/simulator.h>
-#include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/core.h>
 

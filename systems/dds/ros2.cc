@@ -1,6 +1,5 @@
 #include <tenon/systems/dds/ros2.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/core.h>
 #include <ros2.h>

@@ -4,7 +4,7 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/live/internal/live_file.h>
 #include <tenon/systems/live/live_recording.h>
-#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>
 
 #include <fmt/format.h>

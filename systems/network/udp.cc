@@ -1,4 +1,4 @@
-#include <tenon/systems/network/internal/json_reader.h>
+#include <tenon/systems/network/internal/json.h>
 #include <tenon/systems/network/internal/udp_socket.h>
 #include <tenon/systems/network/internal/watcher.h>
 #include <tenon/systems/network/udp.h>

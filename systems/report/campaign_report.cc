@@ -3,7 +3,7 @@
 #include <tenon/systems/report/campaign_report.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/report_json.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 
 #include <nlohmann/json.hpp>
 

@@ -3,7 +3,7 @@
 #include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/internal/run.h>
 #include <tenon/systems/report/report.h>
-#include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
 

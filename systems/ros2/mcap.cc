@@ -1,6 +1,6 @@
 #include <tenon/systems/ros2/internal/cdr.h>
 #include <tenon/systems/ros2/mcap.h>
-#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>
 
 #include <fmt/core.h>

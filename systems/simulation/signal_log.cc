@@ -1,8 +1,7 @@
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/framework/diagram/internal/program.h>
 #include <tenon/systems/simulation/signal_log.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/core.h>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // Bytes as a message of a signal: JSON by UDP.
 
-#include <tenon/systems/network/internal/json_reader.h>
+#include <tenon/systems/network/internal/json.h>
 #include <tenon/systems/simulation.h>
 
 #include <array>

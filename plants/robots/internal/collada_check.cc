@@ -1,6 +1,6 @@
 #include <tenon/plants/robots/internal/mesh_import.h>
 #include <tenon/plants/robots/internal/xml_line.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 
 #include <expat.h>
 #include <fmt/format.h>

@@ -3,8 +3,7 @@
 #include <tenon/plants/robots/mesh_file.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 
 #include <Eigen/Geometry>

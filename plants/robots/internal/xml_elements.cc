@@ -1,6 +1,6 @@
 #include <tenon/plants/robots/internal/xml_elements.h>
 #include <tenon/plants/robots/internal/xml_line.h>
-#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/text.h>
 
 #include <expat.h>
 

@@ -1,7 +1,7 @@
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/framework/diagram/internal/program.h>
-#include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/core.h>
 

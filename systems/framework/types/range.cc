@@ -3,7 +3,7 @@
 #include <tenon/systems/framework/types/internal/type_info.h>
 #include <tenon/systems/framework/types/range.h>
 #include <tenon/systems/framework/types/signal.h>
-#include <tenon/systems/text/key_unit.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/core.h>
 

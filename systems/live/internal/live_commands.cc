@@ -1,8 +1,7 @@
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/live/internal/live_run.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/nearest_name.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
 

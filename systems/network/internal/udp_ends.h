@@ -2,7 +2,7 @@
 
 #include <tenon/systems/framework/block/source.h>
 #include <tenon/systems/network/inbox.h>
-#include <tenon/systems/network/internal/json_writer.h>
+#include <tenon/systems/network/internal/json.h>
 
 namespace tenon::internal {
 

@@ -3,7 +3,7 @@
 #include <tenon/systems/report/internal/derived_log.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/run.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
 

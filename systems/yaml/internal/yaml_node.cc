@@ -1,9 +1,6 @@
 #include <tenon/systems/framework/block/rate.h>
 #include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/key_unit.h>
-#include <tenon/systems/text/nearest_name.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/internal/yaml_node.h>
 #include <tenon/systems/yaml/yaml.h>
 

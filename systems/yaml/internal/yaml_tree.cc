@@ -1,7 +1,5 @@
 #include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/text/excerpt.h>
-#include <tenon/systems/text/key_unit.h>
-#include <tenon/systems/text/parse_number.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/internal/yaml_tree.h>
 
 #include <fmt/ranges.h>

@@ -1,6 +1,6 @@
 #include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/common/scenario_keys.h>
-#include <tenon/systems/text/key_unit.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <Eigen/Core>

@@ -2,10 +2,30 @@
 
 #include <charconv>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 namespace tenon::internal {
+
+/// Returns a user's text for use in a message: at most 80 characters and an ellipsis, with control characters
+/// escaped as `\n` or `\x1b` and bytes that are not UTF-8 as `\xff`.
+std::string Excerpt(std::string_view text);
+
+/// Returns a message that is safe to print: at most 4000 characters, with control characters except line ends
+/// escaped as `\x1b` and bytes that are not UTF-8 as `\xff`.
+std::string Printable(std::string_view message);
+
+/// Returns the name with the smallest edit distance to `wanted`, for "did you mean"; empty without names.
+std::string NearestName(std::string_view wanted, const std::vector<std::string>& names);
+
+/// Splits a key into its stem and its unit: `inertia_kg_m2` into "inertia" and "kg_m2".
+std::pair<std::string_view, std::string_view> SplitUnit(std::string_view key);
+
+/// Returns the unit of a key in the usual notation, such as "kg m^2" for inertia_kg_m2; empty without unit.
+std::string UnitOfKey(std::string_view key);
 
 /// Parses a whole text as a number by std::from_chars, which ignores the locale and accepts neither blanks
 /// nor a leading '+'. Returns errc(), result_out_of_range, or invalid_argument if the text is not a number.
