@@ -88,24 +88,26 @@ void Ros2Outputs::Open(const RunOptions& options) {
 }
 
 template <class M>
-void Ros2Outputs::Add(const std::string& topic, const OutputPort<M>& message, Rate rate, bool once) {
+void Ros2Outputs::Add(const std::string& topic, const OutputPort<M>& message, Rate sent, Rate recorded,
+                      bool once) {
   std::string name = topic;
   std::ranges::replace(name, '/', '_');
-  if (sends_) AddSender("ros2_" + name, topic, message, rate, once);
+  if (sends_) AddSender("ros2_" + name, topic, message, sent, once);
   if (file_ == nullptr) return;
   auto& recorder =
-      builder_.Add<McapPublisher<M>>("mcap_" + name, {.file = file_, .topic = "/" + topic, .rate = rate});
+      builder_.Add<McapPublisher<M>>("mcap_" + name, {.file = file_, .topic = "/" + topic, .rate = recorded});
   builder_.Connect(message, recorder.u);
 }
 
 template <ros2::Message M>
-void Ros2Outputs::Send(const std::string& topic, const OutputPort<M>& message, Rate rate) {
-  Add(topic, message, rate, false);
+void Ros2Outputs::Send(const std::string& topic, const OutputPort<M>& message, Rate recorded) {
+  Add(topic, message, Hz(100), recorded, false);
 }
 
 template <ros2::Message M>
 void Ros2Outputs::SendOnce(const std::string& topic, const OutputPort<M>& message) {
-  Add(topic, message, Hz(1e-4), true);  // the only tick of a run is its first
+  const Rate once = Hz(1e-4);  // the only tick of a run is its first
+  Add(topic, message, once, once, true);
 }
 
 void Ros2Outputs::SendDescription(const std::string& urdf) {

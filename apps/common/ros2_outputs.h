@@ -24,9 +24,9 @@ class Ros2Outputs {
   /// Whether anybody wants the messages.
   bool any() const { return sends_ || file_ != nullptr; }
 
-  /// Sends a message, such as to the topic /joint_states.
+  /// Sends a message at 100 Hz, such as to the topic /joint_states, and records it at a rate of its own.
   template <ros2::Message M>
-  void Send(const std::string& topic, const OutputPort<M>& message, Rate rate = Hz(100));
+  void Send(const std::string& topic, const OutputPort<M>& message, Rate recorded = Hz(100));
   /// Sends a message once, also to programs that join later.
   template <ros2::Message M>
   void SendOnce(const std::string& topic, const OutputPort<M>& message);
@@ -45,7 +45,7 @@ class Ros2Outputs {
  private:
   void Open(const RunOptions& options);
   template <class M>
-  void Add(const std::string& topic, const OutputPort<M>& message, Rate rate, bool once);
+  void Add(const std::string& topic, const OutputPort<M>& message, Rate sent, Rate recorded, bool once);
   template <class M>
   void AddSender(const std::string& name, const std::string& topic, const OutputPort<M>& message, Rate rate,
                  bool once);

@@ -1,4 +1,3 @@
-#include <tenon/apps/common/columns.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/plants/signals/quaternion.h>
@@ -7,33 +6,41 @@
 
 namespace tenon::apps {
 
+void StateErrors::Add(std::span<const double> row, const StateColumns& estimated, const StateColumns& truth) {
+  const double velocity = (VectorIn<3>(row, estimated.velocity) - VectorIn<3>(row, truth.velocity)).norm();
+  // The vertical in the axes of the trunk, true and estimated.
+  const Vec<3> up = RotationFromQuaternion(VectorIn<4>(row, truth.attitude)).row(2);
+  const Vec<3> estimated_up = RotationFromQuaternion(VectorIn<4>(row, estimated.attitude)).row(2);
+  const double tilt = std::atan2(up.cross(estimated_up).norm(), up.dot(estimated_up));
+  velocity_.Add(velocity);
+  tilt_.Add(tilt);
+  const Vec<3> distance = VectorIn<3>(row, estimated.position) - VectorIn<3>(row, truth.position);
+  position_end_ = distance.norm();
+  drift.Add(distance.norm());
+  height_drift.Add(std::abs(distance[2]));
+}
+
+void StateErrors::AddTo(Summary& summary, const std::string& prefix) const {
+  summary.Set(prefix + "velocity_estimate_error_rms_m_per_s", velocity_.rms());
+  summary.Set(prefix + "velocity_estimate_error_max_m_per_s", velocity_.max());
+  summary.Set(prefix + "tilt_estimate_error_rms_rad", tilt_.rms());
+  summary.Set(prefix + "tilt_estimate_error_max_rad", tilt_.max());
+  summary.Set(prefix + "position_estimate_error_end_m", position_end_);
+}
+
 void EstimateFigures::Begin(const std::vector<std::string>& names) {
   if (loop_.estimator == nullptr) return;
   const OutputPort<LeggedEstimate>* const estimate = FindCurrent(loop_.estimator->estimate);
   if (estimate == nullptr) return;
-  const auto columns = [&](const auto&... state) -> State {
-    return {Columns(names, state..., &LeggedState::p_WB), Columns(names, state..., &LeggedState::q_WB),
-            Columns(names, state..., &LeggedState::v_W)};
-  };
-  true_ = columns(loop_.world.plant.state);
-  estimated_ = columns(*estimate, &LeggedEstimate::state);
+  true_ = StateColumns::Of(names, loop_.world.plant.state);
+  estimated_ = StateColumns::Of(names, *estimate, &LeggedEstimate::state);
   path_com_ = Columns(names, FindCurrent(loop_.errors.path), &PathErrors::com);
   path_foot_ = Columns(names, FindCurrent(loop_.errors.path), &PathErrors::foot);
 }
 
 void EstimateFigures::Row(std::span<const double> row) {
   if (estimated_.velocity.empty()) return;
-  const double velocity = (VectorIn<3>(row, estimated_.velocity) - VectorIn<3>(row, true_.velocity)).norm();
-  // The vertical in the axes of the trunk, true and estimated.
-  const Vec<3> up = RotationFromQuaternion(VectorIn<4>(row, true_.attitude)).row(2);
-  const Vec<3> estimated_up = RotationFromQuaternion(VectorIn<4>(row, estimated_.attitude)).row(2);
-  const double tilt = std::atan2(up.cross(estimated_up).norm(), up.dot(estimated_up));
-  velocity_.Add(velocity);
-  tilt_.Add(tilt);
-  const Vec<3> drift = VectorIn<3>(row, estimated_.position) - VectorIn<3>(row, true_.position);
-  position_end_ = drift.norm();
-  drift_.Add(drift.norm());
-  height_drift_.Add(std::abs(drift[2]));
+  errors_.Add(row, estimated_, true_);
   if (path_com_.empty()) return;
   path_errors_.Add(VectorIn<3>(row, path_com_).norm());
   for (std::size_t leg = 0; leg < kNumLegs; ++leg)  // 0 marks a foot in stance
@@ -42,11 +49,7 @@ void EstimateFigures::Row(std::span<const double> row) {
 
 void EstimateFigures::AddTo(Summary& summary) const {
   if (estimated_.velocity.empty()) return;
-  summary.Set("velocity_estimate_error_rms_m_per_s", velocity_.rms());
-  summary.Set("velocity_estimate_error_max_m_per_s", velocity_.max());
-  summary.Set("tilt_estimate_error_rms_rad", tilt_.rms());
-  summary.Set("tilt_estimate_error_max_rad", tilt_.max());
-  summary.Set("position_estimate_error_end_m", position_end_);
+  errors_.AddTo(summary);
 }
 
 bool EstimateFigures::AddPathTo(Summary& summary) const {
@@ -56,8 +59,8 @@ bool EstimateFigures::AddPathTo(Summary& summary) const {
     feet.emplace_back(kLegNames[leg], path_foot_errors_[leg].max());
   summary.Set("path_error_max_m", path_errors_.max());
   summary.Set("path_foot_error_max_m", feet);
-  summary.Set("drift_m", drift_.max());
-  summary.Set("height_drift_m", height_drift_.max());
+  summary.Set("drift_m", errors_.drift.max());
+  summary.Set("height_drift_m", errors_.height_drift.max());
   return true;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
@@ -7,10 +8,31 @@
 
 namespace tenon::apps {
 
+/// Columns of a state's pose and velocity in a log.
+struct StateColumns {
+  std::vector<std::size_t> position, attitude, velocity;
+
+  static StateColumns Of(const std::vector<std::string>& names, const auto&... state) {
+    return {Columns(names, state..., &LeggedState::p_WB), Columns(names, state..., &LeggedState::q_WB),
+            Columns(names, state..., &LeggedState::v_W)};
+  }
+};
+
+/// Errors of an estimated state. The tilt error is the angle between the true and the estimated vertical.
+class StateErrors {
+ public:
+  void Add(std::span<const double> row, const StateColumns& estimated, const StateColumns& truth);
+  void AddTo(Summary& summary, const std::string& prefix = "") const;
+  Tally drift, height_drift;  ///< errors of position and height [m]
+
+ private:
+  Tally velocity_, tilt_;  // [m/s], [rad]
+  std::optional<double> position_end_;
+};
+
 /// Figures of the state estimate and of the walk relative to it (PathErrors), from a log of the true state,
-/// the estimate and TrackingError::path. Without an estimator there are no figures. The tilt error is the
-/// angle between the true and the estimated vertical. Position and yaw drift, because no sensor measures
-/// them.
+/// the estimate and TrackingError::path. Without an estimator there are no figures. Position and yaw
+/// drift, because no sensor measures them.
 class EstimateFigures {
  public:
   explicit EstimateFigures(const QuadrupedWalk& loop) : loop_(loop) {}
@@ -21,16 +43,11 @@ class EstimateFigures {
   bool AddPathTo(Summary& summary) const;
 
  private:
-  /// Columns of a state in the log.
-  struct State {
-    std::vector<std::size_t> position, attitude, velocity;
-  };
   const QuadrupedWalk& loop_;
-  State true_, estimated_;
-  Tally velocity_, tilt_;  // errors [m/s], [rad]
-  std::optional<double> position_end_;
+  StateColumns true_, estimated_;
+  StateErrors errors_;
   std::vector<std::size_t> path_com_, path_foot_;
-  Tally path_errors_, drift_, height_drift_;  // [m]
+  Tally path_errors_;  // [m]
   std::array<Tally, kNumLegs> path_foot_errors_;
 };
 

@@ -3,6 +3,7 @@
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/summary.h>
+#include <tenon/apps/quadruped/log_estimator.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/serving.h>
@@ -33,6 +34,7 @@ struct WalkArguments {
   bool compare = false;         ///< one run for each observer
   std::string serve;            ///< see Serve; empty: the robot is not served
   std::string drive;            ///< see Drive; empty: the robot is simulated
+  std::string estimate;         ///< see RunEstimate; empty: no log
 
   bool any() const { return !gait.empty() || speed || !observer.empty() || compare; }
 };
@@ -53,6 +55,10 @@ void AddWalkArguments(CommandLine& line, WalkArguments& walk) {
            "walk with a robot on DDS, a Go2 or B2, in real time, in place of the simulated one: unitree or "
            "unitree:INTERFACE[,DOMAIN]",
            {.excludes = "--live"});
+  line.Add(
+      "--estimate", &walk.estimate,
+      "run estimator and observers of the scenario on a log of a robot, an MCAP file (default of SCENARIO: "
+      "scenario.yaml beside it)");
 }
 
 /// Checks a scenario whose robot is served, and replaces DogBot, which no maker's client knows, by a Go2.
@@ -178,6 +184,27 @@ int ReplayRun(CommonArguments arguments, const WalkArguments& walk, const std::s
   return equal ? code : std::max<int>(code, kLimitBroken);
 }
 
+/// Runs a log through the scenario's estimator and observers. Returns the exit code.
+int RunLog(CommonArguments arguments, const WalkArguments& walk, const std::string& app) {
+  const std::filesystem::path file = walk.estimate;
+  if (!walk.gait.empty() || walk.speed || walk.compare || !walk.serve.empty() || !walk.drive.empty() ||
+      !arguments.live.empty() || !arguments.replay.empty() || !arguments.ros2.empty() || arguments.mcap)
+    throw ParameterError(
+        "--estimate takes a SCENARIO, --set, --observer, --duration and --out: remove other options");
+  if (const auto beside = file.parent_path() / "scenario.yaml";
+      arguments.scenario.empty() && std::filesystem::exists(beside))
+    arguments.scenario = beside.string();
+  if (arguments.out.empty()) arguments.out = (file.parent_path() / "estimate").string();
+  YamlDocument document = LoadScenario(arguments, app);
+  if (walk.any()) SetWalk(walk, arguments.scenario, document);
+  return RunBlaming(document, [&] {
+    auto scenario = document.Read<QuadrupedScenario>();
+    scenario.duration_s = arguments.duration;
+    const RunOptions options = OptionsOf(arguments);
+    return PrintResult(RunEstimate(file, scenario, options).summary, options);
+  });
+}
+
 }  // namespace
 
 ScenarioApp QuadrupedApp::AsScenarioApp() const {
@@ -212,6 +239,7 @@ int QuadrupedApp::Run(int argc, char** argv) const {
   AddWalkArguments(line, walk);
   return RunMain(line, argc, argv, [&]() -> int {
     if (const auto code = RunInstead(arguments, app)) return *code;
+    if (!walk.estimate.empty()) return RunLog(arguments, walk, app.name);
     std::error_code ignored;
     if (std::filesystem::is_directory(arguments.replay, ignored))
       return ReplayRun(arguments, walk, app.name, customisation_);

@@ -11,44 +11,54 @@ namespace {
 
 QuadrupedMessages& AddMessages(DiagramBuilder& builder, Ros2Outputs& outputs, const LeggedScenario& scenario,
                                const QuadrupedWorld& world, const OutputPort<LeggedState>& state,
-                               double epoch) {
+                               const std::optional<RobotTimes>& wire) {
   const QuadrupedMessagesParams params = Blame("robot", [&] {
-    return QuadrupedMessagesParams{LoadQuadruped(scenario.robot), LoadRobotLinks(scenario.robot), epoch};
+    return QuadrupedMessagesParams{LoadQuadruped(scenario.robot), LoadRobotLinks(scenario.robot),
+                                   wire ? wire->epoch : 0};
   });
   auto& messages = builder.Add<QuadrupedMessages>("messages", params);
   builder.Connect(state, messages.state);
   builder.Connect(world.joints, messages.joints);
   builder.Connect(world.measured_torque, messages.torque);
   builder.Connect(world.inertial, messages.inertial);
-  outputs.Send("joint_states", messages.joint_states);
-  outputs.Send("imu", messages.imu);
+  outputs.Send("joint_states", messages.joint_states, wire ? wire->rate : world.encoders.params.rate);
+  outputs.Send("imu", messages.imu, wire ? wire->rate : world.imu.params.rate);
   outputs.Send("odom", messages.odometry);
   outputs.Send("tf", messages.tf);
   outputs.SendOnce("tf_static", messages.tf_static);
   outputs.SendDescription(params.links.urdf);
-  if (epoch == 0) outputs.SendClock();
+  if (!wire) outputs.SendClock();
   return messages;
 }
 
 void SendFootForces(DiagramBuilder& builder, Ros2Outputs& outputs, const OutputPort<FootForces>& forces,
-                    QuadrupedMessages& messages) {
+                    QuadrupedMessages& messages, Rate rate) {
   builder.Connect(forces, messages.foot_forces);
   for (const auto* foot :
        {&messages.front_left, &messages.front_right, &messages.rear_left, &messages.rear_right})
-    outputs.Send("foot_force/" + foot->name(), *foot);
+    outputs.Send("foot_force/" + foot->name(), *foot, rate);
 }
 
 }  // namespace
 
 void AddRos2(DiagramBuilder& builder, Ros2Outputs& outputs, const LeggedScenario& scenario,
-             QuadrupedWalk& walk, WalkDrive* drive, double epoch) {
+             QuadrupedWalk& walk, WalkDrive* drive, const std::optional<RobotTimes>& wire) {
   if (!outputs.any()) return;
-  QuadrupedMessages& messages = AddMessages(builder, outputs, scenario, walk.world, walk.state, epoch);
+  QuadrupedMessages& messages = AddMessages(builder, outputs, scenario, walk.world, walk.state, wire);
   SendFootForces(builder, outputs,
                  walk.foot_forces_of_legs != nullptr   ? walk.foot_forces_of_legs->forces
                  : walk.foot_force_estimate != nullptr ? walk.foot_force_estimate->forces
                                                        : walk.world.foot_forces,
-                 messages);
+                 messages, wire ? wire->rate : walk.world.foot_sensor.params.rate);
+  if (walk.estimator != nullptr && !wire)
+    outputs.Send("ground_truth",
+                 builder.AddFunction("ground_truth", Uses(builder.time, walk.world.state),
+                                     [base = messages.params.links.base](double t, const LeggedState& x) {
+                                       auto truth = ros2::MakeOdometry(QuadrupedMessages::kOdom, base);
+                                       truth.header.stamp = ros2::StampOf(t);
+                                       ros2::SetOdometry(x.p_WB, x.q_WB, x.v_W, x.w_W, &truth);
+                                       return truth;
+                                     }));
   builder.Connect(walk.observer.wrench, messages.wrench);
   outputs.Send("disturbance", messages.disturbance);
   const LiveScenario& live = scenario.live;
@@ -70,8 +80,8 @@ void AddRos2(DiagramBuilder& builder, Ros2Outputs& outputs, const LeggedScenario
 void AddRos2(DiagramBuilder& builder, Ros2Outputs& outputs, const LeggedScenario& scenario,
              QuadrupedStand& stand, WalkDrive*) {
   if (!outputs.any()) return;
-  QuadrupedMessages& messages = AddMessages(builder, outputs, scenario, stand.world, stand.world.state, 0);
-  SendFootForces(builder, outputs, stand.world.foot_forces, messages);
+  QuadrupedMessages& messages = AddMessages(builder, outputs, scenario, stand.world, stand.world.state, {});
+  SendFootForces(builder, outputs, stand.world.foot_forces, messages, stand.world.foot_sensor.params.rate);
 }
 
 }  // namespace tenon::apps

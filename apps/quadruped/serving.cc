@@ -142,7 +142,7 @@ RunResult Drive(const Wire& wire, QuadrupedScenario scenario, const RunOptions& 
       builder, [&] { return params; }, {}, scenario, outputs, faults);
   Ros2Outputs ros2(builder, options);
   const std::chrono::duration<double> epoch = std::chrono::system_clock::now().time_since_epoch();
-  AddRos2(builder, ros2, scenario, loop, nullptr, epoch.count());
+  AddRos2(builder, ros2, scenario, loop, nullptr, RobotTimes{on_wire.rate, epoch.count()});
   UnitreeWorld& robot = DriveUnitree(builder, loop, on_wire);
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.real_time_rate = repeats ? 0.0 : 1.0});
