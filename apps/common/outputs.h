@@ -37,31 +37,6 @@ inline std::optional<double> Microseconds(std::optional<double> seconds) {
   return seconds;
 }
 
-/// Quantiles of times, accurate to 1 %, in constant memory.
-class TimeQuantiles {
- public:
-  void Add(double seconds) {
-    const double bin = std::log(seconds / kShortest) / kWidth;
-    const auto last = static_cast<double>(counts_.size() - 1);
-    ++counts_[bin > 0 ? static_cast<std::size_t>(std::min(bin, last)) : 0];  // NaN counts as 0
-    ++count_;
-  }
-  /// Returns the quantile for `share` in [0, 1], in s; empty without times.
-  std::optional<double> Quantile(double share) const {
-    if (count_ == 0) return std::nullopt;
-    const auto rank = static_cast<long>(share * static_cast<double>(count_ - 1));
-    long below = 0;
-    std::size_t bin = 0;
-    while ((below += counts_[bin]) <= rank) ++bin;
-    return kShortest * std::exp(kWidth * (static_cast<double>(bin) + 0.5));
-  }
-
- private:
-  static constexpr double kShortest = 1e-9, kWidth = 0.01;  // [s], and bin width of the logarithm
-  std::array<long, 3000> counts_{};                         // up to 3 hours
-  long count_ = 0;
-};
-
 /// The outputs that a customisation adds to a run: signals, shapes in the replay, plots and figures.
 ///
 ///     app.Customise([](DiagramBuilder& builder, QuadrupedWalk& walk, Outputs& outputs) {

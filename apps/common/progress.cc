@@ -12,6 +12,7 @@
 #include <csignal>
 #include <cstdio>
 #include <mutex>
+#include <utility>
 
 namespace tenon::apps {
 
@@ -65,6 +66,7 @@ void ProgressSink::Row(std::span<const double> row) {
 }
 
 void ProgressSink::Flush() {
+  if (std::exchange(ended_, time_) == time_) return;
   line_.End(share(), Text());
 }
 

@@ -48,7 +48,7 @@ class ProgressSink final : public LogSink {
 
   std::string prefix_;
   double duration_;
-  double time_ = 0;
+  double time_ = 0, ended_ = -1;
   ProgressLine line_;
 };
 

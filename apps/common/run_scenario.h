@@ -6,6 +6,8 @@
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/systems/report/report.h>
+#include <tenon/systems/simulation/background_log.h>
+#include <tenon/systems/simulation/real_time_thread.h>
 
 #include <system_error>
 
@@ -32,6 +34,8 @@ struct RunOptions {
   /// Sends messages of ROS 2, "INTERFACE[,DOMAIN]" or kAnyInterface; empty: none. The run keeps real time.
   std::optional<std::string> ros2 = {};
   bool mcap = false;  ///< records these messages in run.mcap
+  /// The run has a RealTimeThread on this processor; empty: none.
+  std::optional<int> processor = {};
 };
 inline constexpr const char* kAnyInterface = "any";
 
@@ -98,6 +102,12 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
   std::vector<std::string> notes;
   if constexpr (requires { Notes(scenario); }) notes = Notes(scenario);
   const auto advance = [&] {
+    std::optional<RealTimeThread> real_time;
+    if (options.processor) {
+      real_time.emplace(*options.processor);
+      PrintNotes(options, real_time->refused());
+      notes.insert(notes.end(), real_time->refused().begin(), real_time->refused().end());
+    }
     Summary summary(scenario.case_name, scenario.seed, run());
     judge(summary);
     for (const std::string& note : notes) summary.Note(note);
@@ -116,10 +126,10 @@ RunResult RunScenario(const RunOptions& options, const auto& scenario, const std
   files.Write(out.path());
   PrintNotes(options, notes);
   WriteGraph(simulator.context().diagram(), options.graph);
-  const auto csv = std::make_shared<CsvLog>(out.path() / "signals.csv");
-  std::vector<std::shared_ptr<LogSink>> sinks{InBackground(csv)};
+  std::vector<std::shared_ptr<LogSink>> sinks;
   if (!options.live) sinks.push_back(std::make_shared<ProgressSink>(duration, options.name));
-  simulator.AddLog(Hz(scenario.log_rate_hz), signals, sinks);
+  sinks.push_back(std::make_shared<CsvLog>(out.path() / "signals.csv"));
+  simulator.AddLog(Hz(scenario.log_rate_hz), signals, {std::make_shared<BackgroundLog>(sinks)});
   Summary summary = advance();
   WriteResults(out.path(), summary, report);
   return {std::move(summary), std::move(report)};

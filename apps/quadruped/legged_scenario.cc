@@ -1,5 +1,6 @@
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/legged_scenario.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
@@ -48,6 +49,9 @@ double EndOfWalk(const WalkScenario& walk) {
 }
 
 SimulatorOptions MakeSimulatorOptions(const LeggedScenario& scenario, const QuadrupedPlant& plant) {
+  if (!LoadPlace(scenario.robot).empty())
+    throw KeyError("robot.link",
+                   "only a run of tenon-quadruped drives a robot: remove this key to simulate it");
   SimulatorOptions options = scenario.integrator.Options(plant);
   options.seed = scenario.seed;
   return options;

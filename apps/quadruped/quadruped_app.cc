@@ -1,4 +1,5 @@
 #include <tenon/apps/common/command_line.h>
+#include <tenon/apps/common/real_time.h>
 #include <tenon/apps/common/report_scenario.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_file.h>
@@ -35,6 +36,7 @@ struct WalkArguments {
   std::string serve;            ///< see Serve; empty: the robot is not served
   std::string drive;            ///< see Drive; empty: the robot is simulated
   std::string estimate;         ///< see RunEstimate; empty: no log
+  bool check_realtime = false;  ///< examines the machine
 
   bool any() const { return !gait.empty() || speed || !observer.empty() || compare; }
 };
@@ -59,6 +61,8 @@ void AddWalkArguments(CommandLine& line, WalkArguments& walk) {
       "--estimate", &walk.estimate,
       "run estimator and observers of the scenario on a log of a robot, an MCAP file (default of SCENARIO: "
       "scenario.yaml beside it)");
+  line.Add("--check-realtime", &walk.check_realtime,
+           "measure for 6 s how late this machine begins ticks, and say what to change before --drive");
 }
 
 /// Checks a scenario whose robot is served, and replaces DogBot, which no maker's client knows, by a Go2.
@@ -129,7 +133,10 @@ int RunCommand(YamlDocument document, const CommonArguments& arguments, const Wa
                const RunOptions& options, const WalkCustomisation& customisation) {
   if (walk.any()) SetWalk(walk, arguments.scenario, document);
   if (!walk.serve.empty()) SetServed(arguments.scenario, document);
-  if (!walk.drive.empty()) SetDriven(arguments.scenario, document);
+  const std::string drive =
+      walk.serve.empty() ? SetDriven(arguments.scenario, walk.drive, document) : std::string();
+  if (!drive.empty() && (options.live || walk.compare))
+    throw ParameterError("a robot is driven by one run without a page: remove --live and --compare");
   return RunBlaming(document, [&] {
     QuadrupedScenario scenario = ReadScenario(document, customisation);
     if (arguments.duration) scenario.duration_s = *arguments.duration;
@@ -137,7 +144,7 @@ int RunCommand(YamlDocument document, const CommonArguments& arguments, const Wa
       CheckJudged(scenario.walk->judged_from_s, Duration(scenario), arguments.duration.has_value());
     for (const std::string& warning : Blame("robot", [&] { return QuadrupedWarnings(scenario.robot); }))
       Say(fmt::format("warning: {}\n", warning));
-    if (!walk.drive.empty()) return PrintResult(Drive({walk.drive}, scenario, options).summary, options);
+    if (!drive.empty()) return PrintResult(Drive({drive}, scenario, options).summary, options);
     if (walk.compare) return CompareObservers(options, scenario, customisation);
     return PrintResult(RunQuadruped(scenario, options, customisation, {walk.serve}).summary, options);
   });
@@ -238,6 +245,11 @@ int QuadrupedApp::Run(int argc, char** argv) const {
   WalkArguments walk;
   AddWalkArguments(line, walk);
   return RunMain(line, argc, argv, [&]() -> int {
+    if (walk.check_realtime) {
+      const RealTimeReport report = ExamineRealTime(3);
+      fmt::print("{}", report.text);
+      return report.holds ? kRan : kLimitBroken;
+    }
     if (const auto code = RunInstead(arguments, app)) return *code;
     if (!walk.estimate.empty()) return RunLog(arguments, walk, app.name);
     std::error_code ignored;

@@ -88,7 +88,7 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
     outputs.AddTo(summary);
     double commanded = 0;
     if constexpr (requires { figures->commanded(); }) commanded = figures->commanded();
-    if (!options.live) JudgeTask(scenario, commanded, summary);
+    if (!options.live && !wire.any()) JudgeTask(scenario, commanded, summary);
   };
   std::vector<const Source*> signals = Figures::Signals(loop);
   signals.insert(signals.end(), faults.begin(), faults.end());
@@ -132,9 +132,11 @@ void CheckQuadruped(const QuadrupedScenario& scenario, const Customisation<Quadr
   }
 }
 
-RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options,
+RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& given,
                        const Customisation<QuadrupedWalk>& customisation, const Wire& wire) {
-  std::error_code ignored;  // the recording of an earlier run
+  RunOptions options = given;
+  if (!wire.where.empty()) options.processor = 1;  // --drive uses the last one
+  std::error_code ignored;                         // the recording of an earlier run
   if (!options.out.empty()) std::filesystem::remove(options.out / "wire.bin", ignored);
   if (!scenario.walk) {
     QuadrupedStandParams params = Blame("", [&] { return MakeStandParams(scenario); });

@@ -1,12 +1,14 @@
 #include <tenon/apps/common/faults.h>
-#include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/real_time.h>
 #include <tenon/apps/quadruped/quadruped_ros2.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/serving.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
+#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/text/text.h>
 #ifdef TENON_WITH_UNITREE
+#include <tenon/diagrams/unitree/motion_switcher.h>
 #include <tenon/diagrams/unitree/unitree_server.h>
 #include <tenon/diagrams/unitree/unitree_world.h>
 #endif
@@ -21,15 +23,21 @@
 
 namespace tenon::apps {
 
-void SetDriven(const std::string& name, YamlDocument& document) {
+std::string SetDriven(const std::string& name, const std::string& option, YamlDocument& document) {
   const auto scenario = document.Read<QuadrupedScenario>();
+  const std::string place =
+      option.empty() ? Blame("robot", [&] { return LoadPlace(scenario.robot); }) : option;
+  if (place.empty()) return place;
   if (!scenario.walk)
     throw ParameterError(
         fmt::format("--drive: '{}' stands; choose a scenario that walks, such as flat", name));
-  if (document.Value("robot") == "dogbot") document.Set("robot", "go2");
+  const std::size_t colon = place.find(':');
+  document.Set("robot.link.unitree", colon == place.npos ? "lo" : place.substr(colon + 1));
+  if (document.Value("robot.file") == "dogbot") document.Set("robot.file", "go2");
   document.Set("walk.state", "estimated");
   document.Set("sensors.foot_force.mounted", "none");
   if (!scenario.deployment) document.Set("deployment", "{initial: passive}");
+  return place;
 }
 
 #ifdef TENON_WITH_UNITREE
@@ -42,12 +50,13 @@ static DdsLink LinkOf(const char* option, const std::string& where) {
                                           : internal::NumberIn<int>(where.substr(comma + 1));
   if (robot != "unitree" || interface.empty() || !domain)
     throw ParameterError(fmt::format(
-        "{} {}: give unitree, unitree:INTERFACE or unitree:INTERFACE,DOMAIN, such as unitree:eth0,0", option,
-        where));
+        "{} {}: give unitree, unitree:INTERFACE or unitree:INTERFACE,DOMAIN, such as unitree:eth0,0; in a "
+        "scenario, robot: {{file: go2, link: {{unitree: eth0}}}}",
+        option, where));
   return {.domain = *domain, .interface = interface};
 }
 
-/// Sets the numbers of messages, of those refused, and of late ticks.
+/// Sets the numbers of messages and of those refused, and the times of ticks.
 template <class T>
 static void SetReceived(const std::string& what, const DdsInput<T>& input, const Simulator& simulator,
                         Summary& summary) {
@@ -55,14 +64,14 @@ static void SetReceived(const std::string& what, const DdsInput<T>& input, const
   summary.Set(what + "s", static_cast<double>(simulator.context().Eval(input.taken).number));
   summary.Set(what + "s_refused", static_cast<double>(refused.count));
   if (refused.count > 0) summary.Note("the last refused " + what + ": " + refused.reason);
-  summary.Set("ticks_missed", static_cast<double>(simulator.real_time().missed));
-  summary.Set("tick_late_max_s", simulator.real_time().worst_lateness);
+  SetRealTime(simulator.real_time(), summary);
 }
 
 Served Serve(const Wire& wire, DiagramBuilder& builder, QuadrupedStand& loop,
              const std::filesystem::path& out) {
   const DdsLink link = wire.replay.empty() ? LinkOf("--serve", wire.where) : DdsLink{};
-  UnitreeServerParams params{.link = link, .initial = HoldStance(loop.pd.params)};
+  UnitreeServerParams params{
+      .link = link, .initial = HoldStance(loop.pd.params), .expired = DampedJoints(loop.pd.params.robot)};
   const auto recorder = std::make_shared<WireRecorder>(wire, out);
   if (wire.replay.empty()) {
     Say(fmt::format(
@@ -84,37 +93,71 @@ Served Serve(const Wire& wire, DiagramBuilder& builder, QuadrupedStand& loop,
 
 constexpr double kReady = 6;  // from the start to the walk [s]
 
-/// Damps the joints of a robot at the end of a run that has begun.
-class LastCommand {
+/// Damps the joints of a robot at the end of a run that has begun, and then releases them.
+class LastCommands {
  public:
-  LastCommand(const DdsLink& link, const Deployment& deployment, const Simulator& simulator)
+  LastCommands(const DdsLink& link, const Deployment& deployment, const Simulator& simulator)
       : sender_(internal::MakeDdsSender({"rt/lowcmd", link, false}, DdsMessageOf<UnitreeCommand>::Get())),
-        command_{deployment.Damped()},
+        deployment_(deployment),
         simulator_(simulator) {}
-  ~LastCommand() { Send(); }
-  LastCommand(const LastCommand&) = delete;
-  LastCommand& operator=(const LastCommand&) = delete;
+  ~LastCommands() { Send(); }
+  LastCommands(const LastCommands&) = delete;
+  LastCommands& operator=(const LastCommands&) = delete;
 
+  void Damp() { Repeat({deployment_.Damped()}, 1); }
   void Send() {
-    constexpr int kTimes = 5;  // against a loss
-    for (int i = 0; i < kTimes && !sent_ && simulator_.context().time() > 0; ++i) {
-      sender_->Send(0, &command_, memory_);
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    if (sent_ || simulator_.context().time() <= 0) return;
     sent_ = true;
+    constexpr int kPassive = 5;  // against a loss
+    if (simulator_.context().Eval(deployment_.status).mode != DeploymentMode::kPassive)
+      Repeat({deployment_.Damped()}, static_cast<int>(deployment_.params.damp_time / kPeriod.count()));
+    Repeat({}, kPassive);
   }
 
  private:
+  static constexpr std::chrono::duration<double> kPeriod{0.002};
+  void Repeat(const UnitreeCommand& command, int times) {
+    for (int i = 0; i < times; ++i) {
+      sender_->Send(0, &command, memory_);
+      std::this_thread::sleep_for(kPeriod);
+    }
+  }
   std::unique_ptr<internal::DdsSender> sender_;
-  UnitreeCommand command_;
+  const Deployment& deployment_;
   const Simulator& simulator_;
   std::vector<char> memory_;
   bool sent_ = false;
 };
 
+/// Collects the times from the sending of a state by the robot to the command that answers it.
+class RoundTrip final : public LogSink {
+ public:
+  explicit RoundTrip(const DdsInput<UnitreeState>& input) : input_(input) {}
+  void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
+  void Row(std::span<const double> row) override {
+    if (row[1] == state_) return;
+    state_ = row[1];
+    const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
+    const double age = now.count() - input_.sent();
+    agree_ = agree_ && age >= 0 && age < 1;
+    times_.Add(age);
+  }
+  void AddTo(Summary& summary) const {
+    if (agree_) return SetTimes("round_trip", times_, summary);
+    summary.Note(
+        "there is no round_trip_us, because the clock of the robot is another: set both by NTP or PTP");
+  }
+
+ private:
+  const DdsInput<UnitreeState>& input_;
+  double state_ = 0;  ///< time of the last state [s]
+  bool agree_ = true;
+  TimeQuantiles times_;
+};
+
 using SlowMpc = Slow<CentroidalMpc, &CentroidalMpc::plan>;
 
-RunResult Drive(const Wire& wire, QuadrupedScenario scenario, const RunOptions& options) {
+RunResult Drive(const Wire& wire, QuadrupedScenario scenario, RunOptions options) {
   const bool repeats = !wire.replay.empty();
   const DdsLink link = repeats ? DdsLink{} : LinkOf("--drive", wire.where);
   WalkScheduleParams& path = scenario.walk->path;
@@ -147,11 +190,20 @@ RunResult Drive(const Wire& wire, QuadrupedScenario scenario, const RunOptions& 
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.real_time_rate = repeats ? 0.0 : 1.0});
   recorder.AddTo(simulator, on_wire.rate, robot.from_robot.y, robot.checksum);
-  std::optional<LastCommand> last;
+  std::optional<LastCommands> last;
+  const auto round_trip = std::make_shared<RoundTrip>(robot.from_robot);
   if (repeats) {
     duration = std::min(duration, recorder.recorded().end());
   } else {
+    options.processor = 0;
+    simulator.AddLog(on_wire.rate, {&robot.heartbeat}, {round_trip});
+    if (!LeaveBuiltInMode(link, link.interface == "lo" ? 0.5 : 2))
+      Say("warning: nobody answers requests to leave the built-in mode; a simulator may have none\n");
     last.emplace(link, *loop.deployment, simulator);
+    simulator.AddMonitor([&](Context&) {  // before the files are written
+      if (SignalGuard::caught() != 0) last->Damp();
+      return Verdict();
+    });
     Say(fmt::format(
         "driving the robot of domain {} at {}; Ctrl-C, or L2 and B of the remote, damp its joints\n",
         link.domain, link.interface));
@@ -160,6 +212,7 @@ RunResult Drive(const Wire& wire, QuadrupedScenario scenario, const RunOptions& 
     if (last) {
       last->Send();
       SetReceived("state", robot.from_robot, simulator, summary);
+      round_trip->AddTo(summary);
     }
     recorder.AddTo(summary);
     ros2.AddTo(summary, simulator);
@@ -185,7 +238,7 @@ RunResult Drive(const Wire& wire, QuadrupedScenario scenario, const RunOptions& 
 Served Serve(const Wire& wire, DiagramBuilder&, QuadrupedStand&, const std::filesystem::path&) {
   ThrowWithoutDds("--serve", wire.where);
 }
-RunResult Drive(const Wire& wire, QuadrupedScenario, const RunOptions&) {
+RunResult Drive(const Wire& wire, QuadrupedScenario, RunOptions) {
   ThrowWithoutDds("--drive", wire.where);
 }
 

@@ -20,12 +20,13 @@ Served Serve(const Wire& wire, DiagramBuilder& builder, QuadrupedStand& loop,
              const std::filesystem::path& out);
 
 /// The option --drive: the scenario's controller walks a robot on DDS, with `where` as above, in real time
-/// and under a supervisor. However the run ends, its last command damps the joints. Throws as Serve does.
-RunResult Drive(const Wire& wire, QuadrupedScenario scenario, const RunOptions& options);
+/// and under a supervisor. However the run ends, its last commands damp the joints. Throws as Serve does.
+RunResult Drive(const Wire& wire, QuadrupedScenario scenario, RunOptions options);
 
-/// The scenario that Drive needs: a Go2 in place of DogBot, the state estimated, no foot sensors, and by
-/// default a supervisor that lets a lying robot stand up, walk and lie down. Throws ParameterError for a
-/// scenario that stands.
-void SetDriven(const std::string& name, YamlDocument& document);
+/// Returns where the robot is that a scenario drives: at the value of the option, else at the `link` of its
+/// robot; empty if the robot is simulated. Changes the scenario to one that Drive needs: `link` set, a Go2 in
+/// place of DogBot, the state estimated, no foot sensors, and by default a supervisor that lets a lying robot
+/// stand up, walk and lie down. Throws ParameterError for a scenario that stands.
+std::string SetDriven(const std::string& name, const std::string& option, YamlDocument& document);
 
 }  // namespace tenon::apps

@@ -14,6 +14,10 @@ UnitreeCommand HoldStance(const JointPdParams& pd) {
   return command;
 }
 
+UnitreeCommand DampedJoints(const QuadrupedDescription& robot) {
+  return {Deployment({.robot = robot}).Damped()};
+}
+
 UnitreeServer::UnitreeServer(const UnitreeServerParams& params)
     : command(Add<DdsInput<UnitreeCommand>>(
           "command", {.topic = "rt/lowcmd",
@@ -22,13 +26,16 @@ UnitreeServer::UnitreeServer(const UnitreeServerParams& params)
                       .rate = params.lock_step ? params.state_rate : params.command_rate,
                       .lock_step = params.lock_step,
                       .timeout_s = params.timeout_s,
+                      .valid_s = params.valid_s,
+                      .expired = params.expired,
                       .record = params.record,
                       .replay = params.replay})),
       to_client(Add<DdsPublisher<UnitreeState>>("to_client", {.topic = "rt/lowstate",
                                                               .link = params.link,
                                                               .rate = params.state_rate,
                                                               .lock_step = params.lock_step,
-                                                              .silent = !params.replay.empty()})) {
+                                                              .silent = !params.replay.empty()})),
+      switcher(Add<MotionSwitcher>("switcher", {.link = params.link, .silent = !params.replay.empty()})) {
   auto& drives = Add<JointDrives>("drives", {.rate = params.command_rate});
   Connect(AddFunction({"joint_command"}, Uses(command.y),
                       [](const UnitreeCommand& c) -> JointCommand { return c; }),

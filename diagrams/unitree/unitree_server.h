@@ -1,7 +1,9 @@
 #pragma once
 
+#include <tenon/controllers/legged/deployment/deployment.h>
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
+#include <tenon/diagrams/unitree/motion_switcher.h>
 #include <tenon/diagrams/unitree/unitree_messages.h>
 
 namespace tenon {
@@ -9,6 +11,8 @@ namespace tenon {
 struct UnitreeServerParams {
   DdsLink link = {.domain = 1, .interface = "lo"};
   UnitreeCommand initial = {};   ///< applied until a client commands; zero torques, or see HoldStance
+  double valid_s = 0.02;         ///< time without a command after which `expired` is applied
+  UnitreeCommand expired = {};   ///< zero torques, or see DampedJoints
   Rate command_rate = Hz(1000);  ///< rate of commands and torques
   Rate state_rate = Hz(500);
   bool lock_step =
@@ -20,6 +24,8 @@ struct UnitreeServerParams {
 
 /// The command that holds the nominal stance as JointPd does.
 UnitreeCommand HoldStance(const JointPdParams& pd);
+/// The command that damps the joints as Deployment does.
+UnitreeCommand DampedJoints(const QuadrupedDescription& robot);
 
 /// The interface of a Unitree robot, Go2 or B2, to a client on DDS. Together with a QuadrupedWorld it takes
 /// the robot's place: clients of the maker's SDK and of others control it without a change.
@@ -33,8 +39,9 @@ UnitreeCommand HoldStance(const JointPdParams& pd);
 /// It takes commands from "rt/lowcmd" and computes joint PD and feedforward torques at `command_rate`; the
 /// plant limits them. It sends "rt/lowstate" at `state_rate` with the encoders, torques, inertial unit and
 /// foot forces of the world's sensors; torques and inertial unit are those one period of `command_rate`
-/// before. The attitude, which the robots estimate, is the true one. Battery, temperatures, the remote and
-/// the 8 motors that the robots do not have are zero.
+/// before. A client that asks for the built-in mode, or to release it, gets an answer. The attitude, which
+/// the robots estimate, is the true one. Battery, temperatures, the remote and the 8 motors that the robots
+/// do not have are zero.
 ///
 ///     ports in  joints, measured_torque, inertial, foot_forces, state  of a QuadrupedWorld
 ///     ports out torque    [N m], sampled
@@ -52,6 +59,7 @@ class UnitreeServer final : public Subdiagram {
 
   DdsInput<UnitreeCommand>& command;
   DdsPublisher<UnitreeState>& to_client;
+  MotionSwitcher& switcher;
 
   OutputPort<Vec<12>> torque{this, {"torque", "N m", kJointElements}};
   OutputPort<std::uint32_t> checksum{this, {"checksum"}};

@@ -89,6 +89,12 @@ struct LimitsOfJoints {
   }
 };
 
+/// The place of the real robot, as apps name it.
+struct RobotPlace {
+  std::string unitree;
+  static FieldList Fields() { return {Required("unitree", &RobotPlace::unitree)}; }
+};
+
 /// The contents of a robot's YAML file.
 struct RobotFile {
   std::string name;
@@ -106,6 +112,7 @@ struct RobotFile {
   PerLeg<Eigen::Vector3d> stance;
   DriveProperties drive;
   ContactProperties contact;
+  std::optional<RobotPlace> link;
 
   static FieldList Fields() {
     return {Required("name", &RobotFile::name),
@@ -126,7 +133,8 @@ struct RobotFile {
             {"imu_position_m", &RobotFile::imu},
             Required("nominal_stance", &RobotFile::stance),
             Required("drive", &RobotFile::drive),
-            Required("contact", &RobotFile::contact)};
+            Required("contact", &RobotFile::contact),
+            {"link", &RobotFile::link}};
   }
   void Validate() const {
     if (internal::Along(forward).dot(internal::Along(up)) != 0)
@@ -222,6 +230,11 @@ static YamlDocument LoadRobot(const YamlFile& what) {
 
 QuadrupedDescription LoadQuadruped(const YamlFile& what) {
   return ReadRobot(LoadRobot(what));
+}
+
+std::string LoadPlace(const YamlFile& what) {
+  const auto link = LoadRobot(what).Read<RobotFile>().link;
+  return link ? "unitree:" + link->unitree : "";
 }
 
 MovingParts LoadMovingParts(const YamlFile& what) {

@@ -7,6 +7,7 @@
 #include <tenon/systems/ros2/messages.h>
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -77,12 +78,15 @@ struct DdsPublisherParams {
 
 template <class T>
 struct DdsInputParams {
+  static constexpr double kForever = std::numeric_limits<double>::infinity();
   std::string topic = "";  ///< name of the topic, such as "rt/lowcmd"
   DdsLink link = {};
   T initial = internal::Zeroed<T>();  ///< y until the first message
   Rate rate = Hz(1000);               ///< rate at which y takes over messages
   bool lock_step = false;             ///< each tick waits for the message with its time
   double timeout_s = 10;              ///< timeout of lock-step [s of wall-clock time]
+  double valid_s = kForever;          ///< y is `expired` this time after the last message
+  T expired = internal::Zeroed<T>();  ///< value of y then
   bool record = false;                ///< records the values and the times at which y took them over
   Recording<T> replay = {};           ///< if not empty, y follows this recording and does not join DDS
 };
@@ -123,7 +127,8 @@ class DdsPublisher final : public LeafSystem<DdsPublisherParams> {
 ///
 ///     auto& command = builder.Add<DdsInput<UnitreeCommand>>("command", {.topic = "rt/lowcmd"});
 ///
-/// At each tick, y takes over the last message and holds it until the next tick. The block has no thread:
+/// At each tick, y takes over the last message and holds it until the next tick, also that of a sender that
+/// has ended, unless `valid_s` is given. The block has no thread:
 /// Cyclone DDS receives, and keeps the last 64 messages until the tick. With `lock_step`, a tick waits for
 /// the message with its own time, as UdpInput does; the two programs can start in any order. Recording and
 /// replay work as in ExternalInput.
@@ -153,13 +158,24 @@ class DdsInput final : public LeafSystem<DdsInputParams<T>> {
 
   Scratch<TakenOver<T>> taken{this, "taken", {params.initial, 0, {}}};
   Scratch<RefusedMessages> refused{this, "refused"};
-  ExternalPort<T> y{
-      this, "y", params.initial, Sampled{params.rate}, Uses(this->time, taken, refused), &DdsInput::TakeOver};
+  Scratch<double> taken_time{this, "taken_time", DdsInputParams<T>::kForever};  ///< of the last message [s]
+  ExternalPort<T> y{this,
+                    "y",
+                    params.initial,
+                    Sampled{params.rate},
+                    Uses(this->time, taken, refused, taken_time),
+                    &DdsInput::TakeOver};
+  /// Time of the last message by its sender's clock [s]; 0 before the first.
+  double sent() const { return inbox_ ? inbox_->sent() : 0; }
 
  private:
-  void TakeOver(double t, TakenOver<T>& taken_now, RefusedMessages& refused_now, T* y_out) const {
+  void TakeOver(double t, TakenOver<T>& taken_now, RefusedMessages& refused_now, double& taken_at,
+                T* y_out) const {
+    const std::uint64_t before = taken_now.number;
     internal::TakeOver(params, inbox_.get(), t, taken_now, refused_now);
-    *y_out = taken_now.value;
+    if (taken_now.number != before) taken_at = t;
+    const bool expired = t - taken_at > params.valid_s - params.rate.period() / 2;
+    *y_out = expired ? params.expired : taken_now.value;
   }
 
   std::unique_ptr<internal::Inbox> Open() {

@@ -30,9 +30,8 @@ bool Inbox::Take(double time, void* value, RefusedMessages& refused) {
   return true;
 }
 
-bool Inbox::ReadOrRefuse(std::span<const char> message, double* timestamp, void* value,
-                         RefusedMessages& refused) {
-  std::string reason = Read(message, timestamp, value);
+bool Inbox::ReadOrRefuse(std::span<const char> message, void* value, RefusedMessages& refused) {
+  std::string reason = Read(message, &sent_, value);
   if (reason.empty()) return true;
   ++refused.count;
   refused.reason = std::move(reason);
@@ -42,11 +41,10 @@ bool Inbox::ReadOrRefuse(std::span<const char> message, double* timestamp, void*
 /// Takes the last message regardless of its time, because a restarted sender begins at 0.
 bool Inbox::TakeNewest(void* value, RefusedMessages& refused) {
   bool taken = false;
-  double timestamp = 0;
   for (std::size_t i = 0; i < kMostMessages; ++i) {  // bounded, because a sender may be faster
     const auto message = Receive(0);
     if (!message) break;
-    if (ReadOrRefuse(*message, &timestamp, value, refused)) taken = true;
+    if (ReadOrRefuse(*message, value, refused)) taken = true;
   }
   return taken;
 }
@@ -61,16 +59,15 @@ void Inbox::TakeThatOf(double time, void* value, RefusedMessages& refused) {
     if (!first && left.count() <= 0) break;  // also if other messages keep coming
     const auto message = Receive(std::max(0.0, left.count()));
     if (!message) break;
-    double timestamp = 0;
-    if (!ReadOrRefuse(*message, &timestamp, value, refused)) continue;
-    if (std::abs(timestamp - time) <= Rounding(time)) return;
-    if (timestamp > time) {
+    if (!ReadOrRefuse(*message, value, refused)) continue;
+    if (std::abs(sent_ - time) <= Rounding(time)) return;
+    if (sent_ > time) {
       throw RunError(fmt::format(
           "{}: the message of t = {} s was lost, the next one has t = {} s: start the sender after this "
           "program, and use the same rate in both",
-          Description(), time, timestamp));
+          Description(), time, sent_));
     }
-    last = fmt::format("the last one has t = {} s", timestamp);
+    last = fmt::format("the last one has t = {} s", sent_);
   }
   if (refused.count > refused_before) {
     last += fmt::format("; {} were refused: {}", refused.count - refused_before, refused.reason);

@@ -34,6 +34,8 @@ class Inbox {
   /// Reads the message for the tick at `time` [s] into `value`; returns false if there is none. In lock-step,
   /// throws RunError at a timeout and if a later message arrives first.
   bool Take(double time, void* value, RefusedMessages& refused);
+  /// Time of the last message by its sender's clock [s]; 0 before the first.
+  double sent() const { return sent_; }
 
  protected:
   /// Maximal number of queued messages, and of messages that one tick reads.
@@ -50,9 +52,10 @@ class Inbox {
  private:
   bool TakeNewest(void* value, RefusedMessages& refused);
   void TakeThatOf(double time, void* value, RefusedMessages& refused);
-  bool ReadOrRefuse(std::span<const char> message, double* timestamp, void* value, RefusedMessages& refused);
+  bool ReadOrRefuse(std::span<const char> message, void* value, RefusedMessages& refused);
 
   const Reception reception_;
+  double sent_ = 0;
   std::mutex mutex_;
 };
 

@@ -4,6 +4,7 @@
 #include <tenon/systems/report/internal/run.h>
 #include <tenon/systems/report/report.h>
 #include <tenon/systems/text/text.h>
+#include <tenon/systems/simulation/background_log.h>
 
 #include <fmt/format.h>
 
@@ -82,7 +83,11 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
   run.limits = params_.limits;
   // The sinks hold copies, because they may outlive the report.
   run.signals = std::make_shared<ColumnLog>(ColumnLog::Thinning::kPeaks, ColumnLog::kRows, nullptr);
-  simulator.AddLog(params_.signal_rate, signals, {internal::WithDerived(params_.plots, run.signals)});
+  const auto in_background = [](const std::shared_ptr<LogSink>& sink) {
+    return std::make_shared<BackgroundLog>(std::vector{sink});
+  };
+  simulator.AddLog(params_.signal_rate, signals,
+                   {in_background(internal::WithDerived(params_.plots, run.signals))});
 
   // Constant properties of the shapes are not in the rows.
   run.frames = std::make_shared<ColumnLog>(ColumnLog::Thinning::kSample, ColumnLog::kFrames,
@@ -93,7 +98,7 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
                                              }
                                            });
   if (!geometry.empty()) {
-    simulator.AddLog(params_.frame_rate, {geometry.begin(), geometry.end()}, {run.frames});
+    simulator.AddLog(params_.frame_rate, {geometry.begin(), geometry.end()}, {in_background(run.frames)});
   }
 }
 

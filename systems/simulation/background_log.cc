@@ -19,11 +19,8 @@ BackgroundLog::~BackgroundLog() {
     // The run flushes at its end and reports the error there.
   }
   if (!thread_.joinable()) return;
-  {
-    const std::lock_guard lock(mutex_);
-    ends_ = true;
-  }
-  work_.notify_one();
+  ends_ = true;
+  work_.release();
   thread_.join();
 }
 
@@ -49,55 +46,35 @@ void BackgroundLog::Row(std::span<const double> row) {
 /// Ends the current block, so that it can be passed on, and begins the next one.
 void BackgroundLog::HandOver() {
   handed_over_ = Clock::now();
-  bool none_left = false;
-  {
-    const std::lock_guard lock(mutex_);
-    ++handed_;
-    none_left = handed_ - done_ == kBlocks;
-  }
-  work_.notify_one();
-  if (none_left || !thread_.joinable()) Work();
+  ++handed_;
+  work_.release();
+  if (handed_ - done_ == kBlocks || !thread_.joinable()) Work();
   ThrowFailure();
 }
 
 void BackgroundLog::ThrowFailure() {
-  const std::lock_guard lock(mutex_);
-  if (failure_) std::rethrow_exception(failure_);
+  if (failed_) std::rethrow_exception(failure_);
 }
 
 /// Passes all waiting blocks to the sinks, in order. Any thread may call it.
 void BackgroundLog::Work() {
   const std::lock_guard working(working_);
-  for (;;) {
-    std::unique_lock lock(mutex_);
-    if (done_ == handed_) return;
-    const bool failed = failure_ != nullptr;
+  for (; done_ != handed_; ++done_) {
     Block& block = blocks_[done_ % kBlocks];
-    lock.unlock();
-    std::exception_ptr failure;
     try {
-      for (std::size_t i = 0; i < block.size() && !failed; i += columns_) {
+      for (std::size_t i = 0; i < block.size() && !failed_; i += columns_) {
         for (const auto& sink : sinks_) sink->Row({&block[i], columns_});
       }
     } catch (...) {
-      failure = std::current_exception();
+      failure_ = std::current_exception();
+      failed_ = true;
     }
     block.clear();
-    lock.lock();
-    ++done_;
-    if (failure) failure_ = failure;
   }
 }
 
 void BackgroundLog::RunThread() {
-  std::unique_lock lock(mutex_);
-  for (;;) {
-    work_.wait(lock, [&] { return ends_ || done_ != handed_; });
-    if (done_ == handed_) return;
-    lock.unlock();
-    Work();
-    lock.lock();
-  }
+  for (work_.acquire(); !ends_; work_.acquire()) Work();
 }
 
 void BackgroundLog::Flush() {

@@ -2,9 +2,10 @@
 
 #include <tenon/systems/simulation/signal_log.h>
 
-#include <condition_variable>
+#include <atomic>
 #include <exception>
 #include <mutex>
+#include <semaphore>
 #include <thread>
 
 namespace tenon {
@@ -13,8 +14,9 @@ namespace tenon {
 ///
 ///     simulator.AddLog(Hz(1000), signals, {std::make_shared<BackgroundLog>(csv)});
 ///
-/// Rows are passed on in order, in blocks, at least every half second of wall-clock time. The number of
-/// blocks is limited: if the sinks are slower than the run, Row does part of their work. When the run pauses
+/// Rows are passed on in order, in blocks, at least every half second of wall-clock time. Row neither locks
+/// nor allocates. The number of blocks is limited: if the sinks stay behind the run by 100,000 numbers, Row
+/// waits for them and does part of their work. When the run pauses
 /// or ends, Flush waits until the sinks have all rows; then their contents may be read.
 ///
 /// An exception that a sink throws for a row is rethrown by a later Row and by every Flush; no sink gets
@@ -40,19 +42,18 @@ class BackgroundLog final : public LogSink {
   void RunThread();
   void ThrowFailure();
 
-  static constexpr std::size_t kBlocks = 4;
+  static constexpr std::size_t kBlocks = 16;
   std::size_t columns_ = 0;
   std::array<Block, kBlocks> blocks_;  ///< ring buffer; one block is filled while earlier ones are passed on
   Clock::time_point handed_over_ = Clock::now();
 
+  std::atomic<std::size_t> handed_ = 0, done_ = 0;  ///< number of blocks filled, and of blocks passed on
+  std::counting_semaphore<> work_{0};               ///< wakes the thread
+  std::atomic<bool> ends_ = false, failed_ = false;
+  std::exception_ptr failure_;  ///< constant once `failed_` is set
+
   std::mutex working_;  ///< locked while sinks run
   std::vector<std::shared_ptr<LogSink>> sinks_;
-
-  std::mutex mutex_;  ///< protects the members below
-  std::condition_variable work_;
-  std::size_t handed_ = 0, done_ = 0;  ///< number of blocks filled, and of blocks passed on
-  std::exception_ptr failure_;
-  bool ends_ = false;
   std::thread thread_;
 };
 

@@ -8,7 +8,10 @@
 
 #include <fmt/core.h>
 
-#include <thread>
+#include <cerrno>
+#include <chrono>
+#include <ctime>
+
 namespace tenon {
 
 using internal::Profiled;
@@ -18,7 +21,10 @@ using internal::Tiny;
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
+/// The clock of real-time runs, CLOCK_MONOTONIC [ns].
+std::int64_t Nanoseconds() {
+  return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 /// Calls a function for each log, even if it throws for one; returns the first exception.
 template <class RatedLogs>
@@ -294,8 +300,7 @@ RunStatus Simulator::Advance(double time, bool before_tick) {
   try {
     Synchronize();
     if (options_.real_time_rate != 0 && !pace_start_) {
-      pace_start_ =
-          std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
+      pace_start_ = Nanoseconds();
       pace_start_time_ = context_->time();
     }
     if (context_->progress_ == Progress::kNew) {
@@ -745,16 +750,20 @@ void Simulator::KeepPace(bool tick) {
   if (end_reason_) return;
   using Duration = std::chrono::duration<double>;
   const Duration since_start((context_->time() - pace_start_time_) / options_.real_time_rate);
-  const Clock::time_point due(std::chrono::nanoseconds(*pace_start_) +
-                              std::chrono::duration_cast<std::chrono::nanoseconds>(since_start));
+  const std::int64_t due = *pace_start_ + std::chrono::round<std::chrono::nanoseconds>(since_start).count();
+  if (tick_began_) real_time_.compute.Add(1e-9 * static_cast<double>(Nanoseconds() - *tick_began_));
+  tick_began_.reset();
   {
     const Profiled waiting(profiler_.get(), Profiler::kWaiting);
-    std::this_thread::sleep_until(due);
+    const timespec until{due / 1'000'000'000, due % 1'000'000'000};
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) continue;
   }
   if (!tick) return;
-  const auto late = Clock::now() - due;
+  tick_began_ = Nanoseconds();
+  const std::int64_t late = *tick_began_ - due;
   ++real_time_.ticks;
-  const double lateness = Duration(late).count();
+  const double lateness = 1e-9 * static_cast<double>(late);
+  real_time_.lateness.Add(lateness);
   if (lateness > real_time_.worst_lateness) {
     real_time_.worst_lateness = lateness;
     real_time_.worst_time = context_->time();
@@ -764,7 +773,7 @@ void Simulator::KeepPace(bool tick) {
   real_time_.missed_lateness = lateness;
   real_time_.missed_time = context_->time();
   if (options_.late_policy == LatePolicy::kShift) {
-    *pace_start_ += std::chrono::duration_cast<std::chrono::nanoseconds>(late).count();
+    *pace_start_ += late;
   } else if (options_.late_policy == LatePolicy::kStop) {
     throw RunError(fmt::format(
         "the tick at t = {} s begins {:.3g} s late, but {} s are permitted: make the blocks faster, lower "

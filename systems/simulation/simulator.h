@@ -167,6 +167,7 @@ class Simulator {
   const Source* ended_by_ = nullptr;        ///< see RunStatus::monitor
   std::optional<std::int64_t> pace_start_;  ///< on the clock [ns]
   double pace_start_time_ = 0;
+  std::optional<std::int64_t> tick_began_;  ///< on the clock [ns]
   RealTimeStatistics real_time_;
 };
 

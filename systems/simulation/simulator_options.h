@@ -1,7 +1,8 @@
 #pragma once
 
+#include <tenon/systems/simulation/time_quantiles.h>
+
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -89,6 +90,8 @@ struct RealTimeStatistics {
   double worst_time = 0;       ///< [s] of simulated time, of the tick with the worst lateness
   double missed_lateness = 0;  ///< [s] of wall-clock time, of the last missed tick
   double missed_time = 0;      ///< [s] of simulated time, of the last missed tick
+  TimeQuantiles lateness;      ///< wall-clock time from the instant at which a tick is due to its begin
+  TimeQuantiles compute;       ///< wall-clock time from the begin of a tick until the run waits for the next
 };
 
 /// Counters of the integrator since the simulator was constructed.

@@ -1,6 +1,7 @@
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/progress.h>
+#include <tenon/apps/common/real_time.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/verdicts.h>
@@ -124,6 +125,21 @@ TEST(TimeQuantilesTest, AreExactToOnePercent) {
   for (int i = 1; i <= 1000; ++i) times.Add(1e-6 * i);
   for (const double share : {0.0, 0.25, 0.5, 0.99, 1.0})
     EXPECT_NEAR(*times.Quantile(share) / (1e-6 * (1 + share * 999)), 1, 0.01) << share;
+}
+
+TEST(TimeQuantilesTest, CountTimesBelowALimit) {
+  TimeQuantiles times;
+  for (const int time : {1, 10, 10, 100}) times.Add(1e-6 * time);
+  EXPECT_EQ(times.Below(5e-6), 1);
+  EXPECT_EQ(times.Below(5e-5), 3);
+  EXPECT_EQ(times.Below(1), times.count());
+}
+
+TEST(RealTimeTest, ANamedMachineWithMeasuredTicks) {
+  const std::string text = ExamineRealTime(0.01).text;
+  for (const char* part :
+       {"kernel", "isolated", "500 Hz", "1000 Hz", " of 5 ticks missed", " of 10 ticks missed"})
+    EXPECT_THAT(text, HasSubstr(part));
 }
 
 TEST(TimeQuantilesTest, ClampValuesOutsideTheirRange) {

@@ -178,13 +178,20 @@ TEST_F(TenonQuadrupedTest, ServesAStandingRobotInRealTime) {
                  {"stand --serve unitree:nix0", "'nix0'"},
                  {"stand --serve unitree:lo,300", "domain = 300"},
                  {"stand --drive unitree", "'stand' stands"},
-                 {"flat --drive unitree:lo,300", "domain = 300"}});
+                 {"flat --drive unitree:lo,300", "domain = 300"},
+                 {"flat --compare --drive unitree:lo", "--compare"},
+                 {"stand --serve unitree:lo --set robot.link.unitree=eth0", "robot.link"}});
 }
 
 // Without a robot, its state is the initial one, and the supervisor damps the joints after the timeout.
 TEST_F(TenonQuadrupedTest, ADrivenRunIsRepeatedWithEqualChecksums) {
   if (!TENON_WITH_UNITREE) return;
-  Run(fmt::format("pushed --duration 0.3 --drive unitree:lo,{}", 100 + getpid() % 100));
+  const int domain = 100 + getpid() % 100;
+  EXPECT_THAT(Run(fmt::format("pushed --duration 0.3 --set robot.link.unitree=lo,{}", domain)),
+              AllOf(HasSubstr("driving the robot"), HasSubstr("built-in mode")));
+  EXPECT_THAT(Run(fmt::format("pushed --duration 0.3 --drive unitree:lo,{}", domain)),
+              HasSubstr("driving the robot"));
+  EXPECT_THAT(Read(out / "scenario.yaml"), HasSubstr(fmt::format("unitree: \"lo,{}\"", domain)));
   EXPECT_THAT(Read(out / "durations.csv"), HasSubstr("0,0\n0.01,")) << "predictive control in a thread";
   const nlohmann::json same = Replayed();
   EXPECT_EQ(same.at("messages_equal"), 151);

@@ -5,13 +5,16 @@
 #include <tenon/tests/systems/dds/dds_peer.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
+#include <unitree_api.h>
 #include <unitree_go.h>
 
+#include <atomic>
 #include <cstddef>
 #include <cstring>
 #include <functional>
 #include <limits>
 #include <optional>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -56,9 +59,18 @@ LowCmd Stand() {
   }
   return message;
 }
-LowCmd Signed(LowCmd message) {
+
+void Sign(auto& message) {
   message.crc = CrcOfTheMaker(&message, sizeof message / 4 - 1);
+}
+
+LowCmd Signed(LowCmd message) {
+  Sign(message);
   return message;
+}
+
+QuadrupedDescription Go2() {
+  return LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/go2.yaml");
 }
 
 using Input = DdsInput<UnitreeCommand>;
@@ -184,7 +196,7 @@ void Client(double end, const UnitreeCommand& stance) {
 
 TEST(UnitreeServerTest, AClientInAnotherProcessMovesTheRobotAndTheRunRepeats) {
   constexpr double kEnd = 0.4;
-  const QuadrupedDescription robot = LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/go2.yaml");
+  const QuadrupedDescription robot = Go2();
   UnitreeServerParams params{.link = kOwnLink, .lock_step = true, .record = true};
   std::vector<LeggedState> ends;
   std::vector<std::uint32_t> checksums;
@@ -222,7 +234,7 @@ TEST(UnitreeServerTest, AClientInAnotherProcessMovesTheRobotAndTheRunRepeats) {
 
 /// A walk of a Go2 by inertial unit and encoders, without foot sensors.
 QuadrupedWalkParams WalkOfGo2() {
-  const QuadrupedDescription robot = LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/go2.yaml");
+  const QuadrupedDescription robot = Go2();
   QuadrupedWalkParams params = MakeQuadrupedWalk(robot);
   params.world.foot_sensor.mounted = FootSensing::kNone;
   params.walk.segments = {{.gait = Gait::kStand, .duration = 0.5},
@@ -288,11 +300,21 @@ TEST(UnitreeWorldTest, AControllerInAnotherProcessWalksAsInOne) {
   EXPECT_NEAR(apart.tilt, alone.tilt, 0.02);
 }
 
+/// Whether a command damps all joints; torques of the command stay within the limits. That of damping exceeds
+/// them at a speed beyond the limit, where the drive limits it.
+bool Damps(const JointCommand& command, const JointMotion& joints, const QuadrupedDescription& robot) {
+  const Vec<12> torque = command.TorqueAt(joints);
+  for (int j = 0; j < kNumJoints; ++j) {
+    const double too_fast = std::max(1.0, std::abs(joints.qd[j]) / robot.joint(j).speed_limit);
+    EXPECT_LE(std::abs(torque[j]), robot.joint(j).torque_limit * too_fast * (1 + 1e-9)) << j;
+  }
+  return command.kp.isZero(0) && command.torque.isZero(0) && command.kd.minCoeff() > 0;
+}
+
 /// A robot that sends states, and the supervisor that watches them.
 struct Watched {
   Watched() {
     DiagramBuilder builder;
-    const QuadrupedDescription robot = LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/go2.yaml");
     LeggedState initial;
     initial.q = robot.stance;
     world = &builder.Add<UnitreeWorld>("world", {.link = kOwnLink, .initial = initial});
@@ -305,14 +327,18 @@ struct Watched {
                                         [](const JointMotion&) -> Vec<12> { return Vec<12>::Ones(); }),
                     deployment->torque);
     builder.Connect(deployment->command, world->command);
-    simulator.emplace(builder.Build());
+    diagram = builder.Build();
     peer.emplace("rt/lowstate", unitree_go_msg_dds__LowState__desc);  // after a block has joined
-    state.joints.q = robot.stance;
+  }
+  void Start() {
+    simulator.emplace(*diagram);
+    ticks = 0;
   }
   /// A message with the next state; `damage` changes it.
   template <class F>
   void Send(const F& damage) {
     state.time += 0.002;
+    state.joints.q = robot.stance;
     state.joints.qd[0] = random.Uniform(-0.1, 0.1);
     LowState message;
     std::memset(&message, 0, sizeof message);
@@ -322,47 +348,207 @@ struct Watched {
   }
   /// One period of 2 ms; true if the command damps the joints.
   bool Damps() {
-    time += 0.002;
-    simulator->RunTo(time);
-    const JointCommand& c = simulator->context().Eval(deployment->command);
-    return c.kp.isZero(0) && c.torque.isZero(0) && c.kd.minCoeff() > 0;
+    simulator->RunTo(0.002 * ++ticks);
+    const Context& context = simulator->context();
+    return unitree_test::Damps(context.Eval(deployment->command), context.Eval(world->joints), robot);
   }
+  const QuadrupedDescription robot = Go2();
   UnitreeWorld* world;
   Deployment* deployment;
+  std::shared_ptr<const Diagram> diagram;
   std::optional<Simulator> simulator;
   std::optional<DdsPeer> peer;
   UnitreeState state;
   RandomStream random{5, "robot"};
-  double time = 0;
+  int ticks = 0;
 };
 
-TEST(UnitreeWorldTest, DamagedStatesAndTheRemoteDampTheJointsWithin20Milliseconds) {
-  const auto sign = [](LowState& m) { m.crc = CrcOfTheMaker(&m, sizeof m / 4 - 1); };
+/// Faults of the state set in at random times, `repetitions` of each kind.
+void ExpectThatFaultsOfTheStateDamp(int repetitions) {
   using Damage = std::function<void(LowState&)>;
+  float speed = 0;  // of a joint in the last message, which a frozen robot repeats
+  const auto frozen = [&](LowState& m) { m.motor_state[3].dq = speed, Sign(m); };
   const std::pair<DeploymentFault, Damage> cases[] = {
-      {DeploymentFault::kLost, nullptr},  // nothing is sent
+      {DeploymentFault::kLost, nullptr},  // nothing is sent: the link is cut, or the messages are late
       {DeploymentFault::kLost, [](LowState& m) { ++m.crc; }},
       {DeploymentFault::kLost,
-       [&](LowState& m) { m.motor_state[3].q = std::numeric_limits<float>::quiet_NaN(), sign(m); }},
-      {DeploymentFault::kMissed, [&](LowState& m) { m.tick += 1000, sign(m); }},
+       [&](LowState& m) { m.motor_state[3].q = std::numeric_limits<float>::quiet_NaN(), Sign(m); }},
+      {DeploymentFault::kFrozen, frozen},
+      {DeploymentFault::kMissed, [&](LowState& m) { m.tick += 1000, Sign(m); }},
+      {DeploymentFault::kAngle, [&](LowState& m) { m.motor_state[3].q += 3, Sign(m); }},
+      {DeploymentFault::kSpeed, [&](LowState& m) { m.motor_state[3].dq = 1000, Sign(m); }},
       {DeploymentFault::kStop, [&](LowState& m) {
          m.wireless_remote[2] = 0x20, m.wireless_remote[3] = 0x02;  // L2 and B
-         sign(m);
+         Sign(m);
        }}};
+  Watched robot;
   for (const auto& [fault, damage] : cases) {
-    Watched robot;
-    for (int i = 0; i < 20; ++i) {
-      robot.Send([](LowState&) {});
-      EXPECT_FALSE(robot.Damps()) << "the robot lives";
+    for (int repetition = 0; repetition < repetitions; ++repetition) {
+      robot.Start();
+      for (int left = 3 + static_cast<int>(robot.random.Uniform(0, 20)); left > 0; --left) {
+        robot.Send([&](LowState& m) { speed = m.motor_state[3].dq; });
+        EXPECT_FALSE(robot.Damps()) << "the robot lives";
+      }
+      int periods = 1;
+      for (; periods < 20; ++periods) {
+        if (damage) robot.Send(damage);
+        if (robot.Damps()) break;
+      }
+      ASSERT_LE(2 * periods, 20) << EnumName(fault);
+      ASSERT_EQ(robot.simulator->context().Eval(robot.deployment->status).fault, fault);
     }
-    int periods = 1;
-    for (; periods < 20; ++periods) {
-      if (damage) robot.Send(damage);
-      if (robot.Damps()) break;
-    }
-    EXPECT_LE(2 * periods, 20) << EnumName(fault);
-    EXPECT_EQ(robot.simulator->context().Eval(robot.deployment->status).fault, fault);
   }
+}
+TEST(UnitreeWorldTest, FaultsOfTheStateDampTheJointsWithin20Milliseconds) {
+  ExpectThatFaultsOfTheStateDamp(4);
+}
+TEST(UnitreeWorldTest, FaultsOfTheStateDampTheJointsAThousandTimes) {
+  ExpectThatFaultsOfTheStateDamp(125);
+}
+
+// ---- The client is lost ----
+
+/// A Go2 that a client commands, tick by tick.
+struct Served {
+  Served() {
+    DiagramBuilder builder;
+    world = &builder.Add<QuadrupedWorld>("world", MakeQuadrupedWorld(robot));
+    server = &builder.Add<UnitreeServer>(
+        "server",
+        {.link = kOwnLink, .initial = HoldStance(MakeJointPd(robot)), .expired = DampedJoints(robot)});
+    builder.Connect(world->joints, server->joints);
+    builder.Connect(server->torque, world->torque);
+    server->ConnectSensors(builder, *world);
+    diagram = builder.Build();
+  }
+  void Start() {
+    simulator.emplace(*diagram, RecommendedOptions(*world));
+    ticks = 0;
+  }
+  /// One period of 1 ms; true if the command damps the joints. The drives keep their limits.
+  bool Damps() {
+    simulator->RunTo(0.001 * ++ticks);
+    const Context& context = simulator->context();
+    const Vec<12>& torque = context.Eval(world->plant.joint_torque);
+    for (int j = 0; j < kNumJoints; ++j)
+      EXPECT_LE(std::abs(torque[j]), robot.joint(j).torque_limit * (1 + 1e-9));
+    const UnitreeCommand& now = context.Eval(server->command.y);
+    return now.kp.isZero(0) && now.torque.isZero(0) && now.kd.minCoeff() > 0;
+  }
+  std::uint64_t commands() const { return simulator->context().Eval(server->command.taken).number; }
+  /// Periods from the last command until the joints are damped.
+  int PeriodsUntilDamped() {
+    int periods = 0;
+    for (std::uint64_t last = commands(); !Damps() && periods < 100;)
+      if (std::exchange(last, commands()) == last) ++periods;
+    return periods + 1;
+  }
+  const QuadrupedDescription robot = Go2();
+  QuadrupedWorld* world;
+  UnitreeServer* server;
+  std::shared_ptr<const Diagram> diagram;
+  std::optional<Simulator> simulator;
+  int ticks = 0;
+};
+
+/// Commands stop, or are refused from then on, at random times.
+void ExpectThatALostClientDamps(int repetitions) {
+  Served robot;
+  const DdsPeer peer("rt/lowcmd", unitree_go_msg_dds__LowCmd__desc);
+  RandomStream random(7, "client");
+  const UnitreeCommand stance = HoldStance(MakeJointPd(robot.robot));
+  double time = 0;
+  const auto send = [&](const std::function<void(LowCmd&)>& damage) {
+    LowCmd message;
+    std::memset(&message, 0, sizeof message);
+    DdsMessageOf<UnitreeCommand>::Get().write(&stance, &message);
+    damage(message);
+    peer.Send(&message, time += 0.002);
+  };
+  const std::function<void(LowCmd&)> cases[] = {
+      nullptr,                                             // the client is dead, or the link is cut
+      [](LowCmd& m) { m.motor_cmd[2].q += 100, Sign(m); }  // it jumps before it dies
+      ,
+      [](LowCmd& m) { ++m.crc; },
+      [](LowCmd& m) { m.motor_cmd[2].tau = std::numeric_limits<float>::quiet_NaN(), Sign(m); }};
+  for (int i = 0; i < repetitions; ++i) {
+    const auto& damage = cases[i % std::size(cases)];
+    robot.Start();
+    for (int left = 1 + static_cast<int>(random.Uniform(0, 20)); left > 0; --left) {
+      if (left % 2 == 0) send([](LowCmd&) {});
+      EXPECT_FALSE(robot.Damps());
+    }
+    send([](LowCmd&) {});
+    EXPECT_FALSE(robot.Damps());
+    if (damage) send(damage);
+    ASSERT_LE(robot.PeriodsUntilDamped(), 20);
+  }
+}
+TEST(UnitreeServerTest, TheCommandOfALostClientDoesNotStay) {
+  ExpectThatALostClientDamps(8);
+}
+TEST(UnitreeServerTest, ALostClientDampsTheJointsAThousandTimes) {
+  ExpectThatALostClientDamps(1000);
+}
+
+// The client answers states until a signal ends or stops it.
+TEST(UnitreeServerTest, AKilledOrStoppedClientDampsTheJoints) {
+  for (const int signal : {SIGKILL, SIGSTOP}) {
+    test::SecondProcess client([&] {
+      const UnitreeCommand stance = HoldStance(MakeJointPd(Go2()));
+      TestRig<DdsInput<UnitreeState>> state({.topic = "rt/lowstate", .link = kOwnLink});
+      TestRig<DdsPublisher<UnitreeCommand>> command({.topic = "rt/lowcmd", .link = kOwnLink});
+      command.Fix(command->u, stance);
+      for (std::uint64_t last = 0;; std::this_thread::sleep_for(std::chrono::microseconds(100)))
+        if (const std::uint64_t now = state.Tick()[state->taken].number; std::exchange(last, now) != now)
+          command.Tick();
+    });
+    Served robot;
+    robot.Start();
+    EXPECT_TRUE(test::Within10s([&] {
+      robot.Damps();
+      return robot.commands() > 20;
+    }));
+    client.Signal(signal);
+    EXPECT_LE(robot.PeriodsUntilDamped(), 20);
+  }
+}
+
+// ---- The motion switcher ----
+
+/// Answers requests in a thread.
+template <class Rig>
+class Answering {
+ public:
+  explicit Answering(Rig& rig)
+      : thread_([&] {
+          while (!ends_) rig.Tick(), std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }) {}
+  ~Answering() { ends_ = true, thread_.join(); }
+
+ private:
+  std::atomic<bool> ends_ = false;
+  std::thread thread_;
+};
+
+TEST(MotionSwitcherTest, AClientEndsTheBuiltInMode) {
+  EXPECT_STREQ(unitree_api_msg_dds__Request__desc.m_typename, "unitree_api::msg::dds_::Request_");
+  EXPECT_STREQ(unitree_api_msg_dds__Response__desc.m_typename, "unitree_api::msg::dds_::Response_");
+  TestRig<MotionSwitcher> rig({.link = kOwnLink});
+  EXPECT_TRUE(rig[rig->active]);
+  {
+    const Answering answering(rig);
+    EXPECT_TRUE(LeaveBuiltInMode(kOwnLink, 10));
+    EXPECT_TRUE(LeaveBuiltInMode(kOwnLink, 10)) << "again";
+  }
+  EXPECT_FALSE(rig[rig->active]);
+}
+
+TEST(MotionSwitcherTest, ARobotThatDoesNotAnswerIsAnErrorWithARemedy) {
+  EXPECT_FALSE(LeaveBuiltInMode(kOwnLink, 0.01)) << "a simulator without one";
+  const DdsLink anywhere{.domain = kOwnLink.domain - 1};
+  EXPECT_TRUE(Throws<ParameterError>([&] { LeaveBuiltInMode(anywhere, 0.01); }, "no robot answers",
+                                     std::to_string(anywhere.domain), "192.168.123"));
 }
 
 }  // namespace tenon::unitree_test

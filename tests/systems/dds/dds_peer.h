@@ -65,6 +65,7 @@ class SecondProcess {
   SecondProcess(const SecondProcess&) = delete;
   SecondProcess& operator=(const SecondProcess&) = delete;
 
+  void Signal(int signal) const { kill(child_, signal); }
   /// Waits for its end; true if its function returned.
   bool Succeeds() {
     int status = 1;

@@ -59,6 +59,21 @@ TEST(DdsTest, NumbersArriveAsTheyAreAndTheLastCounts) {
   EXPECT_EQ(publisher[publisher->unsent], 0u);
 }
 
+TEST(DdsInputTest, AValueExpiresWithoutMessages) {
+  DdsInputParams<CartSignal> params = kInput;  // at 10 Hz
+  params.initial = {1, 1};
+  params.expired = {-1, -1};
+  params.valid_s = 0.3;
+  TestRig<Input> input(params);
+  TestRig<Publisher> publisher(kPublisher);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(input.Tick()[input->y], params.initial) << "before the first";
+  for (int repetition = 0; repetition < 2; ++repetition) {
+    publisher.Fix(publisher->u, {2, 3}).Tick();
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(input.Tick()[input->y], (CartSignal{2, 3})) << i;
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(input.Tick()[input->y], params.expired) << i;
+  }
+}
+
 TEST(DdsInputTest, CountsAndNamesWhatItDoesNotTrust) {
   TestRig<Input> rig(kInput);
   const DdsPeer peer(kTopic, tenon_test_Cart__desc);

@@ -587,6 +587,9 @@ TEST(SimulatorTest, ATickAfterAStallIsMissed) {
   EXPECT_GT(statistics.worst_time, 0);
   EXPECT_EQ(statistics.missed_time, 0.1);
   EXPECT_GE(statistics.missed_lateness, 0.045 - 1e-6);
+  EXPECT_EQ(statistics.lateness.count(), 10);
+  EXPECT_GE(*statistics.lateness.Quantile(1), 0.049 * 0.99);
+  EXPECT_GE(*statistics.compute.Quantile(1), 0.05 * 0.99) << "of the tick that stalls";
 }
 
 TEST(SimulatorTest, TheClockCanBeShiftedByAStall) {
