@@ -318,9 +318,10 @@ std::string PayOutNote(const EquilibriumPath& equilibria) {
     const double time = begin + (end - begin) * k / kSamples;
     equilibria.At(time, &at);
     const CableVector least = (b * at.length_rate).cwiseMax(0) + robot.tension_min();
-    CalcCableKinematics(robot, at.position, RotationFromEuler(at.euler), &cables, anchors, time);
+    const Eigen::Matrix3d R_WB = RotationFromEuler(at.euler);
+    CalcCableKinematics(robot, at.position, R_WB, &cables, anchors, time);
     const CableMatrix6& structure = cables.structure;
-    const Vector6d wrench = -GravityWrench(robot) - structure * least;
+    const Vector6d wrench = -PassiveWrench(robot, at.position, R_WB) - structure * least;
     const CableVector none = CableVector::Zero(robot.num_cables());
     if (DistributeTension(structure, wrench, none, robot.tension_max(), 0, kTolerance).feasible) continue;
     Eigen::Index i = 0;

@@ -1,6 +1,7 @@
 #include <tenon/apps/cdpr/workspace_study.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/plants/cdpr/cdpr_geometry.h>
+#include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -43,10 +44,11 @@ std::vector<double> Stiffness(const CdprDescription& robot, double load, const W
     const PoseBall pose = map.options.PoseAt(cell.centre(map.options.grid));
     CalcCableKinematics(robot, pose.p_WB, pose.R_WB, &cables);
     const TensionDistribution& found =
-        distributor.Solve(cables.structure, wrench, robot.tension_min(), robot.tension_max());
+        distributor.Solve(cables.structure, wrench - CalcSpringWrench(robot.springs, pose.p_WB, pose.R_WB),
+                          robot.tension_min(), robot.tension_max());
     if (!found.feasible) continue;
-    stiffness.back() =
-        CalcLeastTranslationalStiffness(CalcElasticStiffness(robot.cable, cables, found.tension));
+    stiffness.back() = CalcLeastTranslationalStiffness(
+        CalcElasticStiffness(robot, cables, pose.p_WB, pose.R_WB, found.tension));
   }
   return stiffness;
 }
@@ -165,7 +167,8 @@ Geometry Shapes(const WorkspaceStudy& study, const WorkspaceMap& map) {
   CableVector tension = CableVector::Zero(robot.num_cables());
   if (middle) {
     const CableKinematics cables = CalcCableKinematics(robot, platform.p_WB, platform.R_WB());
-    const Vector6d wrench = RequiredWrenches(robot, {.load = study.params.demand.load}).centre;
+    const Vector6d wrench = RequiredWrenches(robot, {.load = study.params.demand.load}).centre -
+                            CalcSpringWrench(robot.springs, platform.p_WB, platform.R_WB());
     tension = DistributeTension(cables.structure, wrench, robot.tension_min(), robot.tension_max()).tension;
   }
   std::vector<CableStatics> cables(robot.cables.size());

@@ -42,6 +42,9 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
   // Newton's step with the smallest change, computed by the multiplier of the equation:
   // change = J^T multiplier, J J^T multiplier = J change_before - residual.
   Eigen::Matrix<double, 6, 3> by_turn = turn_scale * CalcWrenchByTurn(cables_, tension_);
+  Matrix6d passive_jacobian;
+  const Vector6d passive = PassiveWrench(robot_, at.position, R_WB_, &passive_jacobian);
+  if (!robot_.springs.empty()) by_turn += turn_scale * passive_jacobian.rightCols<3>();
   Vector6d wanted = Vector6d::Zero();
   wanted.head<3>() = robot_.mass * at.acceleration;
   if (loaded) {
@@ -51,7 +54,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     // The derivative of arm x carried with respect to a turn t is (t x arm) x carried.
     by_turn.bottomRows<3>() +=
         turn_scale * (arm_W * carried.transpose() - carried.dot(arm_W) * Eigen::Matrix3d::Identity());
-    wanted -= GravityWrench(robot_);
+    wanted -= passive;
     wanted.head<3>() -= carried + load.rest.force_W;
     wanted.tail<3>() -= arm_W.cross(carried) + load.rest.torque_W;
     wanted.noalias() += by_turn * (shift.turn_W / turn_scale);

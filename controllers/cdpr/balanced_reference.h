@@ -22,10 +22,10 @@ struct ReferenceShift {
 /// The attitude and the tensions with which a platform carries a load and accelerates like its reference.
 /// They solve
 ///
-///     W(p, R) u + [m ; 0] (g - a) + [m_L ; R r x m_L] (g - a) + [f ; tau] = 0
+///     W(p, R) u + [m ; 0] (g - a) + w_s(p, R) + [m_L ; R r x m_L] (g - a) + [f ; tau] = 0
 ///
-/// at the reference's position p. a is the reference's acceleration, m_L a point mass at r, and f and tau are
-/// the remaining load about the platform's CoM.
+/// at the reference's position p. w_s is the wrench of the robot's springs, a is the reference's
+/// acceleration, m_L a point mass at r, and f and tau are the remaining load about the platform's CoM.
 ///
 /// The solution that is computed is the nearest one to the static equilibrium of the reference: it minimises
 /// |du|^2 + |turn / 1 mrad|^2 [N^2], or |du|^2 + |turn / 0.01 mrad|^2 with a broken cable. Turns are added as

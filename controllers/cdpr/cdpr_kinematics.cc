@@ -1,5 +1,6 @@
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/optimization/infinity.h>
+#include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/model/swivel_pulley.h>
 #include <tenon/plants/model/vectors.h>
@@ -142,7 +143,11 @@ std::optional<CablePlane> PlaneOf(const CdprDescription& robot) {
       return stays && std::abs(cable.anchor_W[normal] - at) < kInPlane &&
              std::abs(cable.attachment_B[normal]) < kInPlane;
     });
-    if (within) return CablePlane{normal, at, {1 - normal, 2, 3 + normal}};
+    const bool springs_within = std::ranges::all_of(robot.springs, [&](const SpringDescription& spring) {
+      return std::abs(spring.anchor_W[normal] - at) < kInPlane &&
+             std::abs(spring.attachment_B[normal]) < kInPlane;
+    });
+    if (within && springs_within) return CablePlane{normal, at, {1 - normal, 2, 3 + normal}};
   }
   return {};
 }
@@ -160,6 +165,11 @@ Vector6d GravityWrench(const CdprDescription& robot) {
   Vector6d wrench = Vector6d::Zero();
   if (!robot.on_table) wrench[2] = -robot.mass * kGravity;
   return wrench;
+}
+
+Vector6d PassiveWrench(const CdprDescription& robot, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
+                       Matrix6d* jacobian) {
+  return GravityWrench(robot) + CalcSpringWrench(robot.springs, p_WB, R_WB, jacobian);
 }
 
 Eigen::Matrix<double, 6, 3> CalcWrenchByTurn(const CableKinematics& cables, const CableVector& tension) {
@@ -181,7 +191,8 @@ Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& te
 }
 
 double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& cables,
-                           const Eigen::Matrix3d& R_WB, const CableVector& tension) {
+                           const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
+                           const CableVector& tension) {
   // Substitutes x = S y with S^T M S = 1.
   const Eigen::Matrix3d root = R_WB * internal::Cholesky<3>(robot.inertia_B).Lower();
   Eigen::MatrixXd S = Matrix6d::Zero();
@@ -205,16 +216,21 @@ double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& 
   if (freedoms == 0) return kInfinity;
 
   const Eigen::MatrixXd motions = S * range.Q.rightCols(freedoms);
-  const Eigen::MatrixXd K = -motions.transpose() * CalcWrenchJacobian(cables, tension) * motions;
+  Matrix6d passive;
+  PassiveWrench(robot, p_WB, R_WB, &passive);
+  const Eigen::MatrixXd K = -motions.transpose() * (CalcWrenchJacobian(cables, tension) + passive) * motions;
   return robot.mass * SymmetricEigenvalues((K + K.transpose()) / 2)[0];
 }
 
-Matrix6d CalcElasticStiffness(const CableProperties& cable, const CableKinematics& cables,
+Matrix6d CalcElasticStiffness(const CdprDescription& robot, const CableKinematics& cables,
+                              const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
                               const CableVector& tension) {
-  Matrix6d stiffness = -CalcWrenchJacobian(cables, tension);
+  Matrix6d passive;
+  PassiveWrench(robot, p_WB, R_WB, &passive);
+  Matrix6d stiffness = -CalcWrenchJacobian(cables, tension) - passive;
   for (int i = 0; i < cables.num_cables(); ++i) {
     const Vector6d column = cables.structure.col(i);
-    stiffness += (cable.axial_stiffness + tension[i]) / cables.length[i] * column * column.transpose();
+    stiffness += (robot.cable.axial_stiffness + tension[i]) / cables.length[i] * column * column.transpose();
   }
   return (stiffness + stiffness.transpose()) / 2;
 }

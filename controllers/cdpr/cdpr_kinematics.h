@@ -99,6 +99,10 @@ std::vector<int> MotionsOf(const CdprDescription& robot);
 
 /// The wrench of gravity on the platform, [0 0 -m 9.81 0 0] [N, N m]; 0 on a table, which carries it.
 Vector6d GravityWrench(const CdprDescription& robot);
+/// The wrench of gravity and of the robot's springs (plants/model/platform_springs.h) at a pose [N, N m].
+/// `jacobian` receives its derivative with respect to p and theta, see CalcWrenchJacobian().
+Vector6d PassiveWrench(const CdprDescription& robot, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
+                       Matrix6d* jacobian = nullptr);
 
 /// d(W u)/d(p, theta) at constant tensions u, theta a rotation vector in W: R_WB -> exp([theta]x) R_WB.
 ///
@@ -119,8 +123,9 @@ Eigen::Matrix<double, 6, 3> CalcWrenchByTurn(const CableKinematics& cables, cons
 /// cables. The equilibrium is stable if it is positive.
 ///
 /// The possible motions x = [dp; dtheta] satisfy W^T x = 0. Their potential energy is x^T K x / 2 to second
-/// order, with K = -CalcWrenchJacobian(): gravity is linear in the pose, the lengths are
-/// not, and the tensions are the multipliers of the constraints. With M = diag(m 1, R I_B R^T) the result is
+/// order, with K = -CalcWrenchJacobian() minus the Jacobian of the springs' wrench: gravity is linear in the
+/// pose, the lengths are not, and the tensions are the multipliers of the constraints. With M = diag(m 1, R
+/// I_B R^T) the result is
 ///
 ///     m  min (x^T K x) / (x^T M x)   over  W^T x = 0,
 ///
@@ -128,7 +133,8 @@ Eigen::Matrix<double, 6, 3> CalcWrenchByTurn(const CableKinematics& cables, cons
 /// infinite if no motion is possible, as is usual with six or more cables. Cables without tension may go
 /// slack; they are left out of W because they constrain nothing.
 double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& cables,
-                           const Eigen::Matrix3d& R_WB, const CableVector& tension);
+                           const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
+                           const CableVector& tension);
 
 /// -d(wrench)/d(p, theta) [N/m, N, N m] of elastic cables with the winches held, at an equilibrium under
 /// gravity with tensions u: the Hessian of the energy sum_i EA (|l_i| - l0_i)^2 / (2 l0_i) + m g z,
@@ -136,8 +142,10 @@ double CalcLockedStiffness(const CdprDescription& robot, const CableKinematics& 
 ///     K = sum_i (EA + u_i) / |l_i|  (W column i) (W column i)^T - CalcWrenchJacobian(),      EA / l0 = (EA +
 ///     u) / |l|
 ///
-/// The second term, the geometric stiffness, is the part that remains if the cables do not stretch.
-Matrix6d CalcElasticStiffness(const CableProperties& cable, const CableKinematics& cables,
+/// The second term, the geometric stiffness, is the part that remains if the cables do not stretch. Springs
+/// add theirs.
+Matrix6d CalcElasticStiffness(const CdprDescription& robot, const CableKinematics& cables,
+                              const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
                               const CableVector& tension);
 
 /// Returns the smallest force per displacement of the CoM [N/m], over all directions of the force, of a

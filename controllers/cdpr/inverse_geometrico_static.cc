@@ -71,11 +71,12 @@ class StaticsProblem {
     const CableVector u = x.tail(n);
     const CableKinematics cables = CalcCableKinematics(robot_, p_WB_, RotationFromEuler(euler));
     Vector6d residual = cables.structure * u;
-    residual += GravityWrench(robot_) / weight_;
+    Matrix6d passive;
+    residual += PassiveWrench(robot_, p_WB_, RotationFromEuler(euler), &passive) / weight_;
     residual.tail<3>() /= arm_;
     if (jacobian) {
       Eigen::Matrix<double, 6, 3> by_angles =
-          CalcWrenchJacobian(cables, u).rightCols<3>() * EulerRateMatrix(euler);
+          (CalcWrenchJacobian(cables, u) + passive / weight_).rightCols<3>() * EulerRateMatrix(euler);
       CableMatrix6 structure = cables.structure;
       by_angles.bottomRows<3>() /= arm_;
       structure.bottomRows<3>() /= arm_;
@@ -296,7 +297,7 @@ StaticEquilibrium MakeEquilibrium(const CdprDescription& robot, const Eigen::Vec
   equilibrium.tension = tension;
   const CableKinematics cables = CalcCableKinematics(robot, p_WB, equilibrium.R_WB);
   equilibrium.length = cables.length;
-  equilibrium.stiffness_min = CalcLockedStiffness(robot, cables, equilibrium.R_WB, tension);
+  equilibrium.stiffness_min = CalcLockedStiffness(robot, cables, p_WB, equilibrium.R_WB, tension);
   return equilibrium;
 }
 
@@ -381,7 +382,7 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
   const auto refuse_if_above = [&] {
     double height = -kInfinity;
     for (const CableDescription& cable : robot.cables) height = std::max(height, cable.anchor_W.z());
-    if (!robot.on_table && p_WB.z() >= height) {
+    if (!robot.on_table && robot.springs.empty() && p_WB.z() >= height) {
       Refuse(robot, p_WB, fmt::format("it is not below the highest anchor, at z = {:.4g} m", height));
     }
   };
@@ -394,8 +395,8 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
     } catch (const RunError& error) {
       Refuse(robot, p_WB, error.what());
     }
-    const TensionDistribution found =
-        DistributeTension(cables.structure, -GravityWrench(robot), lower, upper, options.tension_aim);
+    const TensionDistribution found = DistributeTension(cables.structure, -PassiveWrench(robot, p_WB, R_WB),
+                                                        lower, upper, options.tension_aim);
     if (!found.feasible) {
       refuse_if_above();
       Refuse(robot, p_WB, "at the prescribed attitude " + found.reason);
@@ -445,9 +446,12 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
   }
   CdprDescription point_mass = robot;
   for (CableDescription& cable : point_mass.cables) cable.attachment_B.setZero();
+  for (SpringDescription& spring : point_mass.springs) spring.attachment_B.setZero();
   point_mass.RemovePulleys();
-  const CableKinematics cables = CalcCableKinematics(point_mass, p_WB, Eigen::Matrix3d::Identity());
-  const TensionDistribution held = DistributeTension(cables.structure, -GravityWrench(robot), lower, upper);
+  const Eigen::Matrix3d level = Eigen::Matrix3d::Identity();
+  const CableKinematics cables = CalcCableKinematics(point_mass, p_WB, level);
+  const TensionDistribution held =
+      DistributeTension(cables.structure, -PassiveWrench(point_mass, p_WB, level), lower, upper);
   if (!held.feasible) Refuse(robot, p_WB, "torques aside, " + held.reason);
   Refuse(robot, p_WB,
          fmt::format("there is no equilibrium with roll, pitch and yaw within {:.0f} deg",

@@ -32,7 +32,7 @@ struct StaticsOptions {
 ///
 /// The result solves (Morlando 2023, eqs. (3.19)-(3.23))
 ///
-///     W(p, Theta) u + [0 0 -m 9.81 0 0]^T = 0,     tension_min <= u <= tension_max
+///     W(p, Theta) u + [0 0 -m 9.81 0 0]^T + (wrench of the springs) = 0,     tension_min <= u <= tension_max
 ///
 /// Four cables leave 3 + 4 unknowns for six equations, five leave 8: the equilibria at a point form a family
 /// with one or two parameters. (The matrix H of (3.22) is 3 x n and has no inverse; the internal tension is

@@ -1,5 +1,6 @@
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
+#include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/model/vectors.h>
 #include <tenon/plants/signals/euler.h>
@@ -112,6 +113,8 @@ void KinoCentroidalModel<n>::SetPayload(const CdprDescription& robot, const Load
   inertia_inverse_ = body.mass * internal::Inverse<3>(body.inertia);
   for (int i = 0; i < robot.num_cables(); ++i)
     attachment_B_.row(i) = (robot.cables[static_cast<std::size_t>(i)].attachment_B - body.com_B).transpose();
+  springs_ = robot.springs;
+  for (SpringDescription& spring : springs_) spring.attachment_B -= body.com_B;
 }
 
 template <int n>
@@ -129,6 +132,17 @@ void KinoCentroidalModel<n>::SetAnchors(int k, const CdprDescription& robot, con
   for (int i = 0; i < robot.num_cables(); ++i)
     anchor_W_.row(i).segment(3 * k, 3) =
         CalcCableLine(robot, i, p_WB, R_WB, anchors, time).exit_W.transpose();
+}
+
+template <int n>
+Eigen::Matrix<double, 6, 1> KinoCentroidalModel<n>::RatesBySprings(
+    const Eigen::Vector3d& p_W, const Eigen::Vector3d& euler, Eigen::Matrix<double, 6, 6>* by_pose) const {
+  const auto wrench = CalcSpringWrench(springs_, p_W, RotationFromEuler(euler), by_pose);
+  if (by_pose) {
+    *by_pose *= mass_inverse_;
+    by_pose->template rightCols<3>() = (by_pose->template rightCols<3>() * EulerRateMatrix(euler)).eval();
+  }
+  return mass_inverse_ * wrench;
 }
 
 /// Computes f(x, u) with the anchors in the columns from `column` on, with the state and its rate in three
@@ -178,6 +192,11 @@ TENON_INLINE void KinoCentroidalModel<n>::CalcRate(Eigen::Index column, const La
   dx[0] = a - Lanes{0, 0, gravity_, 0};
   dx[1] = Lanes{b[0], b[1], x[0][0], x[0][1]};
   dx[2] = Lanes{x[0][2], rate[0], rate[1], rate[2]};
+  if (springs_.empty()) return;
+  const Eigen::Matrix<double, 6, 1> f =
+      RatesBySprings({x[1][2], x[1][3], x[2][0]}, {x[2][1], x[2][2], x[2][3]}, nullptr);
+  dx[0] += Lanes{f[0], f[1], f[2], f[3]};
+  dx[1] += Lanes{f[4], f[5], 0, 0};
 }
 
 template <int n>
@@ -303,6 +322,15 @@ TENON_INLINE void KinoCentroidalModel<n>::LinearizeFour(const int (&node)[4], co
     }
   }
   dx[2] -= gravity_;
+  for (int l = 0; l < 4 && !springs_.empty(); ++l) {
+    Eigen::Matrix<double, 6, 6> by_pose;
+    const Eigen::Matrix<double, 6, 1> rates =
+        RatesBySprings({x[6][l], x[7][l], x[8][l]}, {x[9][l], x[10][l], x[11][l]}, &by_pose);
+    for (int r = 0; r < 6; ++r) {
+      dx[r][l] += rates[r];
+      for (int c = 0; c < 6; ++c) f.momentum_by_pose[c][r][l] += by_pose(r, c);
+    }
+  }
 
   const Lanes L[3] = {x[3], x[4], x[5]};
   Lanes mobility[3][3], w[3];

@@ -31,15 +31,16 @@ Eigen::Matrix<double, 12, 12> ErrorsOfPlatform(const CdprDescription& robot, con
 /// The kino-centroidal model of a cable robot with n massless cables, whose input are the tensions u >= 0
 /// (Morlando 2023, eqs. (3.3)-(3.9), with (3.9) corrected for Euler angles):
 ///
-///     dv/dt     = (1/m) (sum_i u_i lambda_i + f) + g,      g = (0, 0, -9.81)
-///     dL/dt     = (1/m) (sum_i R r_i x u_i lambda_i + tau)
+///     dv/dt     = (1/m) (sum_i u_i lambda_i + f_s + f) + g,      g = (0, 0, -9.81)
+///     dL/dt     = (1/m) (sum_i R r_i x u_i lambda_i + tau_s + tau)
 ///     dp/dt     = v
 ///     dTheta/dt = E(Theta)^{-1} w,   w = R I^{-1} R^T m L
 ///
-/// f and tau are a constant load. lambda_i is the direction from the attachment p + R r_i to the anchor. With
-/// pulleys it points to where the cable leaves its pulley at a given pose, see SetPose(). The model is exact
-/// for a rigid platform. The result is not finite at pitch = +-pi/2, where the Euler angles are singular, for
-/// a cable without length, and for angles beyond a million rad.
+/// f and tau are a constant load, f_s and tau_s the wrench of the robot's springs at p, R. lambda_i is the
+/// direction from the attachment p + R r_i to the anchor. With pulleys it points to where the cable leaves
+/// its pulley at a given pose, see SetPose(). The model is exact for a rigid platform. The result is not
+/// finite at pitch = +-pi/2, where the Euler angles are singular, for a cable without length, and for angles
+/// beyond a million rad.
 ///
 /// It implements the steps of RungeKutta itself, see TakesOwnSteps. Step() computes four cables at a time,
 /// one in each lane of a register; LinearizeSteps() computes four steps at a time.
@@ -105,8 +106,13 @@ class KinoCentroidalModel {
   static void CalcColumn(const Stage* stages, const StepTableau& tableau, const internal::Lanes& h, int c,
                          const double* wrench, internal::Lanes (&sum)[12]);
 
+  /// Rates of v and L by the springs; `by_pose` receives their derivatives with respect to p and Theta.
+  Eigen::Matrix<double, 6, 1> RatesBySprings(const Eigen::Vector3d& p_W, const Eigen::Vector3d& euler,
+                                             Eigen::Matrix<double, 6, 6>* by_pose) const;
+
   int cables_;
-  double gravity_;  // 0 on a table [m/s^2]
+  std::vector<SpringDescription> springs_;  // attachments from the common CoM
+  double gravity_;                          // 0 on a table [m/s^2]
   double mass_inverse_;
   Eigen::Matrix3d inertia_inverse_;  // m I^{-1}, in B
   // One row per cable; anchors that move have three columns per node of the horizon.

@@ -1,5 +1,6 @@
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/cdpr/load_estimator.h>
+#include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
@@ -36,6 +37,7 @@ LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const Imu
   const Eigen::Matrix3d R_WB = estimate.platform.R_WB();
   Vector6d pull;
   pull << known.force_W, known.torque_W;
+  pull += CalcSpringWrench(robot.springs, estimate.platform.p_WB, R_WB);
   for (int i = 0; i < robot.num_cables(); ++i)
     pull += cables.tension[i] *
             CalcCableLine(robot, i, estimate.platform.p_WB, R_WB, anchors, estimate.time).wrench;

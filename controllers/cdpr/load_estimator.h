@@ -23,9 +23,10 @@ struct LoadEstimatorParams {
   void Validate() const;  ///< throws ParameterError
 };
 
-/// Estimates the load on the platform besides gravity and cables, split into a point mass that it carries and
-/// a remaining wrench, from the inertial unit, the measured tensions u and the estimated pose. W is the
-/// structure matrix at that pose, h the period and LP a first-order low-pass filter with the bandwidth b:
+/// Estimates the load on the platform besides gravity, cables and springs, split into a point mass that it
+/// carries and a remaining wrench, from the inertial unit, the measured tensions u and the estimated pose. W
+/// is the structure matrix at that pose, h the period and LP a first-order low-pass filter with the bandwidth
+/// b:
 ///
 ///     force   F = LP(m R f_B - (W u)_f)                   by Newton, f_B the specific force R^T (a - g)
 ///     torque  tau = b (I_W w - s),  s' = (W u)_tau + tau  observer of the momentum I_W w, Euler's steps
@@ -38,7 +39,7 @@ struct LoadEstimatorParams {
 /// A point mass exerts only a force at its place. With exact tensions, masses and inertias, a point mass and
 /// a constant wrench are therefore found without error at rest, and in motion up to the rotation of the
 /// platform during the lag of the filters. A mass below the dead band is part of the rest. A known wrench is
-/// added to W u and, without lag, to the rest.
+/// added to W u and, without lag, to the rest; that of the robot's springs is added to W u.
 ///
 ///     ports in   estimate  of the platform; the pose is used
 ///                inertial  at the CoM

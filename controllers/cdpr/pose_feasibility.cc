@@ -1,5 +1,6 @@
 #include <tenon/controllers/cdpr/pose_feasibility.h>
 #include <tenon/controllers/optimization/infinity.h>
+#include <tenon/plants/model/platform_springs.h>
 #include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
@@ -18,6 +19,7 @@ constexpr double kAway = 0.7;       // fraction of the largest possible distance
 double Lever(const CdprDescription& robot) {
   double lever = 0;
   for (const CableDescription& cable : robot.cables) lever = std::max(lever, cable.attachment_B.norm());
+  for (const SpringDescription& spring : robot.springs) lever = std::max(lever, spring.attachment_B.norm());
   return lever;
 }
 
@@ -71,7 +73,8 @@ PoseFeasibility::PoseFeasibility(const CdprDescription& robot, const WrenchBox& 
       inner_high_(high_),
       lever_(Lever(robot)),
       rows_(WrenchRows(robot)),
-      required_{required.centre.head(rows_), required.half_width.head(rows_)},
+      asked_{required.centre.head(rows_), required.half_width.head(rows_)},
+      by_springs_(Eigen::VectorXd::Zero(rows_)),
       wrenches_(rows_, low_, high_),
       distributor_(robot.num_cables()),
       interference_(robot),
@@ -84,12 +87,13 @@ PoseFeasibility::PoseFeasibility(const CdprDescription& robot, const WrenchBox& 
       spread_(robot.num_cables()) {
   robot_.RemovePulleys();
   if (rows_ == 6) {
-    required_.centre.tail(3) /= lever_;
-    required_.half_width.tail(3) /= lever_;
+    asked_.centre.tail(3) /= lever_;
+    asked_.half_width.tail(3) /= lever_;
   } else if (required.centre.tail(3).norm() > 0 || required.half_width.tail(3).norm() > 0) {
     throw ParameterError(fmt::format(
         "robot '{}' has all attachments at its CoM and cannot produce torques: require none", robot.name));
   }
+  required_ = asked_;
 }
 
 /// Returns false if a cable has no length at the centre.
@@ -101,6 +105,11 @@ bool PoseFeasibility::Move(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R
   }
   structure_ = cables_.structure.topRows(rows_);
   if (rows_ == 6) structure_.bottomRows(3) /= lever_;
+  if (robot_.springs.empty()) return true;
+  Vector6d wrench = CalcSpringWrench(robot_.springs, p_WB, R_WB);
+  if (rows_ == 6) wrench.tail(3) /= lever_;
+  required_.centre = asked_.centre - wrench.head(rows_);
+  required_.half_width = asked_.half_width;
   return true;
 }
 
@@ -125,6 +134,23 @@ bool PoseFeasibility::BoundChanges(const PoseBall& poses) {
     change_[i] = std::hypot(turn_[i], torque);
   }
   return true;
+}
+
+void PoseFeasibility::BoundSprings(const PoseBall& poses) {
+  const double chord = Chord(poses.angle);
+  by_springs_.setZero();
+  for (const SpringDescription& spring : robot_.springs) {
+    const Eigen::Vector3d arm_W = poses.R_WB * spring.attachment_B;
+    const double arm = arm_W.norm(), move = poses.distance + chord * arm,
+                 length = (spring.anchor_W - poses.p_WB - arm_W).norm(),
+                 pull = spring.stiffness * std::abs(length - spring.rest_length);
+    double steepest = 1;
+    if (spring.rest_length > 0)
+      steepest = move < length ? std::max(1.0, spring.rest_length / (length - move) - 1) : kInfinity;
+    const double change = spring.stiffness * steepest * move;
+    by_springs_.head(3).array() += change;
+    if (rows_ == 6) by_springs_.tail(3).array() += arm * (change + chord * pull) / lever_;
+  }
 }
 
 /// The derivatives of [lambda; arm x lambda / lever], see CalcWrenchJacobian(), and half of a bound of its
@@ -172,7 +198,16 @@ PoseVerdict PoseFeasibility::Over(const PoseBall& poses) {
   At(poses.p_WB, poses.R_WB);
   if (!std::isfinite(margins_.tension) || !BoundChanges(poses)) return PoseVerdict::kUndecided;
   Differentiate(poses);
-  if (HoldsOver()) return PoseVerdict::kHolds;
+  const WrenchMargins centre = margins_;
+  if (!robot_.springs.empty()) {
+    BoundSprings(poses);
+    if (!by_springs_.allFinite()) return PoseVerdict::kUndecided;
+    required_.half_width += by_springs_;
+    margins_ = wrenches_.Margins(required_);
+  }
+  const bool holds = HoldsOver();
+  margins_ = centre;
+  if (holds) return PoseVerdict::kHolds;
   return FailsOver() ? PoseVerdict::kFails : PoseVerdict::kUndecided;
 }
 
@@ -258,7 +293,10 @@ bool PoseFeasibility::FailsOver() const {
   const bool opposite = middle > normal.dot(required_.centre);
   const SmallVector c = normal * ((opposite ? -1 : 1) / normal.norm());
   SmallVector wrench = required_.centre;
-  for (int k = 0; k < rows_; ++k) wrench[k] += c[k] < 0 ? -required_.half_width[k] : required_.half_width[k];
+  for (int k = 0; k < rows_; ++k) {
+    const double half_width = required_.half_width[k] - 2 * by_springs_[k];
+    wrench[k] += c[k] < 0 ? -half_width : half_width;
+  }
   return FailsByFixedNormal(c, wrench) || FailsByMovingNormal(c, wrench);
 }
 
@@ -302,7 +340,8 @@ bool PoseFeasibility::FailsByMovingNormal(const SmallVector& c, const SmallVecto
         c.dot(structure_.col(i)) + ChangeAlong(c, i) + turn * (structure_.col(i).norm() + change_[i]);
     most += x * (x > 0 ? high_ : low_)[i];
   }
-  return most + kRounding * high_.maxCoeff() < c.dot(wrench) - turn * wrench.norm();
+  return most + kRounding * high_.maxCoeff() <
+         c.dot(wrench) - turn * (wrench.norm() + 2 * by_springs_.norm());
 }
 
 PoseVerdict PoseFeasibility::IsClearOver(const PoseBall& poses, double diameter) {

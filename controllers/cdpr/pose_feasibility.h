@@ -42,8 +42,9 @@ struct PlatformDemand {
 WrenchBox RequiredWrenches(const CdprDescription& robot, const PlatformDemand& demand);
 
 /// Wrench feasibility of a cable robot at a pose and over a set of poses: whether the cables can exert all
-/// required wrenches within their tension bounds. For robots with six or more cables, or for a point mass
-/// (all attachments at the CoM) with three or more. Pulleys are treated as points.
+/// required wrenches, less that of the robot's springs, within their tension bounds. For robots with six or
+/// more cables, or for a point mass (all attachments at the CoM) with three or more. Pulleys are treated as
+/// points.
 ///
 /// The margin at one pose says nothing about neighbouring poses. Over() bounds the changes over the set. If
 /// the CoM moves by rho and the platform turns by phi, attachment i moves by at most rho + 2 sin(phi/2)
@@ -71,6 +72,11 @@ WrenchBox RequiredWrenches(const CdprDescription& robot, const PlatformDemand& d
 /// so if each c . w_i increases by its largest change. The normal c is either constant, or it follows the
 /// cables of its facet, so that their products c . w_i stay zero.
 ///
+/// **Springs.** Their wrench at the centre moves the required ones. Over the set it changes by a spring whose
+/// attachment moves by at most s by |dF| <= k s max(1, l0 / (l - s) - 1), and its torque by |arm| (|dF| + |F|
+/// 2 sin(phi/2)): the first proof adds these to
+/// the half widths, the second one subtracts them.
+///
 /// Apart from rounding, both are proofs, as in interval analysis (Gouttefarde, Daney, Merlet, IEEE Trans.
 /// Robotics 27(1), 2011, doi:10.1109/TRO.2010.2090064). They become sharp as rho and phi tend to zero.
 class PoseFeasibility {
@@ -93,6 +99,7 @@ class PoseFeasibility {
   using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
   bool Move(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
   bool BoundChanges(const PoseBall& poses);
+  void BoundSprings(const PoseBall& poses);
   void Differentiate(const PoseBall& poses);
   double OverBall(const Eigen::Matrix<double, 1, 6>& row) const;
   double ChangeAlong(const SmallVector& c, int cable) const;
@@ -109,7 +116,9 @@ class PoseFeasibility {
   CableVector inner_low_, inner_high_;  // bounds that are tightened [N]
   double lever_;                        // divisor of torques: the distance of the farthest attachment [m]
   int rows_;
-  WrenchBox required_;  // torques over the lever
+  WrenchBox asked_;             // torques over the lever, as all below; without the wrench of the springs
+  WrenchBox required_;          // of the cables at the centre; in Over() at any pose of the set
+  Eigen::VectorXd by_springs_;  // largest change of the springs' wrench over the set of poses
   WrenchFeasibility wrenches_;
   TensionDistributor distributor_;
   CableInterference interference_;

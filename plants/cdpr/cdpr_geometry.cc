@@ -6,7 +6,8 @@
 namespace tenon {
 namespace {
 
-constexpr double kCableRadius = 0.008, kAnchorRadius = 0.05, kPostRadius = 0.025;  // up to kSpan [m]
+constexpr double kCableRadius = 0.008, kAnchorRadius = 0.05, kPostRadius = 0.025,
+                 kSpringRadius = 0.02;  // up to kSpan [m]
 constexpr double kSpan =
     6;  // cables and posts of robots with a larger span are thicker, as seen from farther away [m]
 constexpr double kPlatformThickness = 0.04;  // least thickness, for attachments in one plane [m]
@@ -17,7 +18,7 @@ constexpr double kPulleyWidth = 0.02;        // [m]
 constexpr std::size_t kSaggingPieces = 12;
 
 // Order of the shapes: these, then the pieces of each cable, then each pulley, then one anchor and one
-// post per cable.
+// post per cable, then each spring.
 enum Index { kPlatform, kPath, kPayloadBall, kForce, kFirstCable };
 
 std::size_t PiecesPerCable(const CdprDescription& robot) {
@@ -71,6 +72,11 @@ Geometry MakeCdprGeometry(const CdprDescription& robot) {
     shapes.push_back(std::move(post));
     PlaceFixture(robot.cables[i].anchor_W, robot.floor, &shapes[shapes.size() - 2]);
   }
+  for (std::size_t i = 0; i < robot.springs.size(); ++i) {
+    shapes.push_back(
+        Shape::Segment(ShapeRole::kOther, "spring " + std::to_string(i), thicker * kSpringRadius));
+    shapes.back().p_W = robot.springs[i].anchor_W;
+  }
   return shapes;
 }
 
@@ -116,6 +122,10 @@ void MoveCdprGeometry(const CdprDescription& robot, const PlatformState& platfor
     const double half = std::numbers::sqrt2 / 2;
     pulley.q_W = {half, half * cable.plane_W[0], half * cable.plane_W[1], 0};
   }
+  const std::size_t first_spring = first_fixture + 2 * robot.cables.size();
+  for (std::size_t i = 0; i < robot.springs.size(); ++i)
+    shapes[first_spring + i].vector_W =
+        platform.p_WB + R_WB * robot.springs[i].attachment_B - robot.springs[i].anchor_W;
 }
 
 }  // namespace tenon

@@ -16,8 +16,8 @@ inline double LowestCorner(const Eigen::Vector3d& half, const Eigen::Vector3d& p
 }
 
 /// The shapes of a cable robot: the platform as its PlatformBox, cables coloured by tension [N], anchors on
-/// posts, payload, external force, and the path of the CoM. Cables are drawn thicker than they are. Cables
-/// with mass are drawn in pieces with their sag, pulleys with their swivel.
+/// posts, springs, payload, external force, and the path of the CoM. Cables are drawn thicker than they are.
+/// Cables with mass are drawn in pieces with their sag, pulleys with their swivel.
 Geometry MakeCdprGeometry(const CdprDescription& robot);
 
 /// Moves the shapes that MakeCdprGeometry() made for the same robot. Does not allocate.

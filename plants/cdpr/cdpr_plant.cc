@@ -1,4 +1,5 @@
 #include <tenon/plants/cdpr/cdpr_plant.h>
+#include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/model/vectors.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -180,6 +181,10 @@ void CdprPlant::CalcCableForces(double time, const PlatformState& x, const Eigen
       signals.length_rate[i] += (1 / motion.reeling - 1) * PayOutRate(winch, motion, tension);
     }
   }
+  if (params.robot.springs.empty()) return;
+  const Eigen::Matrix<double, 6, 1> springs = CalcSpringWrench(params.robot.springs, x.p_WB, R_WB);
+  out->wrench = Sum(out->wrench, {springs.head<3>(), springs.tail<3>()});
+  out->energy += CalcSpringEnergy(params.robot.springs, x.p_WB, R_WB);
 }
 
 void CdprPlant::CalcBody(const PlatformState& x, const CableForces& cables, const Payload& payload,

@@ -28,7 +28,7 @@ struct CdprPlantParams {
   void Validate() const;
 };
 
-/// A cable-driven parallel robot: a rigid platform, 2 or more elastic cables, one winch each.
+/// A cable-driven parallel robot: a rigid platform, 2 or more elastic cables, one winch each, and springs.
 ///
 ///     ports in   command       commanded tension of each winch [N]; negative values count as 0
 ///                payload       point mass on the platform (optional)
@@ -71,6 +71,9 @@ struct CdprPlantParams {
 /// larger tension at its anchor than at its attachment, and is never without tension. It is in static
 /// equilibrium at every instant. Not modelled: the cable's own oscillation, and the friction of pulleys (see
 /// WinchErrors).
+///
+/// **Springs** between frame and platform act as platform_springs.h says: in the equations above their wrench
+/// adds to that of the cables, and `energy` counts theirs as elastic. Not modelled: their mass and damping.
 ///
 /// **Moving anchors** have the places and velocities of their paths, whatever the cables pull (see
 /// AnchorPath): cranes and gantries are stiff. The anchor's velocity v_a counts in dl/dt = e . (v_a -
@@ -121,8 +124,8 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
     CableSignals signals;
     std::vector<CableStatics> statics{};
     CableVector reeling{};    ///< radius of each cable on its drum, relative to the initial radius
-    PlatformWrench wrench{};  ///< wrench of all cables, about the CoM
-    double energy = 0;        ///< elastic energy [J]
+    PlatformWrench wrench{};  ///< wrench of all cables and springs, about the CoM
+    double energy = 0;        ///< elastic energy of both [J]
     double potential = 0;     ///< potential energy of the cables' weight [J]
   };
   /// Cables and encoder offsets at the start, after homing.

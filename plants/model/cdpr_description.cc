@@ -118,8 +118,8 @@ void CdprDescription::RemovePulleys() {
 }
 
 bool CdprDescription::ends_in_one_point() const {
-  return std::ranges::all_of(
-      cables, [this](const auto& each) { return each.attachment_B == cables[0].attachment_B; });
+  const auto at_point = [this](const auto& each) { return each.attachment_B == cables[0].attachment_B; };
+  return std::ranges::all_of(cables, at_point) && std::ranges::all_of(springs, at_point);
 }
 
 CableVector CdprDescription::tension_min() const {
@@ -155,13 +155,15 @@ void CdprDescription::Validate() const {
                       "tension_max_N or lower its tension_min_N, or those of cable_properties",
                       i, tension_min(i), tension_max(i)));
   winch.Validate();
-  const bool level = std::ranges::all_of(cables, [this](const CableDescription& each) {
-    return each.anchor_W.z() == cables[0].anchor_W.z() && each.attachment_B.z() == 0 && !each.anchor_path;
-  });
-  if (on_table && (!level || has_pulleys() || cable.mass_per_length > 0))
+  const auto level = [this](const auto& each) {
+    return each.anchor_W.z() == cables[0].anchor_W.z() && each.attachment_B.z() == 0;
+  };
+  const auto moves = [](const CableDescription& each) { return each.anchor_path.has_value(); };
+  if (on_table && (!std::ranges::all_of(cables, level) || !std::ranges::all_of(springs, level) ||
+                   std::ranges::any_of(cables, moves) || has_pulleys() || cable.mass_per_length > 0))
     throw ParameterError(
-        "on_table is true, but the cables are not level; give all anchors the same z and all attachments z = "
-        "0, and no anchor_path, pulley_radius_m or mass_kg_per_m");
+        "on_table is true, but the cables or springs are not level; give all anchors the same z and all "
+        "attachments z = 0, and no anchor_path, pulley_radius_m or mass_kg_per_m");
   if (!winch.differential) return;
   for (const auto& [i, j] : winch.differential->pairs)
     if (std::max(i, j) >= num_cables())

@@ -43,6 +43,23 @@ struct CableDescription {
   }
 };
 
+/// A linear spring between the frame and the platform, without mass and damping. It pulls where it is longer
+/// than its rest length and pushes where it is shorter; with a rest length of 0 its force is proportional to
+/// its length, as that of a spring with pulley or preload can be made.
+struct SpringDescription {
+  Eigen::Vector3d anchor_W = Eigen::Vector3d::Zero();      ///< its end at the frame, in the world [m]
+  Eigen::Vector3d attachment_B = Eigen::Vector3d::Zero();  ///< its end at the platform, from the CoM [m]
+  double stiffness = 0;                                    ///< force per length [N/m]
+  double rest_length = 0;                                  ///< length without force [m]
+
+  static FieldList Fields() {
+    return {Required("anchor_m", &SpringDescription::anchor_W).Between(-1e4, 1e4),
+            Required("attachment_m", &SpringDescription::attachment_B).Between(-1e4, 1e4),
+            Required("stiffness_N_per_m", &SpringDescription::stiffness).Positive(),
+            Required("rest_length_m", &SpringDescription::rest_length).AtLeast(0)};
+  }
+};
+
 /// Properties of all cables of a robot.
 struct CableProperties {
   double axial_stiffness = 0;  ///< EA [N]; the stiffness of a cable of rest length l0 is EA / l0
@@ -161,6 +178,7 @@ struct CdprDescription {
   double mass = 0;                                      ///< mass of the platform [kg]
   Eigen::Matrix3d inertia_B = Eigen::Matrix3d::Zero();  ///< inertia about the CoM, in B [kg m^2]
   std::vector<CableDescription> cables;                 ///< two cables or more
+  std::vector<SpringDescription> springs;               ///< springs between frame and platform
   CableProperties cable;                                ///< properties of all cables
   WinchProperties winch;                                ///< properties of all winches
   double floor = 0;                                     ///< height of the floor in W [m]
@@ -174,7 +192,7 @@ struct CdprDescription {
   double pulley_radius(Eigen::Index i) const;  ///< radius of the pulley of a cable; 0: none [m]
   bool has_pulleys() const;                    ///< whether a cable has a pulley
   void RemovePulleys();                        ///< makes all cables leave from points
-  bool ends_in_one_point() const;              ///< whether all cables have the same attachment
+  bool ends_in_one_point() const;              ///< whether all cables and springs have the same attachment
   CableVector tension_min() const;
   CableVector tension_max() const;
   void LimitTension(CableVector* tension) const;  ///< clamps tensions [N] to these bounds; does not allocate
@@ -184,14 +202,15 @@ struct CdprDescription {
             Required("mass_kg", &CdprDescription::mass).Above(0).AtMost(1e6),
             Required("inertia_kg_m2", &CdprDescription::inertia_B),
             Required("cables", &CdprDescription::cables),
+            {"springs", &CdprDescription::springs},
             Required("cable_properties", &CdprDescription::cable),
             Required("winch", &CdprDescription::winch),
             Field("floor_m", &CdprDescription::floor).Finite(),
             {"on_table", &CdprDescription::on_table}};
   }
   /// Throws ParameterError for a mass that is not positive, an inertia that no rigid body has, too few
-  /// cables, two cables in one place, cables on a table that are not level, and invalid properties of the
-  /// parts.
+  /// cables, two cables in one place, cables or springs on a table that are not level, and invalid properties
+  /// of the parts.
   void Validate() const;
 };
 

@@ -1,9 +1,11 @@
 #include <tenon/controllers/cdpr/cable_interference.h>
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
+#include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
+#include <tenon/tests/testing/derivative_check.h>
 
 #include <Eigen/Geometry>
 
@@ -133,6 +135,37 @@ TEST(CdprKinematics, GravityPullsDown) {
   EXPECT_EQ(GravityWrench(test::FourCableRobot()), 15 * -9.81 * Vector6d::Unit(2));
 }
 
+TEST(CdprKinematics, SpringsPullByTheGradientOfTheirEnergy) {
+  const CdprDescription robot = test::WithSprings(test::FourCableRobot());
+  const Matrix3d R_WB = RotationFromEuler(kEuler);
+  const auto at = [&](const Vector6d& x) -> Matrix3d { return Turn(x.tail<3>()) * R_WB; };
+  const auto energy = [&](const Vector6d& x) -> Eigen::VectorXd {
+    const double joules = CalcSpringEnergy(robot.springs, kPosition + x.head<3>(), at(x));
+    return Eigen::VectorXd::Constant(1, joules + robot.mass * 9.81 * x[2]);
+  };
+  const auto wrench = [&](const Vector6d& x) -> Eigen::VectorXd {
+    return PassiveWrench(robot, kPosition + x.head<3>(), at(x));
+  };
+  const Vector6d here = Vector6d::Zero();
+  EXPECT_TRUE(IsJacobian(-wrench(here).transpose(), energy, here, 1e-8));
+  Matrix6d jacobian;
+  PassiveWrench(robot, kPosition, R_WB, &jacobian);
+  EXPECT_TRUE(IsJacobian(jacobian, wrench, here, 1e-7));
+}
+
+TEST(CdprKinematics, ASpringPushesIfItIsShortAndHasNoDirectionWithoutLength) {
+  std::vector<SpringDescription> springs{{{0, 0, 1}, {0, 0, 0}, 50, 1.5}};
+  EXPECT_THAT(CalcSpringWrench(springs, {0, 0, 0}, Matrix3d::Identity()),
+              IsNear(Vector6d(-25 * Vector6d::Unit(2)), 1e-12));
+  EXPECT_TRUE(Throws<RunError>(
+      [&] {
+        CalcSpringWrench(springs, {0, 0, 1}, Matrix3d::Identity());
+      },
+      "springs.0", "rest_length_m"));
+  springs[0].rest_length = 0;
+  EXPECT_EQ(CalcSpringWrench(springs, {0, 0, 1}, Matrix3d::Identity()), Vector6d::Zero());
+}
+
 TEST(CdprKinematics, CableAtItsRestLengthAndTensionHasItsLength) {
   const CdprDescription robot = test::FourCableRobot();
   CableVector length(4), tension(4);
@@ -151,38 +184,46 @@ TEST(CdprKinematics, LockedStiffnessOfAQuadrifilarPendulum) {
   for (CableDescription& cable : robot.cables) cable.anchor_W = cable.attachment_B + Vector3d(0, 0, 4);
   const CableKinematics cables = CalcCableKinematics(robot, {0, 0, 0}, Matrix3d::Identity());
   const CableVector tension = CableVector::Constant(4, robot.mass * 9.81 / 4);
+  const Vector3d origin(0, 0, 0);
   const double sideways = robot.mass * 9.81 / 4, turn = sideways * 2 * 0.075 * 0.075;
 
   robot.inertia_B(2, 2) = 0.21;
-  EXPECT_NEAR(CalcLockedStiffness(robot, cables, Matrix3d::Identity(), tension), turn * robot.mass / 0.21,
-              1e-10);
+  EXPECT_NEAR(CalcLockedStiffness(robot, cables, origin, Matrix3d::Identity(), tension),
+              turn * robot.mass / 0.21, 1e-10);
   robot.inertia_B(2, 2) = 0.1;
-  EXPECT_NEAR(CalcLockedStiffness(robot, cables, Matrix3d::Identity(), tension), sideways, 1e-10);
+  EXPECT_NEAR(CalcLockedStiffness(robot, cables, origin, Matrix3d::Identity(), tension), sideways, 1e-10);
+  robot.springs = {{{9, 0, 0}, {0, 0, 0}, 2, 0}, {{-9, 0, 0}, {0, 0, 0}, 3, 0}};
+  EXPECT_NEAR(CalcLockedStiffness(robot, cables, origin, Matrix3d::Identity(), tension), sideways + 5, 1e-10);
 }
 
 TEST(CdprKinematics, NoMotionIsLeftBySixCables) {
   const CdprDescription robot = test::SixCableRobot();
   const CableKinematics cables = CalcCableKinematics(robot, {0, 0, 2}, Matrix3d::Identity());
-  EXPECT_EQ(CalcLockedStiffness(robot, cables, Matrix3d::Identity(), CableVector::Constant(6, 50)), INFINITY);
-  EXPECT_EQ(CalcLockedStiffness(robot, cables, Matrix3d::Identity(), CableVector::Zero(6)), -INFINITY);
+  const auto stiffness = [&](double tension) {
+    return CalcLockedStiffness(robot, cables, {0, 0, 2}, Matrix3d::Identity(),
+                               CableVector::Constant(6, tension));
+  };
+  EXPECT_EQ(stiffness(50), INFINITY);
+  EXPECT_EQ(stiffness(0), -INFINITY);
 }
 
-// K is the Hessian of the energy of elastic cables and of gravity, by second differences.
+// K is the Hessian of the energy of elastic cables, springs and gravity, by second differences.
 TEST(CdprKinematics, ElasticStiffnessIsTheHessianOfTheEnergy) {
-  const CdprDescription robot = test::SixCableRobot();
+  const CdprDescription robot = test::WithSprings(test::SixCableRobot());
   const Vector3d p(0.3, -0.2, 1.8);
   const CableKinematics cables = CalcCableKinematics(robot, p, Matrix3d::Identity());
   const Eigen::MatrixXd W = cables.structure;
-  const CableVector tension = test::Solve(W, -GravityWrench(robot));
+  const CableVector tension = test::Solve(W, -PassiveWrench(robot, p, Matrix3d::Identity()));
   const CableVector rest = CalcRestLengths(robot.cable, cables.length, tension);
   const auto energy = [&](const Vector6d& x) {
     const CableVector length = CalcCableKinematics(robot, p + x.head<3>(), Turn(x.tail<3>())).length;
-    double sum = robot.mass * 9.81 * x[2];
+    double sum =
+        robot.mass * 9.81 * x[2] + CalcSpringEnergy(robot.springs, p + x.head<3>(), Turn(x.tail<3>()));
     for (int i = 0; i < 6; ++i)
       sum += robot.cable.axial_stiffness * (length[i] - rest[i]) * (length[i] - rest[i]) / (2 * rest[i]);
     return sum;
   };
-  const Matrix6d K = CalcElasticStiffness(robot.cable, cables, tension);
+  const Matrix6d K = CalcElasticStiffness(robot, cables, p, Matrix3d::Identity(), tension);
   constexpr double kStep = 1e-3;
   for (int i = 0; i < 6; ++i) {
     for (int j = 0; j <= i; ++j) {
@@ -198,8 +239,10 @@ TEST(CdprKinematics, ElasticStiffnessIsTheHessianOfTheEnergy) {
 // Pushed at its CoM, the platform gives way by the compliance, and turns; least in the stiffest direction.
 TEST(CdprKinematics, TranslationalStiffnessIsForceOverDisplacement) {
   const CdprDescription robot = test::SixCableRobot();
-  const CableKinematics cables = CalcCableKinematics(robot, {0.3, -0.2, 1.8}, Matrix3d::Identity());
-  const Matrix6d K = CalcElasticStiffness(robot.cable, cables, CableVector::Constant(6, 40));
+  const Vector3d p(0.3, -0.2, 1.8);
+  const CableKinematics cables = CalcCableKinematics(robot, p, Matrix3d::Identity());
+  const Matrix6d K =
+      CalcElasticStiffness(robot, cables, p, Matrix3d::Identity(), CableVector::Constant(6, 40));
   const double least = CalcLeastTranslationalStiffness(K);
   double softest = INFINITY;
   for (int i = 0; i < 60; ++i) {

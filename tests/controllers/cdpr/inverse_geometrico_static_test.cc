@@ -95,7 +95,7 @@ TEST(InverseGeometricoStatic, IsTheLeastNormOfTheFamily) {
         const Matrix3d R_WB = RotationFromEuler({x[0], x[1], yaw});
         const CableKinematics cables = CalcCableKinematics(robot, p, R_WB);
         if (tension.minCoeff() < -1e-9 || tension.maxCoeff() > 800) continue;
-        if (!(CalcLockedStiffness(robot, cables, R_WB, tension) > 0)) continue;
+        if (!(CalcLockedStiffness(robot, cables, p, R_WB, tension) > 0)) continue;
         least = std::min(least, tension.norm());
         ++members;
       }
@@ -223,6 +223,30 @@ TEST(InverseGeometricoStatic, CablesInOnePointHoldTheCom) {
       EXPECT_THAT(force, IsNear(Vector3d::Zero(), 1e-9));
       EXPECT_GE(found.tension.minCoeff(), 1 - 1e-9);
     }
+}
+
+// A spring without rest length that carries half of the weight halves the tensions; on several springs the
+// platform is in balance everywhere, also above the anchors.
+TEST(InverseGeometricoStatic, SpringsCarryTheirShare) {
+  CdprDescription robot = test::FourCableRobot();
+  const StaticEquilibrium without = SolveInverseGeometricoStatic(robot, {0, 0, 2});
+  robot.springs = {{{0, 0, 5}, {0, 0, 0}, robot.mass * 9.81 / 2 / 3, 0}};
+  const StaticEquilibrium half = SolveInverseGeometricoStatic(robot, {0, 0, 2});
+  EXPECT_THAT(half.tension, IsNear(without.tension / 2, 1e-8));
+  EXPECT_LT(half.euler.norm(), 1e-9);
+
+  robot.springs[0].stiffness = 200;
+  EXPECT_NO_THROW(SolveInverseGeometricoStatic(robot, {0, 0, 4.2}));
+  EXPECT_TRUE(RefusesPlace(test::FourCableRobot(), {0, 0, 4.2}, {}, "not below the highest anchor"));
+  for (const bool six : {false, true}) {
+    const CdprDescription sprung = test::WithSprings(six ? test::SixCableRobot() : test::FourCableRobot());
+    StaticsOptions options;
+    if (six) options.attitude = Vector3d(0.05, -0.02, 0.1);
+    const StaticEquilibrium found = SolveInverseGeometricoStatic(sprung, {0.4, -0.3, 1.7}, options);
+    const Vector6d passive = PassiveWrench(sprung, found.p_WB, found.R_WB);
+    EXPECT_THAT(Cables(sprung, found).structure * found.tension, IsNear(-passive, 1e-9));
+    EXPECT_GT((passive - GravityWrench(sprung)).norm(), 20);
+  }
 }
 
 // The table carries the weight: tensions are as low as their bound permits, and balance in the plane.

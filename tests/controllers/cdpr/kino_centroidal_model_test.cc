@@ -8,8 +8,10 @@
 
 namespace tenon::kino_centroidal_model_test {
 
+/// Those with five and with eight cables have springs, too.
 CdprDescription RobotWith(int cables) {
   CdprDescription robot = test::RobotWithCables(cables);
+  if (cables == 5 || cables == 8) robot = test::WithSprings(robot);
   robot.inertia_B << 0.3, 0.02, -0.03, 0.02, 0.25, 0.01, -0.03, 0.01, 0.4;
   return robot;
 }
@@ -60,7 +62,7 @@ TYPED_TEST(KinoCentroidalModelTest, IsNewtonAndEuler) {
   const Eigen::Vector3d euler = x.tail<3>();
   const Eigen::Matrix3d R_WB = RotationFromEuler(euler);
   const CableKinematics cables = CalcCableKinematics(this->robot, x.segment<3>(6), R_WB);
-  const Vector6d wrench = cables.structure * this->u + GravityWrench(this->robot);
+  const Vector6d wrench = cables.structure * this->u + PassiveWrench(this->robot, x.segment<3>(6), R_WB);
   const Eigen::Vector3d w =
       R_WB * test::Solve(this->robot.inertia_B, R_WB.transpose() * x.segment<3>(3) * this->robot.mass);
   CentroidalState expected, dx;
@@ -77,8 +79,8 @@ TYPED_TEST(KinoCentroidalModelTest, ModelsPulleys) {
   robot.winch.pulley_radius = 0.1;
   typename TestFixture::Model model(robot);
   model.SetPose(robot, x.segment<3>(6), R_WB);
-  const Vector6d wrench =
-      CalcCableKinematics(robot, x.segment<3>(6), R_WB).structure * this->u + GravityWrench(robot);
+  const Vector6d wrench = CalcCableKinematics(robot, x.segment<3>(6), R_WB).structure * this->u +
+                          PassiveWrench(robot, x.segment<3>(6), R_WB);
   CentroidalState dx;
   model.Derivative(x, this->u, dx);
   EXPECT_THAT(dx.head<6>(), IsNear(wrench / robot.mass, 1e-13));
@@ -94,6 +96,7 @@ TYPED_TEST(KinoCentroidalModelTest, WithAPayloadItIsTheModelOfBoth) {
   both.mass = body.mass;
   both.inertia_B = body.inertia;
   for (CableDescription& cable : both.cables) cable.attachment_B -= body.com_B;
+  for (SpringDescription& spring : both.springs) spring.attachment_B -= body.com_B;
   Model model(this->robot);
   model.SetPayload(this->robot, body);
   const auto rate = [&](const auto& z) -> Eigen::VectorXd {

@@ -16,7 +16,7 @@ const Vec<3> kGravity(0, 0, -9.81);
 /// The sensor signals of a platform that turns about a horizontal axis while it moves up and down, with a
 /// payload and an external wrench, from the laws of motion.
 struct Motion {
-  CdprDescription robot = test::EightCableRobot();
+  CdprDescription robot = test::WithSprings(test::EightCableRobot());
   Payload payload;
   PlatformWrench gust;
 
@@ -41,6 +41,7 @@ struct Motion {
     Vector6d pull;
     pull << robot.mass * (a - kGravity) - of_load - gust.force_W,
         I * alpha + w.cross(I * w) - arm.cross(of_load) - gust.torque_W;
+    pull -= PassiveWrench(robot, x.p_WB, R) - GravityWrench(robot);
     // The tensions of least norm with this wrench; the estimator accepts negative ones.
     const CableKinematics lines = CalcCableKinematics(robot, x.p_WB, R);
     const Matrix6d gram = lines.structure * lines.structure.transpose();

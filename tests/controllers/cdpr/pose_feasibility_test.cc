@@ -1,6 +1,7 @@
 #include <tenon/controllers/cdpr/pose_feasibility.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/controllers/cdpr/wrench_feasibility.h>
+#include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/block_test.h>
@@ -39,6 +40,7 @@ struct Case {
   PlatformDemand demand;
   double angle;          ///< of a ball, per metre of its radius [rad/m]
   bool unequal = false;  ///< whether each cable has limits of its own
+  bool springs = false;
 };
 
 class PoseFeasibilityTest : public ::testing::TestWithParam<Case> {};
@@ -47,19 +49,20 @@ class PoseFeasibilityTest : public ::testing::TestWithParam<Case> {};
 // ball is feasible by the quadratic program of tension_distribution.h; if it is kFails, none is. Small balls
 // are undecided only at the boundary.
 TEST_P(PoseFeasibilityTest, ProofsHoldAtEveryPoseOfTheBall) {
-  const auto [name, num_cables, demand, angle, unequal] = GetParam();
+  const auto [name, num_cables, demand, angle, unequal, springs] = GetParam();
   CdprDescription robot = test::RobotWithCables(num_cables);
   for (int i = 0; unequal && i < num_cables; ++i) {
     robot.cables[i].tension_min = robot.cable.tension_min * (0.5 + 0.3 * (i % 3));
     robot.cables[i].tension_max = robot.cable.tension_max * (0.2 + 0.1 * (i % 4));
   }
+  if (springs) robot = test::WithSprings(robot);
   const WrenchBox required = RequiredWrenches(robot, demand);
   PoseFeasibility feasibility(robot, required);
   TensionDistributor distributor(num_cables);
   const auto feasible = [&](const PoseBall& at) {
     const CableMatrix6 W = CalcCableKinematics(robot, at.p_WB, at.R_WB).structure;
     for (int bits = 0; bits < 64; ++bits) {
-      Vector6d wrench = required.centre;
+      Vector6d wrench = required.centre - CalcSpringWrench(robot.springs, at.p_WB, at.R_WB);
       for (int k = 0; k < 6; ++k) wrench[k] += ((bits >> k & 1) != 0 ? 1 : -1) * required.half_width[k];
       if (!distributor.Solve(W, wrench, robot.tension_min(), robot.tension_max(), 1e-7).feasible)
         return false;
@@ -103,6 +106,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Case{"six", 6, {}, 0}, Case{"eight", 8, {}, 0.5},
                       Case{"eight_accelerating", 8, {.load = 3, .acceleration = 1, .torque = 1}, 0.5},
                       Case{"eight_with_limits_of_their_own", 8, {.load = 10}, 0.5, true},
+                      Case{"eight_with_springs", 8, {.load = 10}, 0.5, true, true},
                       Case{"twelve", 12, {.load = 10}, 0.5}),
     [](const auto& info) { return info.param.name; });
 

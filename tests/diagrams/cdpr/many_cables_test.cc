@@ -170,11 +170,11 @@ TEST(FewCables, FollowTheCircleInOnePointAndOnATable) {
   }
 }
 
-// The platform holds its place while every anchor moves. Controllers that do not know of it err much more.
-TEST(MovingAnchors, AreFollowedUnderPdAndMpcWithoutAllocating) {
+// The platform holds its place while every anchor moves, and on springs. Controllers that do not know of
+// these err much more.
+TEST(MovingAnchorsAndSprings, AreFollowedUnderPdAndMpcWithoutAllocating) {
   const CdprDescription standing = test::FourCableRobot();
-  const CdprDescription robot = test::WithMovingAnchors(standing);
-  const auto error = [&](const CdprDescription& believed, bool mpc) {
+  const auto error = [&](const CdprDescription& robot, const CdprDescription& believed, bool mpc) {
     const auto path = std::make_shared<EquilibriumPath>(believed, Path::Hold({0, 0, 2}));
     CdprLoopParams params = mpc ? test::WithMpc(believed, path) : test::WithPd(believed, path);
     params.robot = robot;
@@ -194,10 +194,15 @@ TEST(MovingAnchors, AreFollowedUnderPdAndMpcWithoutAllocating) {
     }
     return worst;
   };
-  EXPECT_LT(error(robot, true), 0.01);
-  EXPECT_LT(error(robot, false), 0.04);
-  EXPECT_GT(error(standing, true), 0.03);
-  EXPECT_GT(error(standing, false), 0.06);
+  const CdprDescription moving = test::WithMovingAnchors(standing), sprung = test::WithSprings(standing);
+  EXPECT_LT(error(moving, moving, true), 0.01);
+  EXPECT_LT(error(moving, moving, false), 0.04);
+  EXPECT_GT(error(moving, standing, true), 0.03);
+  EXPECT_GT(error(moving, standing, false), 0.06);
+  for (const bool mpc : {false, true}) {
+    EXPECT_LT(error(sprung, sprung, mpc), 1.1 * error(standing, standing, mpc) + 1e-12);
+    EXPECT_GT(error(sprung, standing, mpc), 0.03);
+  }
 }
 
 }  // namespace tenon::many_cables_test

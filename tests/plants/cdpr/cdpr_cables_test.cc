@@ -204,7 +204,7 @@ const Shape& Named(const Geometry& geometry, const std::string& name) {
 }
 
 TEST(CdprGeometryTest, CablesRunFromAttachmentsToAnchorsAndShowTheirTension) {
-  TestRig<CdprPlant> rig(Hanging());
+  TestRig<CdprPlant> rig(Hanging(test::WithSprings(test::FourCableRobot())));
   RandomStream random(1);
   for (int k = 0; k < 20; ++k) {
     const PlatformState x = RandomPlatform(random);
@@ -221,6 +221,11 @@ TEST(CdprGeometryTest, CablesRunFromAttachmentsToAnchorsAndShowTheirTension) {
       EXPECT_EQ(shape.unit, "N");
       EXPECT_EQ(Named(geometry, "anchor " + std::to_string(i)).p_W, cable.anchor_W);
     }
+    const SpringDescription& spring = rig->params.robot.springs[1];
+    const Shape& shape = Named(geometry, "spring 1");
+    EXPECT_EQ(shape.p_W, spring.anchor_W);
+    EXPECT_THAT(Vec<3>(shape.p_W + shape.vector_W),
+                IsNear(Vec<3>(x.p_WB + x.R_WB() * spring.attachment_B), 1e-14));
   }
 }
 

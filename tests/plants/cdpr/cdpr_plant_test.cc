@@ -190,8 +190,8 @@ TEST(CdprPlantTest, ATumblingBodyKeepsEnergyAndAngularMomentum) {
   }
 }
 
-TEST_P(CdprPlantOfRobots, UndampedCablesKeepEnergy) {
-  CdprDescription robot = test::RobotWithCables(GetParam());
+TEST_P(CdprPlantOfRobots, UndampedCablesAndSpringsKeepEnergy) {
+  CdprDescription robot = test::WithSprings(test::RobotWithCables(GetParam()));
   robot.cable.axial_damping = 0;
   for (const double payload : {0.0, 5.0}) {
     CdprPlantParams params = Locked(Hanging(robot));
@@ -205,6 +205,26 @@ TEST_P(CdprPlantOfRobots, UndampedCablesKeepEnergy) {
     rig.RunTo(3);
     EXPECT_NEAR(Total(rig), before, 1e-6);
     EXPECT_GT((rig[rig->platform].p_WB - params.p_WB).norm(), 0.001);  // it did move
+  }
+}
+
+// With broken cables, a platform hangs on a spring: z = z0 - h cos(sqrt(k / m) t), 1 m below its anchor plus
+// m g / k at rest; with Simbody's dynamics, too.
+TEST(CdprPlantTest, OscillatesOnASpring) {
+  constexpr double k = 600, h = 0.05;
+  for (const bool simbody : {false, true}) {
+    CdprPlantParams params = Hanging();
+    params.robot.springs = {{{0, 0, 4}, {0, 0, 0}, k, 1}};
+    const double rest = 4 - 1 - params.robot.mass * params.gravity / k;
+    params.p_WB = {0, 0, rest - h};
+    if (simbody) params.extend = [](CdprMultibody&) {};
+    Rig rig(params);
+    rig.Fix(rig->command, Same(0)).Fix(rig->faults, CableFaults{.stuck = {}, .broken = Same(1)});
+    for (const double t : {0.1, 0.25, 0.6}) {
+      rig.RunTo(t);
+      EXPECT_THAT(rig[rig->platform].p_WB,
+                  IsNear(Vec<3>(0, 0, rest - h * std::cos(std::sqrt(k / params.robot.mass) * t)), 1e-6));
+    }
   }
 }
 

@@ -233,6 +233,17 @@ TEST(CdprDescriptionTest, ACableMayHaveLimitsOfItsOwn) {
   EXPECT_EQ(tension, (CableVector{{800, 300, 5, 100}}));
 }
 
+TEST(CdprDescriptionTest, SpringsAreReadAndCheckedByKey) {
+  auto document = YamlDocument::Load(kRobots + "/cdpr_4.yaml");
+  document.Set("springs",
+               "[{anchor_m: [0, 0, 5], attachment_m: [0, 0, 0.1], stiffness_N_per_m: 40, rest_length_m: 1}]");
+  const auto robot = document.Read<CdprDescription>();
+  EXPECT_EQ(robot.springs.at(0).stiffness, 40);
+  EXPECT_EQ(robot.springs.at(0).attachment_B.z(), 0.1);
+  document.Set("springs.0.stiffness_N_per_m", "-40");
+  EXPECT_TRUE(Throws<Error>([&] { document.Read<CdprDescription>(); }, "springs.0.stiffness_N_per_m"));
+}
+
 TEST(CdprDescriptionTest, AnAnchorMayMove) {
   auto document = YamlDocument::Load(kRobots + "/cdpr_4.yaml");
   document.Set("cables.1.anchor_path",

@@ -39,6 +39,12 @@ inline CdprDescription WithAnchorsOn(CdprDescription robot, const AnchorPath& pa
   return robot;
 }
 
+/// Adds a spring that holds a part of the weight beside the CoM and one without rest length from the floor.
+inline CdprDescription WithSprings(CdprDescription robot) {
+  robot.springs = {{{0.5, -0.3, 4}, {0.1, 0.05, 0.1}, 60, 1.2}, {{-2, 1, 0}, {-0.05, 0.1, -0.1}, 8, 0}};
+  return robot;
+}
+
 /// Three cables from 4 m high to attachments above the CoM, turned against the anchors.
 inline CdprDescription ThreeCableRobot() {
   CdprDescription robot = FourCableRobot();
