@@ -67,9 +67,11 @@ int Run(Arguments arguments) {
 int main(int argc, char** argv) {
   using namespace tenon::apps;
   CommandLine line(
-      "Computes the workspace of a cable robot with six or more cables, proven cell by cell: positions at "
-      "one attitude and attitudes at one position, at rest and with the required wrenches; with tension "
-      "margins, stiffness and interference.",
+      "Computes the workspace of a cable robot. With six or more cables, proven cell by cell: positions at "
+      "one "
+      "attitude and attitudes at one position, at rest and with the required wrenches, and wrench closure; "
+      "with "
+      "fewer cables, positions with a stable equilibrium. With tension margins, stiffness and interference.",
       "tenon-cdpr-workspace");
   Arguments arguments;
   auto& params = arguments.params;
@@ -86,7 +88,8 @@ int main(int argc, char** argv) {
            "lower corner of the positions [m] (default: that of the anchors, down to the floor)", three);
   line.Add("--high", &arguments.high, "upper corner of the positions [m] (default: that of the anchors)",
            three);
-  line.Add("--cell", &params.cell, "size of the smallest cells [m] (default: 1/48 of the longest edge)");
+  line.Add("--cell", &params.cell,
+           "size of the smallest cells [m] (default: 1/48 of the longest edge, 1/24 for equilibria)");
   line.Add("--position", &arguments.position,
            "position for the map of attitudes [m] (default: the middle of the workspace)", three);
   line.Add("--turn", &params.turn, "range of the map of attitudes about each axis, either way [rad]", shown);

@@ -1,5 +1,6 @@
 #include <tenon/apps/cdpr/workspace_study.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
+#include <tenon/controllers/optimization/infinity.h>
 #include <tenon/plants/cdpr/cdpr_geometry.h>
 #include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/signals/euler.h>
@@ -16,11 +17,11 @@ namespace tenon::apps {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kCells = 48;      // along the longest edge
-constexpr int kTurnCells = 32;  // along each axis of the attitudes
+constexpr int kCells = 48, kEquilibriumCells = 24;  // along the longest edge
+constexpr int kTurnCells = 32;                      // along each axis of the attitudes
 
 /// Grid of positions in the box of the anchors, down to the floor.
-WorkspaceGrid PositionGrid(const CdprDescription& robot, const WorkspaceStudyParams& params) {
+WorkspaceGrid PositionGrid(const CdprDescription& robot, const WorkspaceStudyParams& params, int cells) {
   Eigen::Vector3d low = robot.cables[0].anchor_W, high = low;
   for (const CableDescription& cable : robot.cables) {
     low = low.cwiseMin(cable.anchor_W);
@@ -29,7 +30,12 @@ WorkspaceGrid PositionGrid(const CdprDescription& robot, const WorkspaceStudyPar
   low.z() = std::min(low.z(), robot.floor);
   if (params.low) low = *params.low;
   if (params.high) high = *params.high;
-  return WorkspaceGrid::OfSize(low, high, params.cell.value_or((high - low).maxCoeff() / kCells));
+  return WorkspaceGrid::OfSize(low, high, params.cell.value_or((high - low).maxCoeff() / cells));
+}
+
+/// Whether all cables end at the CoM.
+bool AtCom(const CdprDescription& robot) {
+  return robot.ends_in_one_point() && robot.cables[0].attachment_B.isZero(0);
 }
 
 /// Stiffness at the centre of each cell that can hold the weight, with the tensions of least norm.
@@ -102,10 +108,20 @@ void AddFigures(const std::string& name, const WorkspaceMap& map, WorkspaceStudy
   const bool turned = map.of_attitudes();
   const std::string unit = turned ? "rad3" : "m3";
   const double diameter = study->params.cable_diameter;
-  AddVolumes(name, unit, WrenchFeasibleVolume(map.cells, map.options.grid), map.options.grid.volume(), study);
-  AddVolumes(name + "_clear", unit, ClearVolume(map.cells, map.options.grid, diameter),
-             map.options.grid.volume(), study);
+  const double whole = map.options.grid.volume();
+  const WorkspaceVolume volume = WrenchFeasibleVolume(map.cells, map.options.grid),
+                        clear = ClearVolume(map.cells, map.options.grid, diameter);
   auto& figures = study->figures;
+  if (map.of_equilibria()) {  // nothing is proven
+    figures.emplace_back(name + "_volume_" + unit, volume.centres);
+    figures.emplace_back(name + "_clear_volume_" + unit, clear.centres);
+    figures.emplace_back(name + "_share", volume.centres / whole);
+    figures.emplace_back(name + "_tilt_max_rad", *std::ranges::max_element(map.tilt));
+  } else {
+    AddVolumes(name, unit, volume, whole, study);
+    if (map.closure) return;
+    AddVolumes(name + "_clear", unit, clear, whole, study);
+  }
   std::optional<double> margin, capacity, softest, stiffest;
   for (std::size_t i = 0; i < map.cells.size(); ++i) {
     const WorkspaceCell& cell = map.cells[i];
@@ -118,7 +134,7 @@ void AddFigures(const std::string& name, const WorkspaceMap& map, WorkspaceStudy
     stiffest = std::max(stiffest.value_or(stiffness), stiffness);
   }
   figures.emplace_back(name + "_tension_margin_max_N", margin);
-  figures.emplace_back(name + "_capacity_margin_max_N", capacity);
+  if (!map.of_equilibria()) figures.emplace_back(name + "_capacity_margin_max_N", capacity);
   figures.emplace_back(name + "_stiffness_min_N_per_m", softest);
   figures.emplace_back(name + "_stiffness_max_N_per_m", stiffest);
   if (turned) figures.emplace_back("any_axis_turn_proven_rad", ProvenTurn(map));
@@ -130,9 +146,9 @@ std::string Csv(const WorkspaceMap& map) {
   std::string text;
   for (const char* name : {"x", "y", "z", "size_x", "size_y", "size_z"})
     text += fmt::format("{} [{}],", name, unit);
-  text +=
-      "wrench,clear,tension_margin [N],capacity_margin [N],stiffness [N/m],cable_distance "
-      "[m],cable_platform_sine\n";
+  text += fmt::format(
+      "wrench,clear,tension_margin [N],{},stiffness [N/m],cable_distance [m],cable_platform_sine\n",
+      map.of_equilibria() ? "tilt [rad]" : "capacity_margin [N]");
   for (std::size_t i = 0; i < map.cells.size(); ++i) {
     const WorkspaceCell& cell = map.cells[i];
     const Eigen::Vector3d at = cell.centre(map.options.grid);
@@ -140,12 +156,19 @@ std::string Csv(const WorkspaceMap& map) {
         map.options.grid.cell().cwiseProduct(Eigen::Vector3d(cell.size[0], cell.size[1], cell.size[2]));
     text += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{:.6g},{:.6g},", at.x(), at.y(),
                         at.z(), size.x(), size.y(), size.z(), EnumName(cell.wrench), EnumName(cell.clear),
-                        cell.margins.tension, cell.margins.capacity);
+                        cell.margins.tension, map.of_equilibria() ? map.tilt[i] : cell.margins.capacity);
     if (std::isfinite(map.stiffness[i])) text += fmt::format("{:.6g}", map.stiffness[i]);
     const bool known = cell.wrench != PoseVerdict::kFails;
     text += known ? fmt::format(",{:.6g},{:.6g}\n", cell.clearance.cables, cell.clearance.platform) : ",,\n";
   }
   return text;
+}
+
+/// The robot with its load at the CoM.
+CdprDescription Loaded(const WorkspaceStudy& study) {
+  CdprDescription robot = study.robot;
+  robot.mass += study.params.demand.load;
+  return robot;
 }
 
 /// Draws the robot at a pose, with the tensions that carry it, or the axes of the attitudes.
@@ -165,7 +188,11 @@ Geometry Shapes(const WorkspaceStudy& study, const WorkspaceMap& map) {
   platform.p_WB = middle.value_or((map.options.grid.low + map.options.grid.high) / 2);
   platform.q_WB = QuaternionFromRotation(RotationFromEuler(study.params.euler));
   CableVector tension = CableVector::Zero(robot.num_cables());
-  if (middle) {
+  if (middle && map.of_equilibria()) {
+    const StaticEquilibrium rest = SolveInverseGeometricoStatic(Loaded(study), *middle);
+    platform.q_WB = QuaternionFromRotation(rest.R_WB);
+    tension = rest.tension;
+  } else if (middle) {
     const CableKinematics cables = CalcCableKinematics(robot, platform.p_WB, platform.R_WB());
     const Vector6d wrench = RequiredWrenches(robot, {.load = study.params.demand.load}).centre -
                             CalcSpringWrench(robot.springs, platform.p_WB, platform.R_WB());
@@ -176,6 +203,41 @@ Geometry Shapes(const WorkspaceStudy& study, const WorkspaceMap& map) {
   Geometry shapes = MakeCdprGeometry(robot);
   MoveCdprGeometry(robot, platform, tension, cables, {}, {}, &shapes);
   return shapes;
+}
+
+/// The stable equilibria at the centres of the cells.
+WorkspaceMap EquilibriumMap(const WorkspaceStudy& study, const WorkspaceGrid& grid,
+                            const std::function<void(const std::string&, double)>& progress) {
+  WorkspaceMap map{"positions with a stable equilibrium",
+                   {.grid = grid, .cable_diameter = study.params.cable_diameter}};
+  const CdprDescription robot = Loaded(study);
+  const auto rests = MapEquilibria(robot, grid, [&](double share) { progress(map.title, share); });
+  CableInterference interference(robot);
+  for (std::size_t n = 0; n < rests.size(); ++n) {
+    const auto [x, y, z] = grid.cells;
+    const int i = static_cast<int>(n);
+    WorkspaceCell cell{{i % x, i / x % y, i / (x * y)},
+                       {1, 1, 1},
+                       PoseVerdict::kFails,
+                       PoseVerdict::kFails,
+                       {-kInfinity, -kInfinity, 0}};
+    double stiffness = kNaN, tilt = 0;
+    if (const auto& rest = rests[n]) {
+      const CableKinematics cables = CalcCableKinematics(robot, rest->p_WB, rest->R_WB);
+      cell.wrench = PoseVerdict::kHolds;
+      cell.margins.tension =
+          (rest->tension - robot.tension_min()).cwiseMin(robot.tension_max() - rest->tension).minCoeff();
+      cell.clearance = interference.At(cables, rest->R_WB);
+      if (cell.centre_clear(study.params.cable_diameter)) cell.clear = PoseVerdict::kHolds;
+      stiffness = CalcLeastTranslationalStiffness(
+          CalcElasticStiffness(robot, cables, rest->p_WB, rest->R_WB, rest->tension));
+      tilt = std::acos(std::clamp(rest->R_WB(2, 2), -1.0, 1.0));
+    }
+    map.cells.push_back(cell);
+    map.stiffness.push_back(stiffness);
+    map.tilt.push_back(tilt);
+  }
+  return map;
 }
 
 VolumeReport::State StateOf(PoseVerdict verdict) {
@@ -196,16 +258,22 @@ VolumeReport::Map ReportMap(const WorkspaceStudy& study, const WorkspaceMap& map
       .cells = map.options.grid.cells,
       .shapes = Shapes(study, map)};
   shown.quantities =
-      clear ? std::vector<std::string>{"cable_distance_m"}
-            : std::vector<std::string>{"tension_margin_N", "capacity_margin_N", "stiffness_N_per_m"};
+      clear         ? std::vector<std::string>{"cable_distance_m"}
+      : map.closure ? std::vector<std::string>{"capacity_per_tension"}
+      : map.of_equilibria()
+          ? std::vector<std::string>{"tension_margin_N", "tilt_rad", "stiffness_N_per_m"}
+          : std::vector<std::string>{"tension_margin_N", "capacity_margin_N", "stiffness_N_per_m"};
   for (std::size_t i = 0; i < map.cells.size(); ++i) {
     const WorkspaceCell& cell = map.cells[i];
     VolumeReport::Part part{cell.first, cell.size, StateOf(clear ? cell.verdict() : cell.wrench)};
     if (clear) {
       const bool known = cell.wrench != PoseVerdict::kFails && std::isfinite(cell.clearance.cables);
       part.values = {known ? cell.clearance.cables : kNaN};
+    } else if (map.closure) {
+      part.values = {cell.margins.capacity};
     } else {
-      part.values = {cell.margins.tension, cell.margins.capacity, map.stiffness[i]};
+      const double second = map.of_equilibria() ? map.tilt[i] : cell.margins.capacity;
+      part.values = {cell.margins.tension, second, map.stiffness[i]};
     }
     shown.parts.push_back(std::move(part));
   }
@@ -229,7 +297,16 @@ std::string Describe(const WorkspaceStudy& study) {
 WorkspaceStudy StudyWorkspace(const CdprDescription& given, const WorkspaceStudyParams& params,
                               const std::function<void(const std::string&, double)>& progress) {
   given.Validate();
-  static_cast<void>(PoseFeasibility(given, RequiredWrenches(given, params.demand)));  // refuses some robots
+  params.demand.Validate();
+  const bool equilibria = given.num_cables() < 6 && !AtCom(given) && !PlaneOf(given);
+  if (!equilibria)
+    static_cast<void>(PoseFeasibility(given, RequiredWrenches(given, params.demand)));  // refuses some robots
+  else if (params.demand.acceleration + params.demand.force + params.demand.torque > 0 ||
+           !params.euler.isZero(0) || params.position)
+    throw ParameterError(fmt::format(
+        "robot '{}' has {} cables, which do not prescribe its attitude: its workspace is that of its stable "
+        "equilibria; leave out attitude, position, acceleration, force and torque, or take six cables",
+        given.name, given.num_cables()));
   if (!(params.cable_diameter >= 0) || !std::isfinite(params.cable_diameter))
     throw ParameterError(fmt::format("the cable diameter is {} m: give 0 or more", params.cable_diameter));
   if (!params.euler.allFinite() || !params.position.value_or(Eigen::Vector3d::Zero()).allFinite())
@@ -243,37 +320,53 @@ WorkspaceStudy StudyWorkspace(const CdprDescription& given, const WorkspaceStudy
   CdprDescription& robot = study.robot;
   robot.cable.mass_per_length = 0;
   robot.RemovePulleys();
-  const auto add = [&](const std::string& name, const std::string& title, const PlatformDemand& demand,
-                       WorkspaceOptions options) {
-    PoseFeasibility feasibility(robot, RequiredWrenches(robot, demand));
+  const auto add = [&](const std::string& name, const std::string& title, PoseFeasibility feasibility,
+                       WorkspaceOptions options, std::optional<double> load) {
     options.cable_diameter = params.cable_diameter;
     options.progress = [&](double share) { progress(title, share); };
     WorkspaceMap map{title, options};
     map.cells = MapWorkspace(feasibility, options);
-    map.stiffness = Stiffness(robot, demand.load, map);
+    map.closure = !load;
+    map.stiffness = load ? Stiffness(robot, *load, map) : std::vector<double>(map.cells.size(), kNaN);
     study.maps.push_back(std::move(map));
     AddFigures(name, study.maps.back(), &study);
   };
-  const WorkspaceGrid grid = PositionGrid(robot, params);
+  const WorkspaceGrid grid = PositionGrid(robot, params, equilibria ? kEquilibriumCells : kCells);
   const Eigen::Matrix3d R_WB = RotationFromEuler(params.euler);
   study.figures.emplace_back("box_volume_m3", grid.volume());
+  const auto seconds = [begin] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  if (equilibria) {
+    study.maps.push_back(EquilibriumMap(study, grid, progress));
+    AddFigures("equilibrium", study.maps.back(), &study);
+    study.wall = seconds();
+    return study;
+  }
   const PlatformDemand& required = params.demand;
+  const auto holding = [&robot](const PlatformDemand& demand) {
+    return PoseFeasibility(robot, RequiredWrenches(robot, demand));
+  };
   const bool more = required.load + required.acceleration + required.force + required.torque > 0;
-  if (more) add("required", "positions with what is required", required, {.grid = grid, .R_WB = R_WB});
-  add("static", "positions at rest", {}, {.grid = grid, .R_WB = R_WB});
+  const WorkspaceOptions positions{.grid = grid, .R_WB = R_WB};
+  if (more) add("required", "positions with what is required", holding(required), positions, required.load);
+  add("static", "positions at rest", holding({}), positions, 0);
+  if (robot.num_cables() > (AtCom(robot) ? 3 : 6))
+    add("closure", "positions of wrench closure", WrenchClosure(robot), positions, {});
 
   const auto position = params.position ? params.position : Middle(study.maps[0]);
   if (position) {
     const Eigen::Vector3d p_WB = *position;
     const Eigen::Vector3d turn = Eigen::Vector3d::Constant(params.turn);
     add("attitude", fmt::format("attitudes at ({:.2f}, {:.2f}, {:.2f}) m", p_WB.x(), p_WB.y(), p_WB.z()),
-        required,
+        holding(required),
         {.kind = WorkspaceKind::kAttitude,
          .grid = WorkspaceGrid::OfSize(-turn, turn, 2 * params.turn / kTurnCells),
          .p_WB = p_WB,
-         .R_WB = R_WB});
+         .R_WB = R_WB},
+        required.load);
   }
-  study.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  study.wall = seconds();
   return study;
 }
 
@@ -306,7 +399,8 @@ void WriteWorkspaceStudy(const WorkspaceStudy& study, const std::filesystem::pat
       summary["high_m"] = list(map.options.grid.high);
       summary["cell_m"] = list(map.options.grid.cell());
     }
-    for (const bool clear : {false, true}) report.maps.push_back(ReportMap(study, map, clear));
+    report.maps.push_back(ReportMap(study, map, false));
+    if (!map.closure) report.maps.push_back(ReportMap(study, map, true));
     if (turned || &map == study.maps.data())
       WriteFile(directory / (turned ? "attitudes.csv" : "cells.csv"), Csv(map));
   }

@@ -129,6 +129,48 @@ std::vector<WorkspaceCell> MapWorkspace(PoseFeasibility& robot, const WorkspaceO
   return Mapper(robot, options).Map();
 }
 
+PoseFeasibility WrenchClosure(CdprDescription robot) {
+  for (CableDescription& cable : robot.cables) cable.tension_min = cable.tension_max = {};
+  robot.cable.tension_min = 1e-3;
+  robot.cable.tension_max = 1;
+  robot.springs.clear();
+  return {robot, {Eigen::VectorXd::Zero(6), Eigen::VectorXd::Zero(6)}};
+}
+
+std::vector<std::optional<StaticEquilibrium>> MapEquilibria(const CdprDescription& robot,
+                                                            const WorkspaceGrid& grid,
+                                                            const std::function<void(double)>& progress) {
+  grid.Validate();
+  std::vector<std::optional<StaticEquilibrium>> found;
+  const auto [x_cells, y_cells, z_cells] = grid.cells;
+  bool any = false;
+  WorkspaceCell cell{.size = {1, 1, 1}};
+  auto& [i, j, k] = cell.first;
+  for (k = 0; k < z_cells; ++k) {
+    for (j = 0; j < y_cells; ++j) {
+      if (progress) progress((k + j / static_cast<double>(y_cells)) / z_cells);
+      for (i = 0; i < x_cells; ++i) {
+        StaticsOptions options;
+        const auto start_at = [&](bool exists, int cells_back) {
+          if (exists && !options.warm_start)
+            options.warm_start = found[found.size() - static_cast<std::size_t>(cells_back)];
+        };
+        start_at(i > 0, 1);
+        start_at(j > 0, x_cells);
+        start_at(k > 0, x_cells * y_cells);
+        try {
+          found.emplace_back(SolveInverseGeometricoStatic(robot, cell.centre(grid), options));
+          any = true;
+        } catch (const ParameterError&) {  // not in the workspace
+          found.emplace_back();
+        }
+      }
+    }
+  }
+  if (!any) static_cast<void>(SolveInverseGeometricoStatic(robot, (grid.low + grid.high) / 2));
+  return found;
+}
+
 WorkspaceVolume WrenchFeasibleVolume(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid) {
   WorkspaceVolume volume;
   for (const WorkspaceCell& cell : cells) {

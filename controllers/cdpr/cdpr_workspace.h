@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/controllers/cdpr/pose_feasibility.h>
 
 #include <Eigen/Core>
@@ -63,6 +64,22 @@ struct WorkspaceOptions {
 /// Two rotation vectors that differ by delta describe attitudes that differ by at most |delta|, because the
 /// space of rotations is curved.
 std::vector<WorkspaceCell> MapWorkspace(PoseFeasibility& robot, const WorkspaceOptions& options);
+
+/// Wrench closure: whether tensions that are large enough produce any wrench, whatever the bounds of the
+/// robot (Morlando 2023, section 3.1). Here the tensions are between 0.001 and 1, and the required wrench is
+/// 0: if tensions within these bounds are in balance and W has full rank, adding multiples of them to any
+/// tensions makes these positive. The margins are those of these tensions; `capacity` is the largest wrench
+/// in every direction over the largest tension. Only robots with more cables than motions have such poses.
+PoseFeasibility WrenchClosure(CdprDescription robot);
+
+/// Returns the stable equilibrium at the centre of each cell, x fastest; empty where the robot cannot rest
+/// there within its tension bounds. For robots with fewer than six cables, which do not prescribe an
+/// attitude: see SolveInverseGeometricoStatic(). Warm starts follow the equilibria of neighbouring cells.
+/// `progress` is called with the share that is done.
+/// @throws ParameterError with the reason at the middle of the box if there is none at all.
+std::vector<std::optional<StaticEquilibrium>> MapEquilibria(const CdprDescription& robot,
+                                                            const WorkspaceGrid& grid,
+                                                            const std::function<void(double)>& progress);
 
 /// Bounds of a volume, in the cubed unit of the grid's coordinates.
 struct WorkspaceVolume {

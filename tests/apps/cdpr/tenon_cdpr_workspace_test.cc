@@ -70,6 +70,20 @@ TEST_F(TenonCdprWorkspaceTest, TakesAFileAndSettings) {
   EXPECT_EQ(summary["attitude_position_m"], Json({0, 0, 1.5}));
 }
 
+TEST_F(TenonCdprWorkspaceTest, HasEquilibriaOfFourCablesAndWrenchClosureOfEight) {
+  EXPECT_THAT(Run("cdpr_4 --cell 1 --load 5"), HasSubstr("equilibrium_volume_m3"));
+  const Json four = Figures();
+  EXPECT_GT(four["equilibrium_share"].get<double>(), 0.4);
+  EXPECT_LT(four["equilibrium_share"].get<double>(), 1);
+  EXPECT_GT(four["equilibrium_stiffness_min_N_per_m"].get<double>(), 0);
+  EXPECT_THAT(Read(out / "cells.csv"),
+              AllOf(HasSubstr("tilt [rad]"), HasSubstr("holds,"), HasSubstr("fails,")));
+  Run("cogiro --low -1 -1 1 --high 1 1 2 --cell 0.5 --turn 0.2");
+  EXPECT_EQ(Figures()["closure_volume_possible_m3"], 0);  // all its cables come from above
+  Run("ipanema_3 --cell 2 --turn 0.2");
+  EXPECT_GT(Figures()["closure_volume_m3"].get<double>(), 0);
+}
+
 TEST_F(TenonCdprWorkspaceTest, OutputThatCannotBeWrittenIsExitCode5) {
   std::ofstream(out).put('x');  // a file where the directory should be
   Run("cdpr_6 --cell 1", 5);
@@ -78,7 +92,8 @@ TEST_F(TenonCdprWorkspaceTest, OutputThatCannotBeWrittenIsExitCode5) {
 TEST_F(TenonCdprWorkspaceTest, RefusesBadUsage) {
   ExpectRefused({{"", "ROBOT"},
                  {"cogirro", "'cogiro'"},
-                 {"cdpr_4", "'cdpr_4'"},
+                 {"cdpr_4 --force 5", "'cdpr_4'"},
+                 {"cdpr_4 --attitude 0 0 1", "attitude"},
                  {"cdpr_8 --load -1", "load"},
                  {"cdpr_8 --cell 0", "cell"},
                  {"cdpr_8 --cell 0.001", "cell"},

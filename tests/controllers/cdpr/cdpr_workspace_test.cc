@@ -149,6 +149,65 @@ TEST(CdprWorkspaceTest, ThickCablesLeaveNothing) {
   EXPECT_EQ(thick.centres, 0);
 }
 
+// Four cables in a tetrahedron pull a point mass in every direction exactly inside of it; cables that all
+// come from above never do.
+TEST(CdprWorkspaceTest, WrenchClosureOfAPointMassIsTheTetrahedronOfItsAnchors) {
+  CdprDescription robot = PointMass({{-2, -1}, {2, -1}, {0, 2}});
+  robot.cables.push_back({{0, 0, 0}, Vector3d::Zero()});
+  PoseFeasibility closure = WrenchClosure(robot);
+  const WorkspaceGrid grid = WorkspaceGrid::OfSize({-2, -1, 0}, {2, 2, 4}, 0.1);
+  const WorkspaceVolume volume = WrenchFeasibleVolume(MapWorkspace(closure, {.grid = grid}), grid);
+  EXPECT_NEAR(volume.centres, 8, 0.2);
+  EXPECT_LT(volume.proven, 8);
+  EXPECT_GT(volume.proven, 5);
+  EXPECT_GT(volume.possible, 8);
+  robot.cables.pop_back();
+  EXPECT_FALSE(WrenchClosure(robot).At({0, 0, 2}, Matrix3d::Identity()).feasible());
+}
+
+// Poses at which tensions up to a thousand times the least one are in balance, by the quadratic program.
+TEST(CdprWorkspaceTest, WrenchClosureIsABalanceOfPositiveTensions) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> draw(-1, 1);
+  const CdprDescription robot = test::EightCableRobot();
+  PoseFeasibility closure = WrenchClosure(robot);
+  int found = 0;
+  for (int n = 0; n < 200; ++n) {
+    const Vector3d p(5 * draw(random), 6 * draw(random), 2 + 3 * draw(random));
+    const Matrix3d R = Eigen::AngleAxisd(0.3 * draw(random), Vector3d::UnitX()).toRotationMatrix();
+    const bool balanced = DistributeTension(CalcCableKinematics(robot, p, R).structure, Vector6d::Zero(),
+                                            CableVector::Constant(8, 1), CableVector::Constant(8, 1000))
+                              .feasible;
+    EXPECT_EQ(closure.At(p, R).feasible(), balanced) << p.transpose();
+    found += balanced ? 1 : 0;
+  }
+  EXPECT_GT(found, 20);
+  EXPECT_LT(found, 180);
+}
+
+// A platform that hangs from one point on strong cables rests wherever this point is below the triangle of
+// the anchors.
+TEST(CdprWorkspaceTest, EquilibriaFromOnePointAreThePrismBelowTheAnchors) {
+  CdprDescription robot = PointMass({{-2, -1}, {2, -1}, {0, 2}});
+  for (CableDescription& cable : robot.cables) cable.attachment_B = {0, 0, 0.1};
+  const WorkspaceGrid grid = WorkspaceGrid::OfSize({-2.5, -2.5, 1}, {2.5, 2.5, 3}, 0.5);
+  std::vector<double> shares;
+  const auto found = MapEquilibria(robot, grid, [&](double share) { shares.push_back(share); });
+  ASSERT_EQ(found.size(), 10 * 10 * 4U);
+  for (std::size_t n = 0; n < found.size(); ++n) {
+    const double x = -2.25 + 0.5 * static_cast<double>(n % 10),
+                 y = -2.25 + 0.5 * static_cast<double>(n / 10 % 10);
+    const bool below = y > -1 && 2 * y + 3 * std::abs(x) < 4;
+    EXPECT_EQ(found[n].has_value(), below) << x << ", " << y;
+  }
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] {
+        MapEquilibria(robot, WorkspaceGrid::OfSize({5, 5, 1}, {6, 6, 2}, 1), {});
+      },
+      "(5.5, 5.5, 1.5)"));
+}
+
 TEST(CdprWorkspaceTest, ReportsItsProgress) {
   const CdprDescription robot = test::EightCableRobot();
   PoseFeasibility feasibility(robot, RequiredWrenches(robot, {}));
