@@ -1,7 +1,7 @@
 #include <tenon/apps/quadruped/sensor_log.h>
 #include <tenon/plants/signals/ros2_signals.h>
 #include <tenon/systems/ros2/mcap.h>
-#include <tenon/systems/text/excerpt.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
 
