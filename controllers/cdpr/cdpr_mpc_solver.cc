@@ -18,8 +18,8 @@ namespace {
 CentroidalState Diagonal(const CdprDescription& robot, const CdprMpcWeights& weights) {
   CentroidalState Q;
   const Eigen::Array3d radii = robot.inertia_B.diagonal().array() / robot.mass;  // L = diag(radii) w
-  Q << Eigen::Vector3d::Constant(weights.velocity), (weights.angular_velocity / radii.square()).matrix(),
-      Eigen::Vector3d::Constant(weights.position), Eigen::Vector3d::Constant(weights.attitude);
+  Q << weights.velocity, (weights.angular_velocity.array() / radii.square()).matrix(), weights.position,
+      weights.attitude;
   return Q;
 }
 

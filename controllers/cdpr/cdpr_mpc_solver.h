@@ -9,28 +9,33 @@ namespace tenon {
 
 /// Weights of the squared errors, per second of the horizon.
 struct CdprMpcWeights {
-  double position = 0;          ///< weight of the error of the CoM's position [1/m^2]
-  double velocity = 0;          ///< weight of the error of the CoM's velocity [s^2/m^2]
-  double attitude = 0;          ///< weight of the errors of roll, pitch and yaw [1/rad^2]
-  double angular_velocity = 0;  ///< weight of the angular velocity error about the principal axes [s^2/rad^2]
-  double tension = 0;           ///< weight of each tension's deviation from its reference, or from 0 [1/N^2]
+  Vec<3> position = Vec<3>::Zero();  ///< weights of the errors of the CoM's position [1/m^2]
+  Vec<3> velocity = Vec<3>::Zero();  ///< weights of the errors of the CoM's velocity [s^2/m^2]
+  Vec<3> attitude = Vec<3>::Zero();  ///< weights of the errors of roll, pitch and yaw [1/rad^2]
+  /// weights of the errors of the angular velocity about the principal axes [s^2/rad^2]
+  Vec<3> angular_velocity = Vec<3>::Zero();
+  double tension = 0;  ///< weight of each tension's deviation from its reference, or from 0 [1/N^2]
 
   static FieldList Fields() {
     using W = CdprMpcWeights;
     return {
         Required("position_per_m2", &W::position)
             .AtLeast(0)
+            .Uniform()
             .Scaled("position_l2", [](double w, const Scale& s) { return w / (s.length * s.length); }),
         Required("velocity_s2_per_m2", &W::velocity)
             .AtLeast(0)
+            .Uniform()
             .Scaled("velocity_l2_per_t2",
                     [](double w, const Scale& s) { return w * s.Time() * s.Time() / (s.length * s.length); }),
         Required("attitude_per_rad2", &W::attitude)
             .AtLeast(0)
+            .Uniform()
             .Scaled("attitude_l2_per_a2",
                     [](double w, const Scale& s) { return w * s.arm * s.arm / (s.length * s.length); }),
         Required("angular_velocity_s2_per_rad2", &W::angular_velocity)
             .AtLeast(0)
+            .Uniform()
             .Scaled("angular_velocity_l2_per_a2_t2",
                     [](double w, const Scale& s) {
                       return w * s.arm * s.arm * s.Time() * s.Time() / (s.length * s.length);

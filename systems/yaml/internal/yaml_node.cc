@@ -219,8 +219,8 @@ void YamlNode::ReadStruct(const TypeInfo& type, void* value) const {
     for (const Field& field : type.fields) {
       if (!field.range.any()) CheckRange({KeyOf(field), field.units, &field.range, &field.type()}, at(field));
       if (scale_ == nullptr || field.scaled == nullptr || !Find(KeyOf(field))) continue;
-      auto* const number = reinterpret_cast<double*>(at(field));
-      *number = field.scaled(*number, *scale_);
+      auto* const numbers = reinterpret_cast<double*>(at(field));
+      for (int i = 0; i < std::max(1, field.type().rows); ++i) numbers[i] = field.scaled(numbers[i], *scale_);
     }
     if (type.validate != nullptr && !is_part_) type.validate(value);
   } catch (const ParameterError& error) {

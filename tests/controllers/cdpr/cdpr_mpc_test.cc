@@ -14,7 +14,11 @@ CdprMpcParams Holding(const CdprDescription& robot, const Eigen::Vector3d& at) {
   params.path = std::make_shared<EquilibriumPath>(robot, Path::Hold(at), options);
   params.horizon = 1.2;
   params.num_steps = 25;
-  params.weights = {.position = 1000, .velocity = 20, .attitude = 20, .angular_velocity = 1, .tension = 3e-3};
+  params.weights = {.position = Vec<3>::Constant(1000),
+                    .velocity = Vec<3>::Constant(20),
+                    .attitude = Vec<3>::Constant(20),
+                    .angular_velocity = Vec<3>::Ones(),
+                    .tension = 3e-3};
   return params;
 }
 
@@ -260,11 +264,14 @@ TEST(CdprMpc, WeightsAreSetInARun) {
   for (const TerminalCost terminal : {TerminalCost::kRiccati, TerminalCost::kGiven}) {
     CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
     params.terminal = terminal;
-    params.terminal_weights = {.position = 100, .velocity = 10, .attitude = 10, .angular_velocity = 1};
+    params.terminal_weights = {.position = Vec<3>::Constant(100),
+                               .velocity = Vec<3>::Constant(10),
+                               .attitude = Vec<3>::Constant(10),
+                               .angular_velocity = Vec<3>::Ones()};
     CdprMpcParams changed = params;
-    changed.weights.position = 300;
+    changed.weights.position = {300, 300, 500};
     changed.weights.tension = 1e-2;
-    changed.terminal_weights.position = 900;
+    changed.terminal_weights.position = {900, 900, 700};
     TestRig<CdprMpc> plain(params), set(params), built(changed);
     set.Set(set->weights, changed.weights).Set(set->terminal_weights, changed.terminal_weights);
     for (auto* rig : {&plain, &set, &built})
@@ -281,7 +288,7 @@ TEST(CdprMpc, WeightsWithoutACostToGoAreRefused) {
   const CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
   TestRig<CdprMpc> rig(params);
   CdprMpcWeights wrong = params.weights;
-  wrong.position = 1e308;
+  wrong.position.setConstant(1e308);
   wrong.tension = 1e-308;
   EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->weights, wrong); }, "Riccati"));
 }

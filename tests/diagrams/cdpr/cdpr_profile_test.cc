@@ -33,7 +33,7 @@ mpc:
   horizon_t: 4
   num_steps: 7
   weights:
-    position_l2: 9
+    position_l2: [9, 9, 18]
     velocity_l2_per_t2: 36
     attitude_l2_per_a2: 72
     angular_velocity_l2_per_a2_t2: 144
@@ -44,10 +44,10 @@ pd: {stiffness_m_per_s2: 100, damping_m_per_s: 8}
   std::filesystem::remove(file);
   EXPECT_DOUBLE_EQ(profile.mpc.horizon, 2);
   EXPECT_EQ(profile.mpc.num_steps, 7);
-  EXPECT_DOUBLE_EQ(profile.mpc.weights.position, 1);
-  EXPECT_DOUBLE_EQ(profile.mpc.weights.velocity, 1);
-  EXPECT_DOUBLE_EQ(profile.mpc.weights.attitude, 2);
-  EXPECT_DOUBLE_EQ(profile.mpc.weights.angular_velocity, 1);
+  EXPECT_THAT(profile.mpc.weights.position, IsNear(Vec<3>(1, 1, 2), 1e-15));
+  EXPECT_THAT(profile.mpc.weights.velocity, IsNear(Vec<3>(1, 1, 1), 1e-15));
+  EXPECT_THAT(profile.mpc.weights.attitude, IsNear(Vec<3>(2, 2, 2), 1e-15));
+  EXPECT_THAT(profile.mpc.weights.angular_velocity, IsNear(Vec<3>(1, 1, 1), 1e-15));
   EXPECT_DOUBLE_EQ(profile.mpc.weights.tension, 1);
   EXPECT_DOUBLE_EQ(profile.pd.stiffness, 200);
   EXPECT_DOUBLE_EQ(profile.pd.damping, 16);

@@ -29,8 +29,11 @@ inline CdprLoopParams WithMpc(const CdprDescription& robot, std::shared_ptr<cons
   params.mpc->path = path;
   params.mpc->horizon = 1.2;
   params.mpc->num_steps = 25;
-  params.mpc->weights = {
-      .position = 1000, .velocity = 20, .attitude = 20, .angular_velocity = 1, .tension = 3e-3};
+  params.mpc->weights = {.position = Vec<3>::Constant(1000),
+                         .velocity = Vec<3>::Constant(20),
+                         .attitude = Vec<3>::Constant(20),
+                         .angular_velocity = Vec<3>::Ones(),
+                         .tension = 3e-3};
   params.offset_free = false;
   params.forbid_slack = false;
   return params;
