@@ -10,7 +10,6 @@
 namespace tenon::apps {
 namespace {
 
-/// The first line of a file of Linux; empty without it.
 std::string LineOf(const char* path) {
   std::string line;
   std::getline(std::ifstream(path) >> std::ws, line);
@@ -78,7 +77,8 @@ RealTimeReport ExamineRealTime(double duration) {
       remedies.emplace_back(
           "processors wake up at a low frequency: `sudo cpupower frequency-set -g performance`");
   }
-  add("time for real time", LineOf("/proc/sys/kernel/sched_rt_runtime_us") + " us of each second");
+  add("real-time thread",
+      thread.refused().empty() ? "permitted, with a processor and locked memory" : "refused in part");
   add("load", LineOf("/proc/loadavg"));
   for (const int hz : {500, 1000}) {
     const RealTimeStatistics pace = KeepPace(hz, duration);

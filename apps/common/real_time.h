@@ -10,7 +10,7 @@ void SetRealTime(const RealTimeStatistics& statistics, Summary& summary);
 /// Sets quantiles and histogram of times [s].
 void SetTimes(const std::string& name, const TimeQuantiles& times, Summary& summary);
 
-/// What a machine can hold in real time.
+/// Whether a machine can hold real time.
 struct RealTimeReport {
   std::string text;    ///< with what to change
   bool holds = false;  ///< everything is permitted, and no tick was missed

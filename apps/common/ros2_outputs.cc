@@ -10,25 +10,24 @@
 
 namespace tenon::apps {
 
-#ifdef TENON_WITH_DDS
-
-/// Returns the domain and the interface of the option --ros2.
-static DdsLink LinkOf(const std::string& where) {
+std::pair<std::string, std::optional<int>> SplitLink(const std::string& option, const std::string& where) {
   const std::size_t comma = where.find(',');
-  DdsLink link = Ros2Link(where == kAnyInterface ? "" : where.substr(0, comma));
-  if (comma == where.npos) return link;
-  const auto domain = internal::NumberIn<int>(where.substr(comma + 1));
-  if (!domain)
-    throw ParameterError(fmt::format("--ros2={}: give INTERFACE or INTERFACE,DOMAIN, such as eth0,0",
+  std::pair<std::string, std::optional<int>> link{where.substr(0, comma), {}};
+  if (comma != where.npos) link.second = internal::NumberIn<int>(where.substr(comma + 1));
+  if (link.first.empty() || (comma != where.npos && !link.second))
+    throw ParameterError(fmt::format("{} '{}': give INTERFACE or INTERFACE,DOMAIN, such as eth0,0", option,
                                      internal::Excerpt(where)));
-  link.domain = *domain;
   return link;
 }
+
+#ifdef TENON_WITH_DDS
 
 Ros2Outputs::Ros2Outputs(DiagramBuilder& builder, const RunOptions& options) : builder_(builder) {
   Open(options);
   if (!options.ros2) return;
-  const DdsLink link = LinkOf(*options.ros2);
+  const auto [interface, domain] = SplitLink("--ros2", *options.ros2);
+  DdsLink link = Ros2Link(interface == kAnyInterface ? "" : interface);
+  if (domain) link.domain = *domain;
   sends_ = true;
   interface_ = link.interface;
   domain_ = link.domain;

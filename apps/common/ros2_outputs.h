@@ -13,6 +13,9 @@
 
 namespace tenon::apps {
 
+/// Splits INTERFACE[,DOMAIN]. Throws ParameterError that names the option.
+std::pair<std::string, std::optional<int>> SplitLink(const std::string& option, const std::string& where);
+
 /// The messages of a run, which the option --ros2 sends and --mcap records. Without these options it adds
 /// nothing to the diagram.
 class Ros2Outputs {

@@ -6,7 +6,6 @@
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/text/text.h>
 #ifdef TENON_WITH_UNITREE
 #include <tenon/diagrams/unitree/motion_switcher.h>
 #include <tenon/diagrams/unitree/unitree_server.h>
@@ -43,17 +42,14 @@ std::string SetDriven(const std::string& name, const std::string& option, YamlDo
 #ifdef TENON_WITH_UNITREE
 
 static DdsLink LinkOf(const char* option, const std::string& where) {
-  const std::size_t colon = where.find(':'), comma = where.find(',', colon);
-  const std::string robot = where.substr(0, colon);
-  const std::string interface = colon == where.npos ? "lo" : where.substr(colon + 1, comma - colon - 1);
-  const auto domain = comma == where.npos ? std::optional(interface == "lo" ? 1 : 0)
-                                          : internal::NumberIn<int>(where.substr(comma + 1));
-  if (robot != "unitree" || interface.empty() || !domain)
+  const std::size_t colon = where.find(':');
+  if (where.substr(0, colon) != "unitree")
     throw ParameterError(fmt::format(
         "{} {}: give unitree, unitree:INTERFACE or unitree:INTERFACE,DOMAIN, such as unitree:eth0,0; in a "
         "scenario, robot: {{file: go2, link: {{unitree: eth0}}}}",
         option, where));
-  return {.domain = *domain, .interface = interface};
+  const auto [interface, domain] = SplitLink(option, colon == where.npos ? "lo" : where.substr(colon + 1));
+  return {.domain = domain.value_or(interface == "lo" ? 1 : 0), .interface = interface};
 }
 
 /// Sets the numbers of messages and of those refused, and the times of ticks.
@@ -138,12 +134,11 @@ class RoundTrip final : public LogSink {
     if (row[1] == state_) return;
     state_ = row[1];
     const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
-    const double age = now.count() - input_.sent();
-    agree_ = agree_ && age >= 0 && age < 1;
-    times_.Add(age);
+    times_.Add(now.count() - input_.sent());
   }
   void AddTo(Summary& summary) const {
-    if (agree_) return SetTimes("round_trip", times_, summary);
+    if (times_.Below(1e-6) == 0 && times_.Below(1) == times_.count())
+      return SetTimes("round_trip", times_, summary);
     summary.Note(
         "there is no round_trip_us, because the clock of the robot is another: set both by NTP or PTP");
   }
@@ -151,7 +146,6 @@ class RoundTrip final : public LogSink {
  private:
   const DdsInput<UnitreeState>& input_;
   double state_ = 0;  ///< time of the last state [s]
-  bool agree_ = true;
   TimeQuantiles times_;
 };
 

@@ -1,11 +1,17 @@
+#include <tenon/systems/io/internal/no_signals.h>
 #include <tenon/systems/network/internal/json.h>
 #include <tenon/systems/network/internal/udp_socket.h>
-#include <tenon/systems/network/internal/watcher.h>
 #include <tenon/systems/network/udp.h>
 
 #include <fmt/core.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
+#include <array>
 #include <list>
+#include <system_error>
+#include <thread>
 
 namespace tenon::internal {
 namespace {
@@ -29,14 +35,31 @@ class UdpInbox final : public Inbox {
  public:
   UdpInbox(const UdpReception& reception, const TypeInfo& type, const void* model)
       : Inbox(reception.reception),
+        lock_step_(reception.reception.lock_step),
         name_(reception.name),
         reader_(reception.name, type, model, reception.spec),
         socket_(UdpSocket::Use::kReceive, reception.address, reception.port) {
-    if (!reception.reception.lock_step) watcher_.emplace(socket_.file(), [this] { return Collect(), true; });
+    if (lock_step_) return;
+    try {
+      const NoSignals no_signals;
+      thread_ = std::jthread([this](const std::stop_token& stop) { CollectUntil(stop); });
+    } catch (const std::system_error&) {
+      // The system has no thread left, so the socket is emptied at the ticks.
+    }
   }
   int port() const { return socket_.port(); }
 
  private:
+  void CollectUntil(const std::stop_token& stop) {
+    const int woken = eventfd(0, EFD_CLOEXEC), longest = woken < 0 ? 10 : -1;  // [ms]
+    {
+      const std::stop_callback wake(stop, [woken] { eventfd_write(woken, 1); });
+      std::array<pollfd, 2> files{pollfd{socket_.file(), POLLIN, 0}, pollfd{woken, POLLIN, 0}};
+      while (!stop.stop_requested())
+        if (poll(files.data(), files.size(), longest) > 0) Collect();
+    }
+    close(woken);
+  }
   /// Empties the socket, because the system drops new datagrams while its buffer is full.
   void Collect() {
     const std::lock_guard lock(mutex_);
@@ -48,7 +71,7 @@ class UdpInbox final : public Inbox {
     }
   }
   std::optional<std::span<const char>> Receive(double timeout_s) override {
-    if (!watcher_) return socket_.Receive(timeout_s);
+    if (lock_step_) return socket_.Receive(timeout_s);
     Collect();
     const std::lock_guard lock(mutex_);
     if (messages_.empty()) return {};
@@ -63,13 +86,14 @@ class UdpInbox final : public Inbox {
     return fmt::format("signal '{}' at UDP {}", name_, socket_.name());
   }
 
+  const bool lock_step_;
   const std::string name_;
   JsonReader reader_;
   UdpSocket socket_;
   std::mutex mutex_;                       ///< protects messages_ and, without lock-step, the socket
   std::list<std::vector<char>> messages_;  ///< which allocates nothing while it is empty
   std::vector<char> message_;              ///< last received message
-  std::optional<Watcher> watcher_;
+  std::jthread thread_;
 };
 
 }  // namespace

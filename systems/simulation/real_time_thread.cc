@@ -24,7 +24,8 @@ std::vector<pid_t> OtherThreads() {
   return threads;
 }
 
-/// Sets the scheduling of a thread, 0 for the calling one. Returns whether that is permitted.
+/// Sets the scheduling of a thread, 0 for the calling one; returns whether that is permitted. Threads that it
+/// starts do not inherit it.
 bool Schedule(pid_t thread, int policy, int priority) {
   const sched_param param{priority};
   return sched_setscheduler(thread, policy | SCHED_RESET_ON_FORK, &param) == 0;
@@ -40,10 +41,15 @@ void SetProcessorsOfLaterThreads(const cpu_set_t& processors) {
 }
 
 /// With a limit of locked memory, later allocations would fail.
-bool MayLockMemory() {
+bool LockMemory() {
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);
-  return geteuid() == 0 || limit.rlim_cur == RLIM_INFINITY;
+  return (geteuid() == 0 || limit.rlim_cur == RLIM_INFINITY) && mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+}
+
+std::string Remedy(const char* limit) {
+  return fmt::format(
+      "add a line `USER - {}` with your name to /etc/security/limits.d/tenon.conf and log in again", limit);
 }
 
 }  // namespace
@@ -54,15 +60,11 @@ struct RealTimeThread::Before {
 };
 
 RealTimeThread::RealTimeThread(int processor) : before_(std::make_unique<Before>()) {
-  constexpr const char* kLimits =
-      "add a line `USER - {} {}` with your name to "
-      "/etc/security/limits.d/tenon.conf and log in again";
   Before& now = *before_;
-  now.locked = MayLockMemory() && mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+  now.locked = LockMemory();
   if (!now.locked)
     refused_.push_back("memory may be paged out, because this user may not lock it: " +
-                       fmt::format(fmt::runtime(kLimits), "memlock", "unlimited"));
-
+                       Remedy("memlock unlimited"));
   const std::vector<pid_t> others = OtherThreads();
   sched_getaffinity(0, sizeof now.processors, &now.processors);
   if (CPU_COUNT(&now.processors) >= std::max(2, processor + 1)) {
@@ -83,9 +85,8 @@ RealTimeThread::RealTimeThread(int processor) : before_(std::make_unique<Before>
   now.scheduled = Schedule(0, SCHED_FIFO, kPriority);
   for (const pid_t thread : others) Schedule(thread, SCHED_FIFO, kPriority - 1);
   if (!now.scheduled)
-    refused_.push_back(
-        "the thread of control has no real-time priority, because this user may not set one: " +
-        fmt::format(fmt::runtime(kLimits), "rtprio", 90));
+    refused_.push_back("the thread of control has no real-time priority, which this user may not set: " +
+                       Remedy("rtprio 90"));
 }
 
 RealTimeThread::~RealTimeThread() {

@@ -174,7 +174,7 @@ TEST_F(TenonQuadrupedTest, ServesAStandingRobotInRealTime) {
   EXPECT_EQ(Replayed().at("messages_equal"), 101);
   ExpectRefused({{"A1 --serve unitree", "'A1' walks"},
                  {"stand --serve spot", "unitree:eth0,0"},
-                 {"stand --serve unitree:lo,x", "unitree:eth0,0"},
+                 {"stand --serve unitree:lo,x", "INTERFACE,DOMAIN"},
                  {"stand --serve unitree:nix0", "'nix0'"},
                  {"stand --serve unitree:lo,300", "domain = 300"},
                  {"stand --drive unitree", "'stand' stands"},

@@ -100,6 +100,8 @@ TEST(UnitreeMessagesTest, HaveTheLayoutsOfTheRobots) {
   EXPECT_EQ(offsetof(LowState, crc), 1176u);
   EXPECT_STREQ(unitree_go_msg_dds__LowCmd__desc.m_typename, "unitree_go::msg::dds_::LowCmd_");
   EXPECT_STREQ(unitree_go_msg_dds__LowState__desc.m_typename, "unitree_go::msg::dds_::LowState_");
+  EXPECT_STREQ(unitree_api_msg_dds__Request__desc.m_typename, "unitree_api::msg::dds_::Request_");
+  EXPECT_STREQ(unitree_api_msg_dds__Response__desc.m_typename, "unitree_api::msg::dds_::Response_");
 }
 
 TEST(UnitreeMessagesTest, ACommandIsReadInTheOrderOfLegs) {
@@ -231,74 +233,6 @@ TEST(UnitreeServerTest, AClientInAnotherProcessMovesTheRobotAndTheRunRepeats) {
 }
 
 // ---- The robot as the plant ----
-
-/// A walk of a Go2 by inertial unit and encoders, without foot sensors.
-QuadrupedWalkParams WalkOfGo2() {
-  const QuadrupedDescription robot = Go2();
-  QuadrupedWalkParams params = MakeQuadrupedWalk(robot);
-  params.world.foot_sensor.mounted = FootSensing::kNone;
-  params.walk.segments = {{.gait = Gait::kStand, .duration = 0.5},
-                          {.gait = Gait::kTrot, .forward = 0.3, .duration = 2.5}};
-  params.estimator.emplace();
-  params.estimator->robot = robot;
-  params.estimator->initial = params.world.plant.initial;
-  params.deployment = DeploymentParams{.robot = robot, .initial = DeploymentMode::kWalk};
-  return params;
-}
-
-/// Where the robot is, with the mean height and the largest tilt of its trunk.
-struct Walked {
-  LeggedState end;
-  double height = 0, tilt = 0;
-};
-Walked Follow(DiagramBuilder& builder, const QuadrupedWorld& world, double end) {
-  Simulator simulator(builder.Build(), RecommendedOptions(world));
-  Walked walked;
-  for (int i = 0; i <= std::lround(100 * end); ++i) {
-    simulator.RunTo(0.01 * i);
-    const LeggedState& x = simulator.context().Eval(world.state);
-    walked.height += (x.p_WB[2] - walked.height) / (i + 1);
-    walked.tilt = std::max(walked.tilt, std::acos(std::min(1.0, x.R_WB()(2, 2))));
-    walked.end = x;
-  }
-  return walked;
-}
-
-// In 3 s, 0.614 m in two processes and 0.615 m in one.
-TEST(UnitreeWorldTest, AControllerInAnotherProcessWalksAsInOne) {
-  constexpr double kEnd = 3;
-  const QuadrupedWalkParams params = WalkOfGo2();
-  const auto alone = [&] {
-    DiagramBuilder builder;
-    return Follow(builder, builder.Add<QuadrupedWalk>("walk", params).world, kEnd);
-  }();
-  const auto apart = [&] {
-    test::SecondProcess controller([&] {
-      DiagramBuilder builder;
-      auto& walk = builder.Add<QuadrupedWalk>("walk", params);
-      DriveUnitree(builder, walk,
-                   {.link = kOwnLink, .initial = params.world.plant.initial, .lock_step = true});
-      Simulator simulator(builder.Build());
-      simulator.RunTo(kEnd);
-      if (simulator.context().Eval(walk.deployment->status).mode != DeploymentMode::kWalk)
-        throw RunError("the joints were damped");
-    });
-    DiagramBuilder builder;
-    auto& world = builder.Add<QuadrupedWorld>("world", params.world);
-    auto& server = builder.Add<UnitreeServer>("server", {.link = kOwnLink, .lock_step = true});
-    builder.Connect(world.joints, server.joints);
-    builder.Connect(server.torque, world.torque);
-    server.ConnectSensors(builder, world);
-    Walked walked = Follow(builder, world, kEnd);
-    EXPECT_TRUE(controller.Succeeds());
-    return walked;
-  }();
-  EXPECT_GT(apart.end.p_WB[0], 0.6);
-  EXPECT_NEAR(apart.end.p_WB[0], alone.end.p_WB[0], 0.03);
-  EXPECT_NEAR(apart.end.p_WB[1], alone.end.p_WB[1], 0.03);
-  EXPECT_NEAR(apart.height, alone.height, 0.003);
-  EXPECT_NEAR(apart.tilt, alone.tilt, 0.02);
-}
 
 /// Whether a command damps all joints; torques of the command stay within the limits. That of damping exceeds
 /// them at a speed beyond the limit, where the drive limits it.
@@ -466,9 +400,8 @@ void ExpectThatALostClientDamps(int repetitions) {
     peer.Send(&message, time += 0.002);
   };
   const std::function<void(LowCmd&)> cases[] = {
-      nullptr,                                             // the client is dead, or the link is cut
-      [](LowCmd& m) { m.motor_cmd[2].q += 100, Sign(m); }  // it jumps before it dies
-      ,
+      nullptr,                                              // the client is dead, or the link is cut
+      [](LowCmd& m) { m.motor_cmd[2].q += 100, Sign(m); },  // it jumps before it dies
       [](LowCmd& m) { ++m.crc; },
       [](LowCmd& m) { m.motor_cmd[2].tau = std::numeric_limits<float>::quiet_NaN(), Sign(m); }};
   for (int i = 0; i < repetitions; ++i) {
@@ -516,31 +449,16 @@ TEST(UnitreeServerTest, AKilledOrStoppedClientDampsTheJoints) {
 
 // ---- The motion switcher ----
 
-/// Answers requests in a thread.
-template <class Rig>
-class Answering {
- public:
-  explicit Answering(Rig& rig)
-      : thread_([&] {
-          while (!ends_) rig.Tick(), std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        }) {}
-  ~Answering() { ends_ = true, thread_.join(); }
-
- private:
-  std::atomic<bool> ends_ = false;
-  std::thread thread_;
-};
-
 TEST(MotionSwitcherTest, AClientEndsTheBuiltInMode) {
-  EXPECT_STREQ(unitree_api_msg_dds__Request__desc.m_typename, "unitree_api::msg::dds_::Request_");
-  EXPECT_STREQ(unitree_api_msg_dds__Response__desc.m_typename, "unitree_api::msg::dds_::Response_");
   TestRig<MotionSwitcher> rig({.link = kOwnLink});
-  EXPECT_TRUE(rig[rig->active]);
-  {
-    const Answering answering(rig);
-    EXPECT_TRUE(LeaveBuiltInMode(kOwnLink, 10));
-    EXPECT_TRUE(LeaveBuiltInMode(kOwnLink, 10)) << "again";
-  }
+  std::atomic<bool> ends = false;
+  std::thread robot([&] {
+    while (!ends) rig.Tick(), std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  });
+  EXPECT_TRUE(LeaveBuiltInMode(kOwnLink, 10));
+  EXPECT_TRUE(LeaveBuiltInMode(kOwnLink, 10)) << "again";
+  ends = true;
+  robot.join();
   EXPECT_FALSE(rig[rig->active]);
 }
 

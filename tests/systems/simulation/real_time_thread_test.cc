@@ -8,41 +8,33 @@
 
 namespace tenon::real_time_thread_test {
 
-struct Scheduling {
-  int policy = sched_getscheduler(0) & ~SCHED_RESET_ON_FORK;
-  cpu_set_t processors = [] {
-    cpu_set_t set;
-    sched_getaffinity(0, sizeof set, &set);
-    return set;
-  }();
-};
-bool Equal(const Scheduling& a, const Scheduling& b) {
-  return a.policy == b.policy && CPU_EQUAL(&a.processors, &b.processors);
+/// Policy and processors of the calling thread.
+std::pair<int, int> Scheduling() {
+  cpu_set_t processors;
+  sched_getaffinity(0, sizeof processors, &processors);
+  return {sched_getscheduler(0) & ~SCHED_RESET_ON_FORK, CPU_COUNT(&processors)};
+}
+std::pair<int, int> SchedulingOfALaterThread() {
+  std::pair<int, int> later;
+  std::thread([&] { later = Scheduling(); }).join();
+  return later;
 }
 
 // Where nothing is permitted, the thread stays as it is, and each reason has a remedy.
 TEST(RealTimeThreadTest, HasAPriorityAndAProcessorThatLaterThreadsDoNotHave) {
-  const Scheduling before;
+  const auto before = Scheduling();
   {
     const RealTimeThread real_time;
-    const Scheduling own;
-    Scheduling later;
-    std::thread([&] { later = Scheduling(); }).join();
-    EXPECT_EQ(later.policy, SCHED_OTHER);
-    if (own.policy == SCHED_FIFO && CPU_COUNT(&before.processors) > 1) {
-      EXPECT_EQ(CPU_COUNT(&own.processors), 1);
-      cpu_set_t common;
-      CPU_AND(&common, &own.processors, &later.processors);
-      EXPECT_EQ(CPU_COUNT(&common), 0);
+    if (Scheduling().first == SCHED_FIFO && before.second > 1) {
+      EXPECT_EQ(Scheduling().second, 1);
+      EXPECT_EQ(SchedulingOfALaterThread(), std::pair(SCHED_OTHER, before.second - 1));
     } else {
       EXPECT_THAT(real_time.refused(), testing::Contains(testing::AnyOf(testing::HasSubstr("limits.d"),
                                                                         testing::HasSubstr("taskset"))));
     }
   }
-  EXPECT_TRUE(Equal(Scheduling(), before));
-  Scheduling later;
-  std::thread([&] { later = Scheduling(); }).join();
-  EXPECT_TRUE(Equal(later, before));
+  EXPECT_EQ(Scheduling(), before);
+  EXPECT_EQ(SchedulingOfALaterThread(), before);
 }
 
 }  // namespace tenon::real_time_thread_test
