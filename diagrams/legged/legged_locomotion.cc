@@ -4,7 +4,8 @@
 namespace tenon {
 
 LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
-    : scheduler(Add<FootScheduler>("scheduler", params.scheduler)),
+    : step_timing(Add<StepTimingAdapter>("step_timing", params.step_timing)),
+      scheduler(Add<FootScheduler>("scheduler", params.scheduler)),
       ground_estimator(Add<GroundEstimator>("ground_estimator", params.ground)),
       com_planner(Add<ComPlanner>("com_planner", params.com_planner)),
       swing_planner(Add<SwingPlanner>("swing_planner", params.swing_planner)),
@@ -29,6 +30,10 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
     Connect(command, com_planner.command);
   }
   Connect(foot_forces, scheduler.foot_forces);
+  Connect(state, step_timing.state);
+  Connect(com_planner.reference, step_timing.body);
+  Connect(step_timing.clock_rate, scheduler.clock_rate);
+  Connect(step_timing.clock_rate, swing_planner.clock_rate);
 
   Connect(state, ground_estimator.state);
   Connect(scheduler.schedule, ground_estimator.schedule);

@@ -14,17 +14,18 @@ namespace tenon {
 ///     state ────────────────────▲────────────────────┼───────────────┤
 ///     wrench, leg_forces (disturbances) ─────────────┴───────────────┘
 ///
-/// Connections that the sketch leaves out: the schedule feeds all other blocks; `state` and `wrench` feed
-/// swing and trunk planner; the estimated ground feeds swing planner and whole-body controller; `foot_forces`
-/// feed the swing planner. `wrench` and `leg_forces` are estimates of an observer; if they are not connected,
-/// no disturbance is compensated. A `known_wrench`, such as that of ropes, adds to `wrench` in the whole-body
-/// controller; `steady_wrench`, the part of it that changes slowly, displaces the swing planner's footholds.
-/// With LeggedLocomotionParams::pace, a Pacer adapts `command` and the timing of the scheduler to the speed.
-/// With ComReference::kThesis, a ThesisPlanner takes the place of the CoM planner.
-/// With LeggedLocomotionParams::mpc, a CentroidalMpc takes the place of the trunk planner and gives the swing
-/// planner its footholds. With LeggedLocomotionParams::mapped, the swing planner reads `map`, and the plane
-/// of the planners is that of a MappedGround instead of the estimated one. Each block can be replaced by one
-/// with the same ports.
+/// Connections that the sketch leaves out: a StepTimingAdapter reads `state` and the CoM planner's reference
+/// and sets the clock of scheduler and swing planner at the next tick; the schedule feeds all other blocks;
+/// `state` and `wrench` feed swing and trunk planner; the estimated ground feeds swing planner and whole-body
+/// controller; `foot_forces` feed the swing planner. `wrench` and `leg_forces` are estimates of an observer;
+/// if they are not connected, no disturbance is compensated. A `known_wrench`, such as that of ropes, adds to
+/// `wrench` in the whole-body controller; `steady_wrench`, the part of it that changes slowly, displaces the
+/// swing planner's footholds. With LeggedLocomotionParams::pace, a Pacer adapts `command` and the timing of
+/// the scheduler to the speed. With ComReference::kThesis, a ThesisPlanner takes the place of the CoM
+/// planner. With LeggedLocomotionParams::mpc, a CentroidalMpc takes the place of the trunk planner and gives
+/// the swing planner its footholds. With LeggedLocomotionParams::mapped, the swing planner reads `map`, and
+/// the plane of the planners is that of a MappedGround instead of the estimated one. Each block can be
+/// replaced by one with the same ports.
 class LeggedLocomotion final : public Subdiagram {
  public:
   explicit LeggedLocomotion(const LeggedLocomotionParams& params);
@@ -39,7 +40,8 @@ class LeggedLocomotion final : public Subdiagram {
 
   InputPort<ElevationMap> map{this, {"map"}, ElevationMap()};
 
-  Pacer* pacer = nullptr;  ///< between `command` and all blocks that read it; null without `pace`
+  Pacer* pacer = nullptr;          ///< between `command` and all blocks that read it; null without `pace`
+  StepTimingAdapter& step_timing;  ///< to the next tick of scheduler and swing planner
   FootScheduler& scheduler;
   GroundEstimator& ground_estimator;
   MappedGround* mapped_ground = nullptr;  ///< null without LeggedLocomotionParams::mapped

@@ -9,6 +9,7 @@ FieldList LocomotionProfile::Fields() {
           Required("sway_limit_rad_per_s2", &LocomotionProfile::sway_limit)
               .AtLeast(0)
               .Because("0 keeps the trunk level"),
+          {"step_timing", &LocomotionProfile::step_timing},
           Required("ground", &LocomotionProfile::ground),
           Required("qp_rate_hz", &LocomotionProfile::qp_rate_hz).In(Range().Positive().Also([](double hz) {
             Hz(hz);
@@ -42,6 +43,7 @@ LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot, const L
   params.com_planner.robot = robot;
   params.swing_planner.robot = robot;
   params.trunk_planner = {.robot = robot, .sway_limit = profile.sway_limit};
+  params.step_timing.timing = profile.step_timing;
   params.whole_body.robot = robot;
   params.whole_body.gains = profile.whole_body;
   params.whole_body.qp_rate = Hz(profile.qp_rate_hz);

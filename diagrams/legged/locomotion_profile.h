@@ -8,6 +8,7 @@
 #include <tenon/controllers/legged/planning/com_planner.h>
 #include <tenon/controllers/legged/planning/foot_scheduler.h>
 #include <tenon/controllers/legged/planning/pacer.h>
+#include <tenon/controllers/legged/planning/step_timing_adapter.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/controllers/legged/planning/trunk_planner.h>
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
@@ -63,6 +64,7 @@ struct LeggedLocomotionParams {
   ComPlannerParams com_planner;
   SwingPlannerParams swing_planner;
   TrunkPlannerParams trunk_planner;
+  StepTimingAdapterParams step_timing;
   std::optional<CentroidalMpcProperties> mpc;  ///< empty: a TrunkPlanner instead
   SlowOptions calculation;                     ///< duration of a solve of the MPC
   WholeBodyParams whole_body;
@@ -93,6 +95,7 @@ struct ObserverProfile {
 struct LocomotionProfile {
   WholeBodyGains whole_body;
   double sway_limit = 80;  ///< parameter of the TrunkPlanner [rad/s^2]
+  StepTiming step_timing;  ///< limits of the StepTimingAdapter
   GroundBelief ground;
   double qp_rate_hz = 1000;
   ObserverProfile observer;

@@ -276,6 +276,7 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   shelf.Put(Make<WalkDrive>());
   shelf.Put(
       Make<Pacer>(PacerParams{.robot = locomotion.whole_body.robot, .gaits = locomotion.scheduler.gaits}));
+  shelf.Put(Make<StepTimingAdapter>(locomotion.step_timing));
   shelf.Put(Make<FootScheduler>(locomotion.scheduler));
   shelf.Put(Make<GroundEstimator>(locomotion.ground));
   shelf.Put(Make<MappedGround>(MappedGroundParams{.robot = locomotion.ground.robot}));

@@ -204,9 +204,10 @@ ContactState NextContactState(ContactState state, const ContactEvents& events) {
 }
 
 ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const FootForces& forces,
-                                            const GaitTiming& timing, const GaitTable& gaits,
-                                            double touchdown_force, double early_touchdown_phase,
-                                            double late_wait, double search_after, Memory& memory) const {
+                                            const GaitTiming& timing, double clock_rate,
+                                            const GaitTable& gaits, double touchdown_force,
+                                            double early_touchdown_phase, double late_wait,
+                                            double search_after, Memory& memory) const {
   const double dt = params.rate.period();
   const auto wait_is_over = [&] { return memory.waited >= late_wait - kClockTolerance; };
   ContactSchedule& schedule = memory.schedule;
@@ -219,7 +220,11 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
       if (StepIsOver(schedule) || Any(DueLegs(memory, command.gait))) {
         memory.waited += dt;
       } else {
-        schedule.step_time += dt;
+        const bool swings =
+            !Flies(schedule.timing) && std::ranges::any_of(schedule.legs, [](const LegContact& leg) {
+              return leg.state == ContactState::kSwing;
+            });
+        schedule.step_time += swings ? clock_rate * dt : dt;
       }
     }
     for (std::size_t i = 0; i < kNumLegs; ++i) {

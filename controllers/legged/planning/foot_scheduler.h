@@ -113,6 +113,8 @@ ContactState NextContactState(ContactState state, const ContactEvents& events);
 ///     ports in   command      gait; the velocities are not used
 ///                foot_forces  measured ground forces, whose norm is compared with touchdown_force [N]
 ///                timing       of the next step, see Pacer; that of `gaits` without steps or if not connected
+///                clock_rate   speed of the gait clock while feet swing, see StepTimingAdapter; 1 if not
+///                connected
 ///     parameters gaits        GaitTable; a change takes effect when a gait starts
 ///                touchdown_force, early_touchdown_phase, late_wait, search_after
 ///     ports out  schedule     sampled
@@ -123,6 +125,9 @@ ContactState NextContactState(ContactState state, const ContactEvents& events);
 /// step starts. Hence no leg is in swing or late when a step starts. While a leg that must support the robot
 /// is searching, the group of the step does not lift off; the clock waits for that leg as for a late foot.
 /// The gait changes at the start of a step, from standing at once.
+///
+/// The gait clock runs at `clock_rate` while feet swing, except in gaits with flight, whose ballistic motion
+/// has its own time, and at 1 otherwise.
 ///
 /// **Flight.** If the stance is negative, the next group lifts off by that time before the group of the
 /// present step lands, and all feet are in the air in between. With a single group, all feet swing together.
@@ -154,6 +159,7 @@ class FootScheduler final : public LeafSystem<FootSchedulerParams> {
   InputPort<WalkCommand> command{this, {"command"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<GaitTiming> timing{this, {"timing"}, GaitTiming()};
+  InputPort<double> clock_rate{this, {"clock_rate"}, 1};
   Parameter<GaitTable> gaits{this, {"gaits"}, params.gaits, "timing of the gaits"};
   Parameter<double> touchdown_force{this,
                                     {"touchdown_force", "N"},
@@ -179,14 +185,15 @@ class FootScheduler final : public LeafSystem<FootSchedulerParams> {
   OutputPort<ContactSchedule> schedule{this,
                                        {"schedule"},
                                        Sampled{params.rate},
-                                       Uses(command, foot_forces, timing, gaits, touchdown_force,
+                                       Uses(command, foot_forces, timing, clock_rate, gaits, touchdown_force,
                                             early_touchdown_phase, late_wait, search_after, memory),
                                        &FootScheduler::CalcSchedule};
 
  private:
   ContactSchedule CalcSchedule(const WalkCommand& command, const FootForces& forces, const GaitTiming& timing,
-                               const GaitTable& gaits, double touchdown_force, double early_touchdown_phase,
-                               double late_wait, double search_after, Memory& memory) const;
+                               double clock_rate, const GaitTable& gaits, double touchdown_force,
+                               double early_touchdown_phase, double late_wait, double search_after,
+                               Memory& memory) const;
 };
 
 }  // namespace tenon

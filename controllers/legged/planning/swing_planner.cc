@@ -233,7 +233,7 @@ Eigen::Vector2d SwingPlanner::Foothold(std::size_t leg, const ContactSchedule& s
   return at_touchdown + Shortened<2>(wanted - at_touchdown, stance.reach[leg]);
 }
 
-FeetReference SwingPlanner::CalcFeet(const ContactSchedule& schedule, const Memory& plan,
+FeetReference SwingPlanner::CalcFeet(const ContactSchedule& schedule, const Memory& plan, double clock_rate,
                                      const StepProperties& step) const {
   FeetReference reference;
   for (std::size_t i = 0; i < kNumLegs; ++i) {
@@ -241,6 +241,8 @@ FeetReference SwingPlanner::CalcFeet(const ContactSchedule& schedule, const Memo
     FootReference& foot = reference.feet[i];
     if (leg.state == ContactState::kSwing) {
       foot = Swing(leg, step, schedule.legs[i].phase, schedule.timing.swing);
+      foot.v_W *= clock_rate;
+      foot.a_W *= clock_rate * clock_rate;
     } else if (Searches(leg.state)) {
       // A searching foot has no lift-off: `lift_off` is where its target was one tick ago.
       foot = Search(leg, step, (leg.foothold - leg.lift_off) / params.rate.period());

@@ -37,6 +37,8 @@ struct SwingPlannerParams {
 ///                known_wrench wrench of ropes, which displaces the nominal stance; zero if not connected
 ///                planned      footholds of CentroidalMpc, instead of those below; none if not connected
 ///                map          heights of the ground; none if not connected
+///                clock_rate   speed of the gait clock while feet swing, see FootScheduler; 1 if not
+///                connected
 ///     parameter  step         StepProperties
 ///     ports out  feet         position, velocity, acceleration of all feet; sampled
 ///                footholds    next foothold of a swing foot, present one of a stance foot [m]; sampled
@@ -152,6 +154,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   InputPort<WrenchEstimate> known_wrench{this, {"known_wrench"}, WrenchEstimate()};
   InputPort<FootholdPlan> planned{this, {"planned"}, FootholdPlan()};
   InputPort<ElevationMap> map{this, {"map"}, ElevationMap()};
+  InputPort<double> clock_rate{this, {"clock_rate"}, 1};
   Parameter<StepProperties> step{
       this, {"step"}, params.step, "shape of the steps and choice of the footholds"};
   Scratch<Memory> memory{this, "memory", Memory()};
@@ -162,7 +165,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
                                planned, map, step, memory),
                           &SwingPlanner::CalcPlan};
   OutputPort<FeetReference> feet{
-      this, {"feet"}, Sampled{params.rate}, Uses(schedule, plan, step), &SwingPlanner::CalcFeet};
+      this, {"feet"}, Sampled{params.rate}, Uses(schedule, plan, clock_rate, step), &SwingPlanner::CalcFeet};
   OutputPort<std::array<Vec<3>, kNumLegs>> footholds{
       this, {"footholds", "m", kLegElements}, Sampled{params.rate}, Uses(plan), &SwingPlanner::CalcFootholds};
 
@@ -171,7 +174,7 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
                 const LeggedState& state, const GroundPlane& ground, const FootForces& foot_forces,
                 const WrenchEstimate& wrench, const WrenchEstimate& known_wrench, const FootholdPlan& planned,
                 const ElevationMap& map, const StepProperties& step, Memory& memory, Memory* plan) const;
-  FeetReference CalcFeet(const ContactSchedule& schedule, const Memory& plan,
+  FeetReference CalcFeet(const ContactSchedule& schedule, const Memory& plan, double clock_rate,
                          const StepProperties& step) const;
   std::array<Vec<3>, kNumLegs> CalcFootholds(const Memory& plan) const;
 

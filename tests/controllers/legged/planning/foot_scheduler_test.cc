@@ -218,8 +218,8 @@ TEST(FootSchedulerTest, AFootThatNeverFindsGroundStillSwingsInItsTurn) {
   Walk walk(Gait::kTrot);
   walk.Tick();
   walk.Force(kFrontLeft, 0);
-  EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kSearching; }), 12);
-  EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kSwing; }), 150 - 12);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kSearching; }), 40);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kSwing; }), 150 - 40);
 }
 
 TEST(FootSchedulerTest, StanceFootWithoutForceSearches) {
@@ -227,12 +227,12 @@ TEST(FootSchedulerTest, StanceFootWithoutForceSearches) {
     Walk walk(gait);
     for (int n = 0; n < 20; ++n) walk.Tick();
     walk.Force(kRearLeft, 0);
-    for (int n = 0; n < 11; ++n) walk.Tick();
+    for (int n = 0; n < 39; ++n) walk.Tick();
     EXPECT_EQ(walk.state(kRearLeft), kStance);
     walk.Free(kRearLeft);
     walk.Tick();  // the count begins anew
     walk.Force(kRearLeft, 0);
-    EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kRearLeft].state == kSearching; }), 12);
+    EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kRearLeft].state == kSearching; }), 40);
     EXPECT_EQ(walk.schedule().legs[kRearLeft].time_to_touchdown, 0);
     walk.Free(kRearLeft);
     walk.Tick();
@@ -463,6 +463,34 @@ TEST(FootSchedulerTest, LimitsAndGaitsAreSetInARun) {
     differs = differs || numbers(plain) != expected;
   }
   EXPECT_TRUE(differs);
+}
+
+// A trot swings for 0.115 s after 0.15 s of stance.
+TEST(FootSchedulerTest, TheClockRateShortensSwingsAloneAndTheNextStepIsAsPlanned) {
+  Walk walk(Gait::kTrot), hasty(Gait::kTrot);
+  const auto swings = [](const ContactSchedule& schedule) { return !LegsIn(schedule, kSwing).empty(); };
+  const auto stands = [](const ContactSchedule& schedule) { return schedule.num_stance() == kNumLegs; };
+  hasty.rig().Fix(hasty.rig()->clock_rate, 2);
+  EXPECT_EQ(hasty.Until(swings), walk.Until(swings));
+  double phase = 0;
+  int ticks = 0;
+  for (; swings(hasty.Tick()); ++ticks) {
+    EXPECT_LE(hasty.schedule().legs[kFrontLeft].phase - phase, 2e-3 / 0.115 + 1e-9);  // continuous
+    phase = hasty.schedule().legs[kFrontLeft].phase;
+  }
+  EXPECT_NEAR(ticks, 115 / 2, 1);
+  hasty.rig().Fix(hasty.rig()->clock_rate, 1);
+  walk.Until(stands);
+  EXPECT_EQ(hasty.Until(swings), walk.Until(swings));
+  EXPECT_EQ(hasty.Until(stands), walk.Until(stands));
+}
+
+TEST(FootSchedulerTest, TheClockRateLeavesFlightAlone) {
+  const FootSchedulerParams flight =
+      YamlDocument::Load(TENON_GAITS_DIR "/flight.yaml").Read<GaitFile>().For(208.52136);
+  Walk walk(Gait::kTrot, flight), hasty(Gait::kTrot, flight);
+  hasty.rig().Fix(hasty.rig()->clock_rate, 2);
+  for (int n = 0; n < 500; ++n) EXPECT_EQ(hasty.Tick().step_time, walk.Tick().step_time) << n;
 }
 
 // A gait keeps its timing until it begins the next time.
