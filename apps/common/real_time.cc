@@ -49,12 +49,13 @@ void SetRealTime(const RealTimeStatistics& statistics, Summary& summary) {
   SetTimes("tick_compute", statistics.compute, summary);
 }
 
-RealTimeReport ExamineRealTime(double duration) {
+std::pair<std::string, bool> ExamineRealTime(double duration) {
   const RealTimeThread thread;
   std::vector<std::string> remedies = thread.refused();
-  RealTimeReport report{"", remedies.empty()};
+  std::string text;
+  bool holds = remedies.empty();
   const auto add = [&](const char* name, const std::string& value) {
-    report.text += fmt::format("{:<28} {}\n", name, value);
+    text += fmt::format("{:<28} {}\n", name, value);
   };
   utsname kernel{};
   uname(&kernel);
@@ -70,28 +71,26 @@ RealTimeReport ExamineRealTime(double duration) {
     remedies.emplace_back(
         "other programs use the processor of the thread of control: add isolcpus=N, with the number of the "
         "last processor, to GRUB_CMDLINE_LINUX in /etc/default/grub, call `sudo update-grub` and restart");
-  if (const std::string governor = LineOf("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
-      !governor.empty()) {
-    add("frequency governor", governor);
-    if (governor != "performance")
-      remedies.emplace_back(
-          "processors wake up at a low frequency: `sudo cpupower frequency-set -g performance`");
-  }
+  const std::string governor = LineOf("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
+  add("frequency governor", governor.empty() ? "none" : governor);
+  if (!governor.empty() && governor != "performance")
+    remedies.emplace_back(
+        "processors wake up at a low frequency: `sudo cpupower frequency-set -g performance`");
   add("real-time thread",
       thread.refused().empty() ? "permitted, with a processor and locked memory" : "refused in part");
   add("load", LineOf("/proc/loadavg"));
   for (const int hz : {500, 1000}) {
     const RealTimeStatistics pace = KeepPace(hz, duration);
-    report.holds = report.holds && pace.missed == 0;
+    holds = holds && pace.missed == 0;
     const auto late = [&](double share) { return 1e6 * pace.lateness.Quantile(share).value_or(0); };
     add(fmt::format("{} Hz: late [us]", hz).c_str(),
         fmt::format("median {:.0f}, 99 % {:.0f}, 99.9 % {:.0f}, at most {:.0f}; {} of {} ticks missed",
                     late(0.5), late(0.99), late(0.999), 1e6 * pace.worst_lateness, pace.missed, pace.ticks));
   }
-  for (const std::string& remedy : remedies) report.text += "- " + remedy + "\n";
-  report.text += report.holds ? "This machine can hold real time at its present load.\n"
-                              : "This machine cannot hold real time.\n";
-  return report;
+  for (const std::string& remedy : remedies) text += "- " + remedy + "\n";
+  text += holds ? "This machine can hold real time at its present load.\n"
+                : "This machine cannot hold real time.\n";
+  return {text, holds};
 }
 
 }  // namespace tenon::apps

@@ -10,12 +10,8 @@ void SetRealTime(const RealTimeStatistics& statistics, Summary& summary);
 /// Sets quantiles and histogram of times [s].
 void SetTimes(const std::string& name, const TimeQuantiles& times, Summary& summary);
 
-/// Whether a machine can hold real time.
-struct RealTimeReport {
-  std::string text;    ///< with what to change
-  bool holds = false;  ///< everything is permitted, and no tick was missed
-};
 /// Examines this machine, and measures the lateness of ticks at 500 Hz and 1 kHz, for `duration` [s] each.
-RealTimeReport ExamineRealTime(double duration);
+/// Returns the results, with what to change, and whether everything is permitted and no tick was missed.
+std::pair<std::string, bool> ExamineRealTime(double duration);
 
 }  // namespace tenon::apps

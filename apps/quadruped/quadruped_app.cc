@@ -246,9 +246,9 @@ int QuadrupedApp::Run(int argc, char** argv) const {
   AddWalkArguments(line, walk);
   return RunMain(line, argc, argv, [&]() -> int {
     if (walk.check_realtime) {
-      const RealTimeReport report = ExamineRealTime(3);
-      fmt::print("{}", report.text);
-      return report.holds ? kRan : kLimitBroken;
+      const auto [text, holds] = ExamineRealTime(3);
+      fmt::print("{}", text);
+      return holds ? kRan : kLimitBroken;
     }
     if (const auto code = RunInstead(arguments, app)) return *code;
     if (!walk.estimate.empty()) return RunLog(arguments, walk, app.name);

@@ -25,14 +25,10 @@ struct Call {
   }
 };
 
-/// A text that lives as long as the program; Cyclone DDS only reads it.
-char* Text(const char* text) {
-  return const_cast<char*>(text);
-}
-
+// Texts live as long as the program; Cyclone DDS only reads them.
 void WriteRequest(const Call& call, Request& message) {
   message.header.identity = {call.id, call.action};
-  message.parameter = Text("{}");
+  message.parameter = const_cast<char*>("{}");
 }
 std::string ReadRequest(const Request& message, Call& call) {
   call = {message.header.identity.id, message.header.identity.api_id};
@@ -42,7 +38,8 @@ std::string ReadRequest(const Request& message, Call& call) {
 void WriteAnswer(const Call& call, Response& message) {
   message.header.identity = {call.id, call.action};
   message.header.status.code = call.code;
-  message.data = Text(call.active ? R"({"form":"0","name":"normal"})" : R"({"form":"0","name":""})");
+  message.data =
+      const_cast<char*>(call.active ? R"({"form":"0","name":"normal"})" : R"({"form":"0","name":""})");
 }
 std::string ReadAnswer(const Response& message, Call& call) {
   std::string data = message.data == nullptr ? "" : message.data;

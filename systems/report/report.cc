@@ -83,11 +83,9 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
   run.limits = params_.limits;
   // The sinks hold copies, because they may outlive the report.
   run.signals = std::make_shared<ColumnLog>(ColumnLog::Thinning::kPeaks, ColumnLog::kRows, nullptr);
-  const auto in_background = [](const std::shared_ptr<LogSink>& sink) {
-    return std::make_shared<BackgroundLog>(std::vector{sink});
-  };
-  simulator.AddLog(params_.signal_rate, signals,
-                   {in_background(internal::WithDerived(params_.plots, run.signals))});
+  using Sinks = std::vector<std::shared_ptr<LogSink>>;
+  const Sinks derived{internal::WithDerived(params_.plots, run.signals)};
+  simulator.AddLog(params_.signal_rate, signals, {std::make_shared<BackgroundLog>(derived)});
 
   // Constant properties of the shapes are not in the rows.
   run.frames = std::make_shared<ColumnLog>(ColumnLog::Thinning::kSample, ColumnLog::kFrames,
@@ -98,7 +96,8 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
                                              }
                                            });
   if (!geometry.empty()) {
-    simulator.AddLog(params_.frame_rate, {geometry.begin(), geometry.end()}, {in_background(run.frames)});
+    simulator.AddLog(params_.frame_rate, {geometry.begin(), geometry.end()},
+                     {std::make_shared<BackgroundLog>(Sinks{run.frames})});
   }
 }
 

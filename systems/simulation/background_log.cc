@@ -30,7 +30,9 @@ void BackgroundLog::Begin(const std::vector<std::string>& names, const std::vect
   for (Block& block : blocks_) block.reserve(std::max(kBlockSize, columns_));
   try {
     const internal::NoSignals no_signals;
-    thread_ = std::thread([this] { RunThread(); });
+    thread_ = std::thread([this] {
+      for (work_.acquire(); !ends_; work_.acquire()) Work();
+    });
   } catch (const std::system_error&) {
     // The system has no thread left, so Row passes the blocks on itself.
   }
@@ -49,10 +51,6 @@ void BackgroundLog::HandOver() {
   ++handed_;
   work_.release();
   if (handed_ - done_ == kBlocks || !thread_.joinable()) Work();
-  ThrowFailure();
-}
-
-void BackgroundLog::ThrowFailure() {
   if (failed_) std::rethrow_exception(failure_);
 }
 
@@ -73,10 +71,6 @@ void BackgroundLog::Work() {
   }
 }
 
-void BackgroundLog::RunThread() {
-  for (work_.acquire(); !ends_; work_.acquire()) Work();
-}
-
 void BackgroundLog::Flush() {
   Finish([](LogSink& sink) { sink.Flush(); });
 }
@@ -94,7 +88,7 @@ void BackgroundLog::Finish(const std::function<void(LogSink&)>& then) {
     const std::lock_guard working(working_);
     for (const auto& sink : sinks_) then(*sink);
   }
-  ThrowFailure();
+  if (failed_) std::rethrow_exception(failure_);
 }
 
 }  // namespace tenon

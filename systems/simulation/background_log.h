@@ -39,8 +39,6 @@ class BackgroundLog final : public LogSink {
   void Finish(const std::function<void(LogSink&)>& then);
   void HandOver();
   void Work();
-  void RunThread();
-  void ThrowFailure();
 
   static constexpr std::size_t kBlocks = 16;
   std::size_t columns_ = 0;

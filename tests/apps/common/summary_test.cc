@@ -136,7 +136,7 @@ TEST(TimeQuantilesTest, CountTimesBelowALimit) {
 }
 
 TEST(RealTimeTest, ANamedMachineWithMeasuredTicks) {
-  const std::string text = ExamineRealTime(0.01).text;
+  const std::string text = ExamineRealTime(0.01).first;
   for (const char* part :
        {"kernel", "isolated", "500 Hz", "1000 Hz", " of 5 ticks missed", " of 10 ticks missed"})
     EXPECT_THAT(text, HasSubstr(part));

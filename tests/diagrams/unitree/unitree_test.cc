@@ -84,20 +84,17 @@ TEST(UnitreeCrcTest, HasKnownValues) {
   EXPECT_EQ(UnitreeCrc({{0x31323334, 0x35363738}}), 0x49E3C2FBu);
 }
 
-// The layouts of the robots, on which the checksum depends, byte for byte.
+// Layouts inside of messages; their sizes and the place of the checksum are asserted when the library is
+// compiled.
 TEST(UnitreeMessagesTest, HaveTheLayoutsOfTheRobots) {
-  EXPECT_EQ(sizeof(LowCmd), 812u);
   EXPECT_EQ(sizeof(unitree_go_msg_dds__MotorCmd_), 36u);
   EXPECT_EQ(offsetof(LowCmd, motor_cmd), 24u);
   EXPECT_EQ(offsetof(LowCmd, bms_cmd), 744u);
-  EXPECT_EQ(offsetof(LowCmd, crc), 808u);
-  EXPECT_EQ(sizeof(LowState), 1180u);
   EXPECT_EQ(sizeof(unitree_go_msg_dds__MotorState_), 48u);
   EXPECT_EQ(offsetof(LowState, imu_state), 24u);
   EXPECT_EQ(offsetof(LowState, motor_state), 80u);
   EXPECT_EQ(offsetof(LowState, foot_force), 1084u);
   EXPECT_EQ(offsetof(LowState, tick), 1100u);
-  EXPECT_EQ(offsetof(LowState, crc), 1176u);
   EXPECT_STREQ(unitree_go_msg_dds__LowCmd__desc.m_typename, "unitree_go::msg::dds_::LowCmd_");
   EXPECT_STREQ(unitree_go_msg_dds__LowState__desc.m_typename, "unitree_go::msg::dds_::LowState_");
   EXPECT_STREQ(unitree_api_msg_dds__Request__desc.m_typename, "unitree_api::msg::dds_::Request_");
