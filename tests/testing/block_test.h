@@ -10,9 +10,6 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 namespace tenon {
 
 namespace test {
@@ -21,6 +18,26 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace test
+
+/// Tests that build a diagram.
+struct DiagramTest : ::testing::Test {
+  DiagramBuilder builder;
+};
+
+/// The value of a port or state after a run of what was built.
+template <class S>
+typename S::Value ValueAt(double time, DiagramBuilder& builder, const S& source,
+                          const SimulatorOptions& options = {}) {
+  Simulator simulator(builder.Build(), options);
+  simulator.RunTo(time);
+  return simulator.context().Eval(source);
+}
+/// Returns whether a run of 1 s of what was built ends with a RunError that names all the `parts`.
+template <class... Parts>
+::testing::AssertionResult RunFails(DiagramBuilder& builder, const Parts&... parts) {
+  Simulator simulator(builder.Build());
+  return Throws<RunError>([&] { simulator.RunTo(1); }, parts...);
+}
 
 /// Returns whether the constructor of a Block throws a ParameterError that names all the `keys`.
 ///

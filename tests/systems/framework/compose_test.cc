@@ -9,8 +9,7 @@ namespace tenon::compose_test {
 struct ServoParams {
   double kp = 10;  // N/m
 };
-class Servo final : public Subdiagram {
- public:
+struct Servo final : Subdiagram {
   using Params = ServoParams;
   explicit Servo(const ServoParams& params = {}) : pd(Add<Pd>("pd", {.kp = params.kp})) {
     Connect(x, pd.x);
@@ -20,8 +19,7 @@ class Servo final : public Subdiagram {
   Pd& pd;
   OutputPort<double> u{this, {"u", "N"}};
 };
-class Shipped final : public Subdiagram {
- public:
+struct Shipped final : Subdiagram {
   Shipped() : servo(Add<Servo>("servo")), cart(Add<Cart>("cart")) {
     Connect(cart.state, servo.x);
     Connect(servo.u, cart.force);
@@ -31,8 +29,7 @@ class Shipped final : public Subdiagram {
 };
 
 /// A controller with the ports of Pd.
-class Bang final : public LeafSystem<double> {
- public:
+struct Bang final : LeafSystem<double> {
   explicit Bang(double force) : LeafSystem(force) {}
   InputPort<Vec<2>> x{this, {"x", "m, m/s"}};
   OutputPort<double> u{this, {"u", "N"}, Sampled{Hz(1000)}, Uses(x), [this](const Vec<2>& x) {
@@ -42,8 +39,7 @@ class Bang final : public LeafSystem<double> {
 
 /// Its ports differ from those of Pd: x has another type, there is another input, the output has another
 /// name.
-class Odd final : public LeafSystem<void> {
- public:
+struct Odd final : LeafSystem<void> {
   InputPort<double> x{this, "x", 0.0};
   InputPort<double> goal{this, "goal"};
   OutputPort<double> force{
@@ -62,8 +58,7 @@ double ForceAt(const Diagram& diagram, const Cart& cart, double time) {
   return simulator.context().Eval(cart.force);
 }
 
-class ComposeTest : public testing::Test {
- protected:
+struct ComposeTest : testing::Test {
   DiagramBuilder builder;
   Shipped& loop = builder.Add<Shipped>("loop");
 };

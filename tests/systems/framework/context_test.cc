@@ -7,13 +7,13 @@
 
 namespace tenon::context_test {
 
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
+using ::testing::HasSubstr, ::testing::ThrowsMessage;
 
 // ---- Values by hand ----
 
-TEST(ContextTest, SetMakesWhatDependsOnItStale) {
-  DiagramBuilder builder;
+using ContextTest = DiagramTest;
+
+TEST_F(ContextTest, SetMakesWhatDependsOnItStale) {
   auto& cart = builder.Add<Cart>("cart");
   auto& twice = builder.AddFunction("twice", Uses(cart.state), [](const Vec<2>& x) { return 2 * x[0]; });
   auto& four =
@@ -30,9 +30,8 @@ TEST(ContextTest, SetMakesWhatDependsOnItStale) {
   EXPECT_EQ(context->EvalTimeDerivatives(), Eigen::Vector2d(0, 3));
 }
 
-TEST(ContextTest, EachValueIsComputedOnceUntilSomethingChanges) {
+TEST_F(ContextTest, EachValueIsComputedOnceUntilSomethingChanges) {
   int calls = 0;
-  DiagramBuilder builder;
   auto& cart = builder.Add<Cart>("cart");
   auto& counted = builder.AddFunction("counted", Uses(cart.state), [&calls](const Vec<2>& x) {
     ++calls;
@@ -48,15 +47,13 @@ TEST(ContextTest, EachValueIsComputedOnceUntilSomethingChanges) {
   EXPECT_EQ(calls, 2);
 }
 
-TEST(ContextTest, ComputedValuesCannotBeSet) {
-  DiagramBuilder builder;
+TEST_F(ContextTest, ComputedValuesCannotBeSet) {
   auto& f = builder.AddFunction("f", Uses(builder.time), [](double t) { return t; });
   const auto context = builder.Build()->CreateContext();
   EXPECT_TRUE(Throws<RunError>([&] { context->Set(f, 1.0); }, "'f.output'"));
 }
 
-TEST(ContextTest, DoublesByPath) {
-  DiagramBuilder builder;
+TEST_F(ContextTest, DoublesByPath) {
   auto& cart = builder.Add<Cart>("cart");
   const auto diagram = builder.BuildWithOpenInputs();
   const auto context = diagram->CreateContext();
@@ -71,15 +68,15 @@ TEST(ContextTest, DoublesByPath) {
       Throws<RunError>([&] { context->SetContinuousState(Eigen::Vector3d::Zero()); }, "2 continuous states"));
 }
 
-TEST(ContextTest, SourcesOfAnotherDiagramAreRefused) {
-  DiagramBuilder builder, other;
+TEST_F(ContextTest, SourcesOfAnotherDiagramAreRefused) {
+  DiagramBuilder other;
   builder.Add<Oscillator>("mine");
   auto& theirs = other.Add<Oscillator>("theirs");
   const auto diagram = builder.Build(), other_diagram = other.Build();
   EXPECT_TRUE(Throws<RunError>([&] { diagram->CreateContext()->Eval(theirs.x); }, "'theirs.x'"));
 }
 
-TEST(ContextTest, DerivativesRefuseSamplesThatHaveNotRun) {
+TEST_F(ContextTest, DerivativesRefuseSamplesThatHaveNotRun) {
   PdLoop loop;
   const auto context = loop.builder.Build()->CreateContext();
   EXPECT_TRUE(Throws<RunError>([&] { context->EvalTimeDerivatives(); }, "'pd.u'"));
@@ -101,8 +98,7 @@ struct Report {
 };
 
 /// A controller with noise, a warm start, a mode and a delay.
-class Busy final : public LeafSystem<Rate> {
- public:
+struct Busy final : LeafSystem<Rate> {
   explicit Busy(Rate rate) : LeafSystem(rate) {}
   InputPort<Vec<2>> x{this, "x"};
   InputPort<double> ref{this, "ref", 0.3};
@@ -140,8 +136,7 @@ class Busy final : public LeafSystem<Rate> {
   }
 };
 
-TEST(ContextTest, ElementsAreThoseOfThePresentValue) {
-  DiagramBuilder builder;
+TEST_F(ContextTest, ElementsAreThoseOfThePresentValue) {
   auto& busy = builder.Add<Busy>("busy", Hz(10));
   const auto diagram = builder.BuildWithOpenInputs();
   const auto context = diagram->CreateContext();
@@ -155,8 +150,7 @@ TEST(ContextTest, ElementsAreThoseOfThePresentValue) {
 }
 
 /// Its output is continuous and has a warm start.
-class WarmMap final : public LeafSystem<void> {
- public:
+struct WarmMap final : LeafSystem<void> {
   InputPort<double> u{this, "u"};
   Scratch<double> warm{this, "warm"};
   OutputPort<double> y{this, "y", Uses(u, warm), [](double u, double& w) { return w = 0.5 * w + u; }};
@@ -210,7 +204,7 @@ struct Rich {
 
 // ---- Clones ----
 
-TEST(ContextTest, ClonesGoOnAloneAndAlike) {
+TEST_F(ContextTest, ClonesGoOnAloneAndAlike) {
   const Rich rich;
   Simulator original(*rich.diagram, rich.options());
   original.RunTo(0.4);
@@ -228,7 +222,7 @@ TEST(ContextTest, ClonesGoOnAloneAndAlike) {
 
 // ---- Snapshots ----
 
-TEST(ContextTest, RestoredRunGoesOnBitForBit) {
+TEST_F(ContextTest, RestoredRunGoesOnBitForBit) {
   const Rich rich;
   Simulator straight(*rich.diagram, rich.options());
   straight.RunTo(1);
@@ -256,7 +250,7 @@ TEST(ContextTest, RestoredRunGoesOnBitForBit) {
   }
 }
 
-TEST(ContextTest, RestoredRunGoesOnFromAFile) {
+TEST_F(ContextTest, RestoredRunGoesOnFromAFile) {
   const auto file = test::TemporaryPath("tenon_context_test.snapshot");
   std::vector<double> expected;
   {
@@ -276,7 +270,7 @@ TEST(ContextTest, RestoredRunGoesOnFromAFile) {
   std::filesystem::remove(file);
 }
 
-TEST(ContextTest, SnapshotOfAnUnstartedContextStarts) {
+TEST_F(ContextTest, SnapshotOfAnUnstartedContextStarts) {
   const Rich rich;
   const auto snapshot = rich.diagram->CreateContext(5)->Save();
   Simulator fresh(*rich.diagram, rich.options()), restored(*rich.diagram, rich.options(6));
@@ -287,21 +281,7 @@ TEST(ContextTest, SnapshotOfAnUnstartedContextStarts) {
   EXPECT_EQ(rich.Digest(restored), rich.Digest(fresh));
 }
 
-TEST(ContextTest, OpenInputsAreInTheSnapshot) {
-  DiagramBuilder builder;
-  auto& cart = builder.Add<Cart>("cart");
-  const auto diagram = builder.BuildWithOpenInputs();
-  Simulator simulator(*diagram);
-  simulator.context().Set(cart.force, 3.0);
-  simulator.RunTo(1);
-  const auto snapshot = simulator.context().Save();
-  const auto context = diagram->CreateContext();
-  context->Restore(snapshot);
-  EXPECT_EQ(context->Eval(cart.force), 3);
-}
-
-TEST(ContextTest, SnapshotFilesThatCannotBeUsedAreNamed) {
-  DiagramBuilder builder;
+TEST_F(ContextTest, SnapshotFilesThatCannotBeUsedAreNamed) {
   builder.Add<Oscillator>("plant");
   const auto context = builder.Build()->CreateContext();
   EXPECT_TRUE(Throws<OutputError>([&] { context->SaveFile("/nonexistent/file"); }, "'/nonexistent/file'"));
@@ -312,7 +292,7 @@ TEST(ContextTest, SnapshotFilesThatCannotBeUsedAreNamed) {
   std::filesystem::remove(file);
 }
 
-TEST(ContextTest, SnapshotsThatWereChangedAreRefusedAndChangeNothing) {
+TEST_F(ContextTest, SnapshotsThatWereChangedAreRefusedAndChangeNothing) {
   const Rich rich;
   Simulator simulator(*rich.diagram, rich.options());
   simulator.RunTo(0.3);
@@ -338,7 +318,7 @@ TEST(ContextTest, SnapshotsThatWereChangedAreRefusedAndChangeNothing) {
   EXPECT_EQ(simulator.context().Save(), before);
 }
 
-TEST(ContextTest, SnapshotsOfOtherVersionsAreNamed) {
+TEST_F(ContextTest, SnapshotsOfOtherVersionsAreNamed) {
   const Rich rich;
   const auto context = rich.diagram->CreateContext();
   std::vector<std::byte> snapshot = context->Save();
@@ -346,7 +326,7 @@ TEST(ContextTest, SnapshotsOfOtherVersionsAreNamed) {
   EXPECT_TRUE(Throws<RunError>([&] { context->Restore(snapshot); }, "77"));
 }
 
-TEST(ContextTest, BlocksOfOtherNamesAreAnotherDiagram) {
+TEST_F(ContextTest, BlocksOfOtherNamesAreAnotherDiagram) {
   DiagramBuilder ones, others;
   ones.Add<Oscillator>("one");
   others.Add<Oscillator>("other");
@@ -361,11 +341,10 @@ struct Opaque {
   double value = 0;
 };
 
-TEST(ContextTest, TypeThatCannotBeStoredIsNamed) {
+TEST_F(ContextTest, TypeThatCannotBeStoredIsNamed) {
   struct Block final : LeafSystem<void> {
     DiscreteState<Opaque> state{this, "state"};
   };
-  DiagramBuilder builder;
   builder.Add<Block>("block");
   const auto context = builder.Build()->CreateContext();
   EXPECT_NO_THROW(context->Clone());  // a copy is all that a clone needs
@@ -374,7 +353,7 @@ TEST(ContextTest, TypeThatCannotBeStoredIsNamed) {
 
 // ---- Threads ----
 
-TEST(ContextTest, ThreadsRunOneDiagramBitForBitLikeOneAfterTheOther) {
+TEST_F(ContextTest, ThreadsRunOneDiagramBitForBitLikeOneAfterTheOther) {
   const Rich rich;
   std::vector<std::vector<double>> serial(4), parallel(4);
   const auto run = [&](std::vector<double>& digest, std::uint64_t seed) {
@@ -398,12 +377,12 @@ struct Noise final : LeafSystem<void> {
   OutputPort<double> z{this, "z", Sampled{Hz(1)}, Uses(b), [](RandomStream& r) { return r.Uniform(); }};
 };
 
-TEST(ContextTest, BlocksHaveIndependentStreamsByTheirPath) {
+TEST_F(ContextTest, BlocksHaveIndependentStreamsByTheirPath) {
   const auto values = [](std::vector<std::string> names) {
-    DiagramBuilder builder;
+    DiagramBuilder fresh;
     std::vector<const Noise*> blocks;
-    for (const std::string& name : names) blocks.push_back(&builder.Add<Noise>(name));
-    Simulator simulator(builder.Build());
+    for (const std::string& name : names) blocks.push_back(&fresh.Add<Noise>(name));
+    Simulator simulator(fresh.Build());
     simulator.Initialize();
     std::vector<double> values;
     for (const Noise* block : blocks) {

@@ -2,10 +2,7 @@
 
 namespace tenon::diagram_builder_test {
 
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
+using ::testing::AllOf, ::testing::ElementsAre, ::testing::HasSubstr, ::testing::ThrowsMessage;
 
 const auto kSame = [](double u) { return u; };
 
@@ -14,8 +11,7 @@ struct BoxParams {
   bool connect_input = true;
   bool connect_output = true;
 };
-class Box final : public Subdiagram {
- public:
+struct Box final : Subdiagram {
   explicit Box(BoxParams params = {}, std::function<double(double)> f = kSame) : map(Add<Map>("map", f)) {
     if (params.connect_input) Connect(in, map.u);
     if (params.connect_output) Connect(map.y, out);
@@ -26,8 +22,7 @@ class Box final : public Subdiagram {
 };
 
 /// A nested diagram with a Box.
-class Chest final : public Subdiagram {
- public:
+struct Chest final : Subdiagram {
   Chest() : box(Add<Box>("box")) {
     Connect(in, box.in);
     Connect(box.out, out);
@@ -39,15 +34,15 @@ class Chest final : public Subdiagram {
 
 // ---- Inputs ----
 
-TEST(DiagramBuilderTest, UnconnectedInputOfNestedDiagramNamesBothEnds) {
-  DiagramBuilder builder;
+using DiagramBuilderTest = DiagramTest;
+
+TEST_F(DiagramBuilderTest, UnconnectedInputOfNestedDiagramNamesBothEnds) {
   builder.Add<Chest>("chest");
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'chest.in'", "'chest.box.map.u'"));
 }
 
-TEST(DiagramBuilderTest, InputOfNestedDiagramThatNobodyReadsMustBeConnectedToo) {
-  class Deaf final : public Subdiagram {
-   public:
+TEST_F(DiagramBuilderTest, InputOfNestedDiagramThatNobodyReadsMustBeConnectedToo) {
+  struct Deaf final : Subdiagram {
     InputPort<double> in{this, "in"};
   };
   DiagramBuilder closed;
@@ -61,8 +56,7 @@ TEST(DiagramBuilderTest, InputOfNestedDiagramThatNobodyReadsMustBeConnectedToo) 
   EXPECT_EQ(context->time(), 0);
 }
 
-TEST(DiagramBuilderTest, OpenInputsAreListedOnce) {
-  DiagramBuilder builder;
+TEST_F(DiagramBuilderTest, OpenInputsAreListedOnce) {
   auto& chest = builder.Add<Chest>("chest");
   auto& cart = builder.Add<Cart>("cart");
   const auto diagram = builder.BuildWithOpenInputs();
@@ -73,19 +67,16 @@ TEST(DiagramBuilderTest, OpenInputsAreListedOnce) {
   EXPECT_EQ(context->Eval(chest.out), 5);
 }
 
-TEST(DiagramBuilderTest, OptionalInputsReadAsTheirDefault) {
-  class Optional final : public LeafSystem<void> {
-   public:
+TEST_F(DiagramBuilderTest, OptionalInputsReadAsTheirDefault) {
+  struct Optional final : LeafSystem<void> {
     InputPort<double> u{this, "u", 7.0};
     OutputPort<double> y{this, "y", Uses(u), kSame};
   };
-  class Wrapper final : public Subdiagram {
-   public:
+  struct Wrapper final : Subdiagram {
     Wrapper() : a(Add<Optional>("a")), b(Add<Optional>("b")) { Connect(in, a.u), Connect(in, b.u); }
     InputPort<double> in{this, "in", 9.0};
     Optional &a, &b;
   };
-  DiagramBuilder builder;
   auto& alone = builder.Add<Optional>("alone");
   auto& connected = builder.Add<Optional>("connected");
   auto& wrapper = builder.Add<Wrapper>("wrapper");
@@ -101,8 +92,7 @@ TEST(DiagramBuilderTest, OptionalInputsReadAsTheirDefault) {
 
 // ---- Connections ----
 
-TEST(DiagramBuilderTest, PortConnectedTwiceNamesBothSources) {
-  DiagramBuilder builder;
+TEST_F(DiagramBuilderTest, PortConnectedTwiceNamesBothSources) {
   auto& a = builder.Add<Map>("a", kSame);
   auto& b = builder.Add<Map>("b", kSame);
   auto& c = builder.Add<Map>("c", kSame);
@@ -110,8 +100,8 @@ TEST(DiagramBuilderTest, PortConnectedTwiceNamesBothSources) {
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Connect(b.y, c.u); }, "'c.u'", "'a.y'", "'b.y'"));
 }
 
-TEST(DiagramBuilderTest, PortsOfAnotherBuilderAreRefused) {
-  DiagramBuilder builder, other;
+TEST_F(DiagramBuilderTest, PortsOfAnotherBuilderAreRefused) {
+  DiagramBuilder other;
   auto& here = builder.Add<Map>("here", kSame);
   auto& there = other.Add<Map>("there", kSame);
   const auto refused = [](const char* port, const char* role) {
@@ -121,20 +111,17 @@ TEST(DiagramBuilderTest, PortsOfAnotherBuilderAreRefused) {
   EXPECT_THAT([&] { builder.Connect(here.y, there.u); }, refused("'there.u'", "target"));
 }
 
-TEST(DiagramBuilderTest, PortsInsideANestedDiagramAreRefusedFromAnother) {
-  class Outer final : public Subdiagram {
-   public:
+TEST_F(DiagramBuilderTest, PortsInsideANestedDiagramAreRefusedFromAnother) {
+  struct Outer final : Subdiagram {
     Outer() {
       auto& box = Add<Box>("box", BoxParams{.connect_input = false});
       Connect(Add<Map>("map", kSame).y, box.map.u);
     }
   };
-  DiagramBuilder builder;
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Outer>("outer"); }, "'box.map.u'", "nested"));
 }
 
-TEST(DiagramBuilderTest, TheBuilderReachesPortsAtAnyDepth) {
-  DiagramBuilder builder;
+TEST_F(DiagramBuilderTest, TheBuilderReachesPortsAtAnyDepth) {
   auto& box = builder.Add<Box>("box", BoxParams{.connect_input = false});
   builder.Connect(builder.AddFunction("one", Uses(), [] { return 1.0; }), box.map.u);
   builder.Connect(builder.AddFunction("other", Uses(), [] { return 2.0; }), box.in);
@@ -143,49 +130,42 @@ TEST(DiagramBuilderTest, TheBuilderReachesPortsAtAnyDepth) {
   EXPECT_EQ(builder.Build()->CreateContext()->Eval(map.y), box.map.params(1.0));
 }
 
-TEST(DiagramBuilderTest, WrongDirectionIsRefused) {
-  DiagramBuilder builder;
+TEST_F(DiagramBuilderTest, WrongDirectionIsRefused) {
   auto& a = builder.Add<Map>("a", kSame);
   auto& b = builder.Add<Map>("b", kSame);
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Connect(a.u, b.u); }, "'a.u'"));
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Connect(a.y, b.y); }, "'b.y'"));
 }
 
-TEST(DiagramBuilderTest, OutputOfNestedDiagramNeedsSomethingInside) {
+TEST_F(DiagramBuilderTest, OutputOfNestedDiagramNeedsSomethingInside) {
   for (const bool read : {true, false}) {
-    DiagramBuilder builder;
-    auto& box = builder.Add<Box>("box", BoxParams{.connect_output = false});
-    builder.Connect(builder.AddFunction("one", Uses(), [] { return 1.0; }), box.in);
-    if (read) builder.Connect(box.out, builder.Add<Map>("reader", kSame).u);
-    EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'box.out'"));
+    DiagramBuilder fresh;
+    auto& box = fresh.Add<Box>("box", BoxParams{.connect_output = false});
+    fresh.Connect(fresh.AddFunction("one", Uses(), [] { return 1.0; }), box.in);
+    if (read) fresh.Connect(box.out, fresh.Add<Map>("reader", kSame).u);
+    EXPECT_TRUE(Throws<BuildError>([&] { fresh.Build(); }, "'box.out'"));
   }
 }
 
 // ---- Names and parameters ----
 
-TEST(DiagramBuilderTest, TwoBlocksOfOneNameAreRefused) {
-  DiagramBuilder builder;
+TEST_F(DiagramBuilderTest, TwoBlocksOfOneNameAreRefused) {
   builder.Add<Map>("pd", kSame);
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Map>("pd", kSame); }, "'pd'"));
-  class Twins final : public Subdiagram {
-   public:
+  struct Twins final : Subdiagram {
     Twins() { Add<Map>("twin", kSame), Add<Map>("twin", kSame); }
   };
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Twins>("twins"); }, "'twins'", "'twin'"));
 }
 
-TEST(DiagramBuilderTest, BadNamesAreRefused) {
-  DiagramBuilder builder;
-  for (const char* name : {"", "a.b", "a b", "a,b", "a\tb"}) {
+TEST_F(DiagramBuilderTest, BadNamesAreRefused) {
+  for (const char* name : {"", "a.b", "a b", "a,b", "a\tb"})
     EXPECT_TRUE(Throws<BuildError>([&] { builder.Add<Map>(name, kSame); }, "'" + std::string(name) + "'"));
-  }
 }
 
-TEST(DiagramBuilderTest, RefusedParametersNameTheBlock) {
-  DiagramBuilder builder;
+TEST_F(DiagramBuilderTest, RefusedParametersNameTheBlock) {
   EXPECT_TRUE(Throws<ParameterError>([&] { builder.Add<Cart>("cart", {.mass = -1}); }, "'cart'", "mass"));
-  class Train final : public Subdiagram {
-   public:
+  struct Train final : Subdiagram {
     Train() { Add<Cart>("first", CartParams{.mass = 0}); }
   };
   EXPECT_TRUE(Throws<ParameterError>([&] { builder.Add<Train>("train"); }, "'train'", "'first'", "mass"));
@@ -194,8 +174,7 @@ TEST(DiagramBuilderTest, RefusedParametersNameTheBlock) {
 
 // ---- Algebraic loops ----
 
-TEST(DiagramBuilderTest, AlgebraicLoopNamesEveryHop) {
-  DiagramBuilder builder;
+TEST_F(DiagramBuilderTest, AlgebraicLoopNamesEveryHop) {
   auto& before = builder.Add<Map>("before", kSame);  // leads into the loop, but is not of it
   auto& a = builder.Add<Map>("a", kSame);
   auto& box = builder.Add<Box>("box");
@@ -207,8 +186,7 @@ TEST(DiagramBuilderTest, AlgebraicLoopNamesEveryHop) {
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'a.y'", "'c.y'", "'box.map.y'"));
 }
 
-TEST(DiagramBuilderTest, LoopOfSampledBlocksIsOneAtDifferentRatesToo) {
-  DiagramBuilder builder;
+TEST_F(DiagramBuilderTest, LoopOfSampledBlocksIsOneAtDifferentRatesToo) {
   auto& fast = builder.Add<SampledMap>("fast", {kSame, {Hz(100)}});
   auto& slow = builder.Add<SampledMap>("slow", {kSame, {Hz(10)}});
   builder.Connect(fast.y, slow.u);
@@ -216,21 +194,18 @@ TEST(DiagramBuilderTest, LoopOfSampledBlocksIsOneAtDifferentRatesToo) {
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'fast.y'", "'slow.y'"));
 }
 
-TEST(DiagramBuilderTest, LoopThroughASharedValueIsFound) {
-  class Block final : public LeafSystem<void> {
-   public:
+TEST_F(DiagramBuilderTest, LoopThroughASharedValueIsFound) {
+  struct Block final : LeafSystem<void> {
     InputPort<double> u{this, "u"};
     Shared<double> twice{this, "twice", Uses(u), [](double u) { return 2 * u; }};
     OutputPort<double> y{this, "y", Uses(twice), kSame};
   };
-  DiagramBuilder builder;
   auto& block = builder.Add<Block>("block");
   builder.Connect(block.y, block.u);
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'block.y'"));
 }
 
-class Filter final : public LeafSystem<void> {
- public:
+struct Filter final : LeafSystem<void> {
   InputPort<double> u{this, "u"};
   ContinuousState<double> x{this, "x", 3.0};
   OutputPort<double> slow{this, "slow", Uses(x), kSame};
@@ -238,16 +213,14 @@ class Filter final : public LeafSystem<void> {
   TimeDerivative<double> dx{x, Uses(x, u), [](double x, double u) { return u - x; }};
 };
 
-TEST(DiagramBuilderTest, OutputsThatShowOnlyStateCloseNoLoop) {
+TEST_F(DiagramBuilderTest, OutputsThatShowOnlyStateCloseNoLoop) {
   // `slow` shows the state and `error` has feedthrough. The loop leads through `slow`.
-  class Delay final : public LeafSystem<void> {
-   public:
+  struct Delay final : LeafSystem<void> {
     InputPort<double> u{this, "u"};
     DiscreteState<double> d{this, "d", 1.0};
     OutputPort<double> y{this, d};
     Update<double> next{d, Sampled{Hz(10)}, Uses(u), kSame};
   };
-  DiagramBuilder builder;
   auto& filter = builder.Add<Filter>("filter");
   auto& delay = builder.Add<Delay>("delay");
   auto& negate = builder.Add<Map>("negate", [](double u) { return -u; });
@@ -261,13 +234,11 @@ TEST(DiagramBuilderTest, OutputsThatShowOnlyStateCloseNoLoop) {
 
 // ---- Declarations ----
 
-TEST(DiagramBuilderTest, UseOfAnotherBlocksPortIsRefused) {
-  class Thief final : public LeafSystem<const Map*> {
-   public:
+TEST_F(DiagramBuilderTest, UseOfAnotherBlocksPortIsRefused) {
+  struct Thief final : LeafSystem<const Map*> {
     explicit Thief(const Map* victim) : LeafSystem(victim) {}
     OutputPort<double> y{this, "y", Uses(params->y), kSame};
   };
-  DiagramBuilder builder;
   auto& map = builder.Add<Map>("map", kSame);
   builder.Connect(builder.AddFunction("one", Uses(), [] { return 1.0; }), map.u);
   builder.Add<Thief>("thief", &map);
@@ -289,7 +260,7 @@ struct Two final : LeafSystem<void> {
   TimeDerivative<double> b{x, Uses(), [] { return 2.0; }};
 };
 
-TEST(DiagramBuilderTest, EveryContinuousStateHasOneDerivative) {
+TEST_F(DiagramBuilderTest, EveryContinuousStateHasOneDerivative) {
   struct None final : LeafSystem<void> {
     ContinuousState<double> x{this, "x"};
   };
@@ -302,7 +273,7 @@ struct HalfDescribed {
   static FieldList Fields() { return {{"a", &HalfDescribed::a}, Undescribed(&HalfDescribed::b)}; }
 };
 
-TEST(DiagramBuilderTest, ContinuousStateListsAllItsMembers) {
+TEST_F(DiagramBuilderTest, ContinuousStateListsAllItsMembers) {
   struct Block final : LeafSystem<void> {
     ContinuousState<HalfDescribed> x{this, "x"};
     TimeDerivative<HalfDescribed> dx{x, Uses(x), [](const HalfDescribed& x) { return x; }};
@@ -310,7 +281,7 @@ TEST(DiagramBuilderTest, ContinuousStateListsAllItsMembers) {
   EXPECT_TRUE(Throws<BuildError>(BuildWith<Block>(), "'block.x'"));
 }
 
-TEST(DiagramBuilderTest, OffsetNeedsAnInitialValue) {
+TEST_F(DiagramBuilderTest, OffsetNeedsAnInitialValue) {
   struct Block final : LeafSystem<void> {
     OutputPort<double> y{this, "y", Sampled{Hz(10), 0.05}, Uses(time), kSame};
   };
@@ -335,7 +306,7 @@ struct Different final : LeafSystem<void> {
   Update<int> b{n, Sampled{Hz(20)}, Uses(), [] { return 2; }};
 };
 
-TEST(DiagramBuilderTest, TwoUpdatesOfOneStateAndTriggerAreRefused) {
+TEST_F(DiagramBuilderTest, TwoUpdatesOfOneStateAndTriggerAreRefused) {
   EXPECT_TRUE(Throws<BuildError>(BuildWith<TwoRates>(), "'block.n'", "merge"));
   EXPECT_TRUE(Throws<BuildError>(BuildWith<TwoStarts>(), "'block.n'"));
   EXPECT_NO_THROW(BuildWith<Different>()());
@@ -347,11 +318,11 @@ struct Block final : LeafSystem<void> {
   OutputPort<double> z{this, "z", Uses(warm), [](double& w) { return w; }};
 };
 
-TEST(DiagramBuilderTest, ScratchBelongsToOneCalculation) {
+TEST_F(DiagramBuilderTest, ScratchBelongsToOneCalculation) {
   EXPECT_TRUE(Throws<BuildError>(BuildWith<Block>(), "'block.warm'", "'y'", "'z'"));
 }
 
-TEST(DiagramBuilderTest, RandomNumbersAreForSampledCalculations) {
+TEST_F(DiagramBuilderTest, RandomNumbersAreForSampledCalculations) {
   struct Block final : LeafSystem<void> {
     Random random{this, "random"};
     OutputPort<double> y{this, "y", Uses(random), [](RandomStream& r) { return r.Normal(); }};
@@ -359,8 +330,7 @@ TEST(DiagramBuilderTest, RandomNumbersAreForSampledCalculations) {
   EXPECT_TRUE(Throws<BuildError>(BuildWith<Block>(), "'block.y'", "'random'"));
 }
 
-TEST(DiagramBuilderTest, RatesMayMeetSeldom) {
-  DiagramBuilder builder;
+TEST_F(DiagramBuilderTest, RatesMayMeetSeldom) {
   auto& a = builder.Add<Counter>("a", Sampled{Rate::FromPeriod(1, 99991)});
   auto& b = builder.Add<Counter>("b", Sampled{Rate::FromPeriod(100003, 1000000)});
   auto& c = builder.Add<Counter>("c", Sampled{Rate::FromPeriod(1, 1000)});
@@ -371,8 +341,7 @@ TEST(DiagramBuilderTest, RatesMayMeetSeldom) {
   EXPECT_EQ(simulator.context().Eval(c.n), 1001);
 }
 
-TEST(DiagramBuilderTest, AHundredRatesAreNotTooMany) {
-  DiagramBuilder builder;
+TEST_F(DiagramBuilderTest, AHundredRatesAreNotTooMany) {
   std::vector<Counter*> counters;
   for (int i = 1; i <= 100; ++i)
     counters.push_back(
@@ -384,8 +353,7 @@ TEST(DiagramBuilderTest, AHundredRatesAreNotTooMany) {
 
 // ---- Functions as blocks ----
 
-TEST(DiagramBuilderTest, FunctionsOfSeveralPortsAndTime) {
-  DiagramBuilder builder;
+TEST_F(DiagramBuilderTest, FunctionsOfSeveralPortsAndTime) {
   auto& two = builder.AddFunction("two", Uses(), [] { return 2.0; });
   auto& vector = builder.AddFunction({"vector", "N", "left, right"}, Uses(two, builder.time),
                                      [](double a, double t) { return Vec<2>(a, t); });
@@ -403,9 +371,8 @@ TEST(DiagramBuilderTest, FunctionsOfSeveralPortsAndTime) {
 
 // ---- Ports known at run time only ----
 
-TEST(DiagramBuilderTest, UndeclaredReadAtRunTimeIsNamed) {
-  class Chooser final : public LeafSystem<bool> {
-   public:
+TEST_F(DiagramBuilderTest, UndeclaredReadAtRunTimeIsNamed) {
+  struct Chooser final : LeafSystem<bool> {
     explicit Chooser(bool declare) : LeafSystem(declare) {}
     InputPort<double> a{this, "a", 1.0};
     InputPort<double> b{this, "b", 2.0};
@@ -417,7 +384,6 @@ TEST(DiagramBuilderTest, UndeclaredReadAtRunTimeIsNamed) {
    private:
     double Calc(const Reads& reads) const { return reads[a] + reads[b]; }
   };
-  DiagramBuilder builder;
   auto& good = builder.Add<Chooser>("good", true);
   auto& bad = builder.Add<Chooser>("bad", false);
   const auto context = builder.Build()->CreateContext();
@@ -427,7 +393,7 @@ TEST(DiagramBuilderTest, UndeclaredReadAtRunTimeIsNamed) {
 
 // ---- Looking things up ----
 
-TEST(DiagramBuilderTest, FindGivesTheNearestName) {
+TEST_F(DiagramBuilderTest, FindGivesTheNearestName) {
   PdLoop loop;
   const auto diagram = loop.builder.Build();
   EXPECT_EQ(&diagram->Find("pd.u"), &loop.pd.u);

@@ -3,11 +3,9 @@
 
 namespace tenon::graphviz_test {
 
-using ::testing::HasSubstr;
-using ::testing::Not;
+using ::testing::HasSubstr, ::testing::Not;
 
-class Controller final : public Subdiagram {
- public:
+struct Controller final : Subdiagram {
   Controller() {
     auto& pd = Add<Pd>("pd", PdParams{.rate = Hz(100)});
     auto& limit = Add<SampledMap>("limit", SampledMapParams{[](double u) { return u; }, {Hz(1000)}});
@@ -60,8 +58,7 @@ TEST(GraphvizTest, SampleTimesHaveColoursAndALegend) {
 }
 
 /// A diagram that is nested to a depth.
-class Nested final : public Subdiagram {
- public:
+struct Nested final : Subdiagram {
   explicit Nested(int depth) {
     if (depth > 0) Add<Nested>("n", depth - 1);
   }

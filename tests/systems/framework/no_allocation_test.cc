@@ -4,8 +4,7 @@ namespace tenon::no_allocation_test {
 
 /// Continuous and discrete states, two rates, noise, scratch, a witness, monitors and updates after each
 /// step.
-class Everything final : public LeafSystem<void> {
- public:
+struct Everything final : LeafSystem<void> {
   InputPort<Vec<2>> x{this, "x"};
   Random random{this, "random"};
   Scratch<Eigen::VectorXd> warm{this, "warm", Eigen::VectorXd::Zero(4)};

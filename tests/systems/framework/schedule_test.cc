@@ -4,14 +4,9 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 namespace tenon::internal::schedule_test {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
+using ::testing::AllOf, ::testing::HasSubstr, ::testing::ThrowsMessage;
 
 TEST(ScheduleTest, WithoutEntriesThereIsNoTick) {
   EXPECT_EQ(Schedule({}).next_time(), std::numeric_limits<double>::infinity());
@@ -40,8 +35,7 @@ TEST(ScheduleTest, OffsetsMayExceedThePeriod) {
     const double time = schedule.next_time();
     ticks.emplace_back(time, schedule.Take());
   }
-  using testing::ElementsAre;
-  using testing::Pair;
+  using testing::ElementsAre, testing::Pair;
   EXPECT_THAT(ticks,
               ElementsAre(Pair(0, ElementsAre(1)), Pair(0.1, ElementsAre(1)), Pair(0.2, ElementsAre(1)),
                           Pair(0.25, ElementsAre(0)), Pair(0.3, ElementsAre(1))));

@@ -5,8 +5,7 @@
 
 namespace tenon::shared_test {
 
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
+using ::testing::ElementsAre, ::testing::IsEmpty;
 
 int calls = 0;
 
@@ -21,8 +20,7 @@ struct Times {
 };
 
 /// Two outputs that share u times a factor; the second one also through a value that builds on the first.
-class Scaled final : public LeafSystem<double> {
- public:
+struct Scaled final : LeafSystem<double> {
   using LeafSystem::LeafSystem;
   InputPort<double> u{this, "u"};
   Shared<double> once{this, "once", Uses(u), Times{params}};
@@ -31,8 +29,7 @@ class Scaled final : public LeafSystem<double> {
   OutputPort<double> z{this, "z", Uses(twice), [](double twice) { return twice; }};
 };
 
-class SharedTest : public ::testing::Test {
- protected:
+struct SharedTest : ::testing::Test {
   Scaled& AddScaled(const std::string& name, double factor, const OutputPort<double>& source) {
     auto& block = builder_.Add<Scaled>(name, factor);
     builder_.Connect(source, block.u);

@@ -13,14 +13,8 @@ void PrintTo(const Element& element, std::ostream* out) {
 
 namespace {
 
-using internal::Archive;
-using internal::Finiteness;
-using internal::kBitwise;
-using internal::TypeInfoOf;
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using internal::Archive, internal::Finiteness, internal::kBitwise, internal::TypeInfoOf, ::testing::AllOf,
+    ::testing::ElementsAre, ::testing::HasSubstr, ::testing::IsEmpty;
 
 enum class Phase { kStance = 1, kSwing = 2 };
 
@@ -202,9 +196,8 @@ TEST(SignalTest, RefusesDoublesThatNoElementCanHold) {
   EXPECT_THAT(DoublesError<Step>({0.5, 0, 1, 1, 2.7}), HasSubstr("'count'"));
   EXPECT_THAT(DoublesError<Side>({-1}), HasSubstr("0 (left), 1 (right)"));
   EXPECT_EQ(DoublesError<int>({2147483647.0}), "no error");
-  for (const double number : {2147483648.0, 1e300, kNan, -HUGE_VAL}) {
+  for (const double number : {2147483648.0, 1e300, kNan, -HUGE_VAL})
     EXPECT_THAT(DoublesError<int>({number}), HasSubstr("from -2147483648 to 2147483647")) << number;
-  }
   EXPECT_EQ(DoublesError<std::int64_t>({-9223372036854775808.0}), "no error");
   EXPECT_EQ(DoublesError<std::uint64_t>({18446744073709549568.0}), "no error");
   EXPECT_THAT(DoublesError<std::uint64_t>({18446744073709551616.0}), HasSubstr("18446744073709551615"));

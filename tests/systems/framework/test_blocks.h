@@ -11,16 +11,13 @@ struct CartParams {
   double mass = 2;  // kg
   void Validate() const { Demand(mass > 0, "mass must be positive"); }
 };
-class Cart final : public LeafSystem<CartParams> {
- public:
+struct Cart final : LeafSystem<CartParams> {
   using LeafSystem::LeafSystem;
   InputPort<double> force{this, {"force", "N"}};
   ContinuousState<Vec<2>> x{this, {"x", "m, m/s", "position, velocity"}};
   OutputPort<Vec<2>> state{this, x};
-  TimeDerivative<Vec<2>> dx{x, Uses(x, force), &Cart::CalcDx};
-
- private:
-  Vec<2> CalcDx(const Vec<2>& x, double force) const { return {x[1], force / params.mass}; }
+  TimeDerivative<Vec<2>> dx{
+      x, Uses(x, force), [this](const Vec<2>& x, double force) { return Vec<2>(x[1], force / params.mass); }};
 };
 
 /// u = kp (ref - position) - kd velocity, sampled.
@@ -29,15 +26,14 @@ struct PdParams {
   double kd = 2;
   Rate rate = Hz(1000);
 };
-class Pd final : public LeafSystem<PdParams> {
- public:
+struct Pd final : LeafSystem<PdParams> {
   using LeafSystem::LeafSystem;
   InputPort<Vec<2>> x{this, {"x", "m, m/s"}};
   InputPort<double> ref{this, {"ref", "m"}, 0.0};
-  OutputPort<double> u{this, {"u", "N"}, Sampled{params.rate}, Uses(x, ref), &Pd::CalcU};
-
- private:
-  double CalcU(const Vec<2>& x, double ref) const { return params.kp * (ref - x[0]) - params.kd * x[1]; }
+  OutputPort<double> u{
+      this, {"u", "N"}, Sampled{params.rate}, Uses(x, ref), [this](const Vec<2>& x, double ref) {
+        return params.kp * (ref - x[0]) - params.kd * x[1];
+      }};
 };
 
 /// A cart under a sampled PD controller.
@@ -53,21 +49,17 @@ struct PdLoop {
 };
 
 /// The harmonic oscillator q'' = -w² q + u from (1, 0): q = cos w t.
-class Oscillator final : public LeafSystem<double> {
- public:
+struct Oscillator final : LeafSystem<double> {
   explicit Oscillator(double frequency = 1) : LeafSystem(frequency) {}
   InputPort<double> u{this, "u", 0.0};
   ContinuousState<Vec<2>> x{this, {"x", "", "q, v"}, Vec<2>(1, 0)};
   OutputPort<Vec<2>> state{this, x};
-  TimeDerivative<Vec<2>> dx{x, Uses(x, u), &Oscillator::CalcDx};
-
- private:
-  Vec<2> CalcDx(const Vec<2>& x, double u) const { return {x[1], -params * params * x[0] + u}; }
+  TimeDerivative<Vec<2>> dx{
+      x, Uses(x, u), [this](const Vec<2>& x, double u) { return Vec<2>(x[1], -params * params * x[0] + u); }};
 };
 
 /// Prothero and Robinson: x' = -1e5 (x - cos t) - sin t from 1: x = cos t.
-class Stiff final : public LeafSystem<void> {
- public:
+struct Stiff final : LeafSystem<void> {
   ContinuousState<double> x{this, "x", 1.0};
   OutputPort<double> state{this, x};
   TimeDerivative<double> dx{x, Uses(x, time),
@@ -91,8 +83,7 @@ inline void AddRestarts(DiagramBuilder& builder, const std::string& name, Rate r
 }
 
 /// y = f(u), not sampled.
-class Map final : public LeafSystem<std::function<double(double)>> {
- public:
+struct Map final : LeafSystem<std::function<double(double)>> {
   explicit Map(std::function<double(double)> f) : LeafSystem(std::move(f)) {}
   InputPort<double> u{this, "u"};
   OutputPort<double> y{this, "y", Uses(u), &Map::Calc};
@@ -106,19 +97,14 @@ struct SampledMapParams {
   std::function<double(double)> f;
   Sampled sampled{Hz(100)};
 };
-class SampledMap final : public LeafSystem<SampledMapParams> {
- public:
+struct SampledMap final : LeafSystem<SampledMapParams> {
   using LeafSystem::LeafSystem;
   InputPort<double> u{this, "u"};
-  OutputPort<double> y{this, "y", params.sampled, Uses(u), &SampledMap::Calc};
-
- private:
-  double Calc(double u) const { return params.f(u); }
+  OutputPort<double> y{this, "y", params.sampled, Uses(u), [this](double u) { return params.f(u); }};
 };
 
 /// Counts its ticks: n += 1; shows the count before the update.
-class Counter final : public LeafSystem<Sampled> {
- public:
+struct Counter final : LeafSystem<Sampled> {
   explicit Counter(Sampled sampled) : LeafSystem(sampled) {}
   DiscreteState<int> n{this, "n"};
   OutputPort<int> count{this, n};

@@ -12,45 +12,41 @@ auto Adding(Args&&... args) {
 
 // ---- Members used above their declaration ----
 
-class UsesInputsBelow final : public LeafSystem<void> {
- public:
+struct UsesInputsBelow final : LeafSystem<void> {
   OutputPort<double> y{this, "y", Uses(time, u), [](double, const Inputs<double>& u) { return u[0]; }};
   InputPorts<double> u{this, "u", 1};
 };
 
-class ShowsStateBelow final : public LeafSystem<void> {
- public:
+struct ShowsStateBelow final : LeafSystem<void> {
   OutputPort<double> y{this, x};
   ContinuousState<double> x{this, "x"};
   TimeDerivative<double> dx{x, Uses(x), [](double x) { return -x; }};
 };
 
-class DerivativeOfStateBelow final : public LeafSystem<void> {
- public:
+struct DerivativeOfStateBelow final : LeafSystem<void> {
   TimeDerivative<double> dx{x, Uses(), [] { return 1.0; }};
   ContinuousState<double> x{this, "x"};
 };
 
-class UpdateOfStateBelow final : public LeafSystem<void> {
- public:
+struct UpdateOfStateBelow final : LeafSystem<void> {
   Update<double> next{s, Sampled{Hz(1)}, Uses(), [] { return 1.0; }};
   DiscreteState<double> s{this, "s"};
 };
 
-class UpdateByWitnessBelow final : public LeafSystem<void> {
- public:
+struct UpdateByWitnessBelow final : LeafSystem<void> {
   DiscreteState<double> s{this, "s"};
   Update<double> next{s, zero, Uses(), [] { return 1.0; }};
   Witness zero{this, "zero", Crossing::kBoth, Uses(time), [](double t) { return t - 1; }};
 };
 
-class FunctionOfInputBelow final : public Subdiagram {
- public:
+struct FunctionOfInputBelow final : Subdiagram {
   const OutputPort<double>& y = AddFunction("twice", Uses(u), [](double u) { return 2 * u; });
   InputPort<double> u{this, "u"};
 };
 
-TEST(WrongProgramsTest, MembersAreDeclaredBeforeTheyAreUsed) {
+using WrongProgramsTest = DiagramTest;
+
+TEST_F(WrongProgramsTest, MembersAreDeclaredBeforeTheyAreUsed) {
   EXPECT_TRUE(Throws<BuildError>(Adding<UsesInputsBelow>(), "'block'", "'y'"));
   EXPECT_TRUE(Throws<BuildError>(Adding<ShowsStateBelow>(), "'block'", "move"));
   EXPECT_TRUE(Throws<BuildError>(Adding<DerivativeOfStateBelow>(), "'block'", "move"));
@@ -61,13 +57,11 @@ TEST(WrongProgramsTest, MembersAreDeclaredBeforeTheyAreUsed) {
 
 // ---- Lambdas that a compiler confuses ----
 
-TEST(WrongProgramsTest, LambdasOfALocalClassAreToldApartOrRefused) {
-  class Local final : public LeafSystem<void> {
-   public:
+TEST_F(WrongProgramsTest, LambdasOfALocalClassAreToldApartOrRefused) {
+  struct Local final : LeafSystem<void> {
     OutputPort<double> one{this, "one", Uses(time), [](double) { return 1.0; }};
     OutputPort<double> two{this, "two", Uses(time), [](double) { return 2.0; }};
   };
-  DiagramBuilder builder;
   try {
     auto& block = builder.Add<Local>("block");
     const auto context = builder.Build()->CreateContext();
@@ -80,26 +74,22 @@ TEST(WrongProgramsTest, LambdasOfALocalClassAreToldApartOrRefused) {
 
 // ---- Units, names, sizes ----
 
-class Emitter final : public LeafSystem<Spec> {
- public:
+struct Emitter final : LeafSystem<Spec> {
   explicit Emitter(Spec spec) : LeafSystem(std::move(spec)) {}
   OutputPort<double> y{this, params, Uses(), [] { return 1.0; }};
 };
 
-class Receiver final : public LeafSystem<Spec> {
- public:
+struct Receiver final : LeafSystem<Spec> {
   explicit Receiver(Spec spec) : LeafSystem(std::move(spec)) {}
   InputPort<double> u{this, params};
 };
 
-class Wrapper final : public Subdiagram {
- public:
+struct Wrapper final : Subdiagram {
   InputPort<double> u{this, "u"};
   Wrapper() { Connect(u, Add<Receiver>("receiver", Spec("force", "N")).u); }
 };
 
-TEST(WrongProgramsTest, AnEmptyUnitMeansAnyAndPassesTheUnitOn) {
-  DiagramBuilder builder;
+TEST_F(WrongProgramsTest, AnEmptyUnitMeansAnyAndPassesTheUnitOn) {
   auto& angle = builder.Add<Emitter>("angle", Spec("angle", "rad"));
   auto& wrapper = builder.Add<Wrapper>("wrapper");
   builder.Connect(angle.y, wrapper.u);
@@ -112,25 +102,23 @@ TEST(WrongProgramsTest, AnEmptyUnitMeansAnyAndPassesTheUnitOn) {
   EXPECT_NO_THROW(any.Build());
 }
 
-TEST(WrongProgramsTest, WhoMeansItCanIgnoreUnits) {
-  DiagramBuilder builder;
+TEST_F(WrongProgramsTest, WhoMeansItCanIgnoreUnits) {
   auto& angle = builder.Add<Emitter>("angle", Spec("angle", "rad"));
   builder.Connect(angle.y, builder.Add<Receiver>("force", Spec("force", "N")).u, IgnoreUnits{});
   EXPECT_NO_THROW(builder.Build());
 }
 
-class Specified final : public LeafSystem<Spec> {
- public:
+struct Specified final : LeafSystem<Spec> {
   explicit Specified(Spec spec) : LeafSystem(std::move(spec)) {}
   OutputPort<Vec<3>> y{this, params, Uses(), [] { return Vec<3>(1, 2, 3); }};
 };
 
-TEST(WrongProgramsTest, UnitsAndNamesAreAsManyAsElements) {
+TEST_F(WrongProgramsTest, UnitsAndNamesAreAsManyAsElements) {
   const auto building = [](const Spec& spec) {
     return [spec] {
-      DiagramBuilder builder;
-      builder.Add<Specified>("block", spec);
-      builder.Build();
+      DiagramBuilder fresh;
+      fresh.Add<Specified>("block", spec);
+      fresh.Build();
     };
   };
   EXPECT_TRUE(Throws<BuildError>(building({"y", "m, m/s"}), "'block.y'"));
@@ -140,14 +128,12 @@ TEST(WrongProgramsTest, UnitsAndNamesAreAsManyAsElements) {
   EXPECT_NO_THROW(building({"y", "m, m, rad", "a, b, c"})());
 }
 
-class Items final : public LeafSystem<Spec> {
- public:
+struct Items final : LeafSystem<Spec> {
   explicit Items(Spec spec) : LeafSystem(std::move(spec)) {}
   OutputPort<std::array<double, 2>> y{this, params, Uses(), [] { return std::array{1.0, 2.0}; }};
 };
 
-TEST(WrongProgramsTest, NamesOfAnArrayAreAsManyAsItsItems) {
-  DiagramBuilder builder;
+TEST_F(WrongProgramsTest, NamesOfAnArrayAreAsManyAsItsItems) {
   builder.Add<Items>("block", Spec("y", "m", "a, b, c"));
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'block.y'"));
   DiagramBuilder other;
@@ -160,7 +146,7 @@ struct TwoOfThree {
   static FieldList Fields() { return {{"p", &TwoOfThree::p, "m", "x, y"}}; }
 };
 
-TEST(WrongProgramsTest, NamesInAStructAreAsManyAsElements) {
+TEST_F(WrongProgramsTest, NamesInAStructAreAsManyAsElements) {
   EXPECT_TRUE(Throws<BuildError>([] { internal::TypeInfoOf<TwoOfThree>(); }, "'p'"));
 }
 
@@ -169,23 +155,20 @@ struct Pair {
   static FieldList Fields() { return {{"a", &Pair::a, "m"}, {"b", &Pair::b, "s"}}; }
 };
 
-TEST(WrongProgramsTest, AStructBringsItsOwnUnits) {
+TEST_F(WrongProgramsTest, AStructBringsItsOwnUnits) {
   struct Block final : LeafSystem<void> {
     OutputPort<Pair> y{this, {"y", "m"}, Uses(), [] { return Pair(); }};
   };
-  DiagramBuilder builder;
   builder.Add<Block>("block");
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'block.y'"));
 }
 
-class Twice final : public LeafSystem<void> {
- public:
+struct Twice final : LeafSystem<void> {
   InputPort<double> first{this, "u", 0.0};
   InputPort<double> second{this, "u", 0.0};
 };
 
-TEST(WrongProgramsTest, MembersHaveDifferentNamesThatCanBeWritten) {
-  DiagramBuilder builder;
+TEST_F(WrongProgramsTest, MembersHaveDifferentNamesThatCanBeWritten) {
   builder.Add<Twice>("block");
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'block'", "'u'"));
   for (const char* name : {"", "a.b", "a,b", "a b", "a\"b", "a'b"}) {
@@ -195,13 +178,12 @@ TEST(WrongProgramsTest, MembersHaveDifferentNamesThatCanBeWritten) {
   }
 }
 
-TEST(WrongProgramsTest, AnOutputCanShowAStateByItsOwnName) {
+TEST_F(WrongProgramsTest, AnOutputCanShowAStateByItsOwnName) {
   struct Tank final : LeafSystem<void> {
     ContinuousState<double> x{this, {"x", "m"}, 2.0};
     OutputPort<double> level{this, {"level"}, x};
     TimeDerivative<double> dx{x, Uses(), [] { return 0.0; }};
   };
-  DiagramBuilder builder;
   auto& tank = builder.Add<Tank>("tank");
   const auto diagram = builder.Build();
   EXPECT_EQ(tank.level.path(), "tank.level");
@@ -209,7 +191,7 @@ TEST(WrongProgramsTest, AnOutputCanShowAStateByItsOwnName) {
   EXPECT_EQ(diagram->CreateContext()->Eval(tank.level), 2);
 }
 
-TEST(WrongProgramsTest, SizesThatAreKnownMustAgree) {
+TEST_F(WrongProgramsTest, SizesThatAreKnownMustAgree) {
   struct Five final : LeafSystem<void> {
     OutputPort<Eigen::VectorXd> y{this, "y", Eigen::VectorXd::Zero(5), Uses(),
                                   [](Eigen::VectorXd* y) { y->setOnes(5); }};
@@ -217,7 +199,6 @@ TEST(WrongProgramsTest, SizesThatAreKnownMustAgree) {
   struct Three final : LeafSystem<void> {
     InputPort<Eigen::VectorXd> u{this, "u", Eigen::VectorXd::Zero(3)};
   };
-  DiagramBuilder builder;
   auto& five = builder.Add<Five>("five");
   builder.Connect(five.y, builder.Add<Three>("three").u);
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'five.y'", "'three.u'"));
@@ -225,28 +206,23 @@ TEST(WrongProgramsTest, SizesThatAreKnownMustAgree) {
 
 // ---- Building ----
 
-TEST(WrongProgramsTest, AllFaultsAreInOneMessage) {
-  DiagramBuilder builder;
+TEST_F(WrongProgramsTest, AllFaultsAreInOneMessage) {
   for (const char* name : {"a", "b", "c", "d", "e"}) builder.Add<Cart>(name);
   EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'a.force'", "'b.force'", "'c.force'", "'d.force'",
                                  "'e.force'"));
 }
 
-TEST(WrongProgramsTest, ABuilderWhoseDiagramWasRefusedCanBeMended) {
-  DiagramBuilder builder;
+TEST_F(WrongProgramsTest, ABuilderWhoseDiagramWasRefusedCanBeMended) {
   auto& cart = builder.Add<Cart>("cart");
   EXPECT_THROW(builder.Build(), BuildError);
   EXPECT_EQ(cart.path(), "cart");
   builder.Connect(builder.AddFunction({"force", "N"}, Uses(), [] { return 4.0; }), cart.force);
-  Simulator simulator(builder.Build());
-  simulator.RunTo(1);
-  EXPECT_NEAR(simulator.context().Eval(cart.state)[0], 1, 1e-9);
+  EXPECT_NEAR(ValueAt(1, builder, cart.state)[0], 1, 1e-9);
 }
 
 // ---- Contexts ----
 
-TEST(WrongProgramsTest, SetRefusesAConnectedInput) {
-  DiagramBuilder builder;
+TEST_F(WrongProgramsTest, SetRefusesAConnectedInput) {
   auto& a = builder.Add<Oscillator>("a");
   auto& b = builder.Add<Receiver>("b", Spec("u"));
   builder.Connect(builder.AddFunction("q", Uses(a.state), [](const Vec<2>& x) { return x[0]; }), b.u);
@@ -255,9 +231,8 @@ TEST(WrongProgramsTest, SetRefusesAConnectedInput) {
   EXPECT_EQ(context->Eval(a.x)[0], 1);
 }
 
-TEST(WrongProgramsTest, AConstContextCanBeEvaluatedAndDoesNotChange) {
+TEST_F(WrongProgramsTest, AConstContextCanBeEvaluatedAndDoesNotChange) {
   int calls = 0;
-  DiagramBuilder builder;
   auto& plant = builder.Add<Oscillator>("plant");
   auto& twice = builder.AddFunction("twice", Uses(plant.state), [&calls](const Vec<2>& x) {
     ++calls;
@@ -280,8 +255,7 @@ struct Exhausted : std::runtime_error {
   int battery = 7;
 };
 
-TEST(WrongProgramsTest, AnExceptionOfTheUsersTypeIsNestedInOurs) {
-  DiagramBuilder builder;
+TEST_F(WrongProgramsTest, AnExceptionOfTheUsersTypeIsNestedInOurs) {
   auto& plant = builder.Add<Oscillator>("plant");
   builder.Connect(builder.AddFunction("drive", Sampled{Hz(10)}, Uses(builder.time),
                                       [](double t) -> double {
@@ -306,9 +280,8 @@ TEST(WrongProgramsTest, AnExceptionOfTheUsersTypeIsNestedInOurs) {
   }
 }
 
-TEST(WrongProgramsTest, ARunThatFailedRefusesToGoOnUntilASnapshotIsRestored) {
+TEST_F(WrongProgramsTest, ARunThatFailedRefusesToGoOnUntilASnapshotIsRestored) {
   bool fails = true;
-  DiagramBuilder builder;
   auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});
   builder.AddFunction("fuse", Sampled{Hz(10)}, Uses(builder.time), [&fails](double t) {
     if (fails && t > 0.25) throw std::runtime_error("blown");
@@ -319,9 +292,7 @@ TEST(WrongProgramsTest, ARunThatFailedRefusesToGoOnUntilASnapshotIsRestored) {
   const auto snapshot = simulator.context().Save();
   EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "blown"));
   fails = false;
-  for (int i = 0; i < 2; ++i) {
-    EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "blown"));
-  }
+  for (int i = 0; i < 2; ++i) EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "blown"));
   EXPECT_TRUE(Throws<RunError>([&] { simulator.context().Save(); }, "cannot be saved"));
   Simulator clone(simulator.context().Clone());
   EXPECT_THROW(clone.RunTo(1), RunError);
@@ -330,8 +301,7 @@ TEST(WrongProgramsTest, ARunThatFailedRefusesToGoOnUntilASnapshotIsRestored) {
   EXPECT_EQ(simulator.context().Eval(counter.n), 11);
 }
 
-TEST(WrongProgramsTest, ASeedForAContextThatExistsIsRefused) {
-  DiagramBuilder builder;
+TEST_F(WrongProgramsTest, ASeedForAContextThatExistsIsRefused) {
   builder.Add<Oscillator>("plant");
   const auto diagram = builder.Build();
   EXPECT_TRUE(Throws<ParameterError>([&] { Simulator(diagram->CreateContext(3), {.seed = 9}); },
@@ -340,8 +310,7 @@ TEST(WrongProgramsTest, ASeedForAContextThatExistsIsRefused) {
   EXPECT_EQ(Simulator(*diagram, {.seed = 9}).context().seed(), 9);
 }
 
-TEST(WrongProgramsTest, ManyLogsAtOneRate) {
-  DiagramBuilder builder;
+TEST_F(WrongProgramsTest, ManyLogsAtOneRate) {
   auto& counter = builder.Add<Counter>("counter", Sampled{Hz(1000)});
   Simulator simulator(builder.Build());
   std::vector<std::shared_ptr<MemoryLog>> logs;
@@ -350,8 +319,7 @@ TEST(WrongProgramsTest, ManyLogsAtOneRate) {
   for (const auto& log : logs) EXPECT_EQ(log->rows(), 201);
 }
 
-TEST(WrongProgramsTest, LinearizeRefusesADiagramOfSamplesAlone) {
-  DiagramBuilder builder;
+TEST_F(WrongProgramsTest, LinearizeRefusesADiagramOfSamplesAlone) {
   builder.Add<Counter>("counter", Sampled{Hz(10)});
   const auto context = builder.Build()->CreateContext();
   EXPECT_TRUE(
@@ -375,14 +343,14 @@ struct Emits final : LeafSystem<void> {
   OutputPort<T> y{this, "y", Uses(), [] { return T(); }};
 };
 
-TEST(WrongProgramsTest, AStructWhoseMembersBeginAsWhateverLiesInMemoryIsRefused) {
+TEST_F(WrongProgramsTest, AStructWhoseMembersBeginAsWhateverLiesInMemoryIsRefused) {
 #ifndef EIGEN_INITIALIZE_MATRICES_BY_NAN  // which writes them
   EXPECT_TRUE(Throws<BuildError>(Adding<Emits<Unwritten>>(), "'block'", "'feet_W'", "Unwritten"));
 #endif
   EXPECT_TRUE(Throws<BuildError>(Adding<Emits<UnwrittenNumber>>(), "'a'", "UnwrittenNumber"));
 }
 
-TEST(WrongProgramsTest, SnapshotsOfEqualContextsAreEqualBytes) {
+TEST_F(WrongProgramsTest, SnapshotsOfEqualContextsAreEqualBytes) {
   // The padding between the members does not count.
   struct Padded {
     bool flag = false;
@@ -392,7 +360,6 @@ TEST(WrongProgramsTest, SnapshotsOfEqualContextsAreEqualBytes) {
   struct Block final : LeafSystem<void> {
     DiscreteState<Padded> state{this, "state"};
   };
-  DiagramBuilder builder;
   auto& block = builder.Add<Block>("block");
   const auto diagram = builder.Build();
   const auto one = diagram->CreateContext(), other = diagram->CreateContext();
