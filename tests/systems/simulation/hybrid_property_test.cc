@@ -234,7 +234,6 @@ struct Part {
   virtual void Add(DiagramBuilder& builder) = 0;
   virtual Motion Read(Context& context) const = 0;
   virtual Motion Begin() const = 0;
-  virtual std::string Parameters() const = 0;
   /// The time derivatives of x and v.
   virtual std::array<Real, 2> Rates(const Motion& motion) const = 0;
   virtual Next FindNext(const Motion& motion) const = 0;
@@ -254,30 +253,6 @@ struct Part {
       false;  ///< the update of a witness moves it to the next level, so two at one instant are one event
   bool ticks = false;
 };
-
-/// The parameters of any block that are numbers or lists of them, for a report.
-template <class P>
-std::string Describe(const P& p) {
-  std::string text;
-  const auto add = [&](const char* name, const auto& value) {
-    if constexpr (requires { value.size(); }) {
-      text += fmt::format(" {} {:.17g}", name, fmt::join(value, " "));
-    } else {
-      text += fmt::format(" {} {:.17g}", name, value);
-    }
-  };
-#define TENON_ADD(member)                                         \
-  [&] {                                                           \
-    if constexpr (requires { p.member; }) add(#member, p.member); \
-  }()
-  TENON_ADD(x), TENON_ADD(v), TENON_ADD(gravity), TENON_ADD(floor), TENON_ADD(restitution),
-      TENON_ADD(rest_below), TENON_ADD(drag), TENON_ADD(center), TENON_ADD(gain), TENON_ADD(slope),
-      TENON_ADD(low), TENON_ADD(high), TENON_ADD(low_restitution), TENON_ADD(high_restitution),
-      TENON_ADD(moves), TENON_ADD(nodes), TENON_ADD(values), TENON_ADD(gains), TENON_ADD(levels),
-      TENON_ADD(level), TENON_ADD(at), TENON_ADD(u);
-#undef TENON_ADD
-  return text;
-}
 
 /// `Block` is the type with the states; `First` or, if `second` is set, `Second` is added to the diagram.
 template <class Params, class Block, class First = Block, class Second = First>
@@ -300,7 +275,6 @@ struct PartOf : Part {
     if constexpr (requires { block->ticks; }) motion.ticks = context.Eval(block->ticks);
     return motion;
   }
-  std::string Parameters() const override { return Describe(p); }
   Motion Begin() const override {
     Motion motion;
     if constexpr (requires { p.x; }) motion.x = p.x;
@@ -550,28 +524,6 @@ struct System {
        << method() << ')';
     return os.str();
   }
-  std::string Report() const {
-    const auto seconds = [&](Real t) { return static_cast<double>(start + t); };
-    std::string text = fmt::format("{}\nfrom {:.17g} to {:.17g}, rtol {:g}, max_step {:.17g}{}{}\n", Line(),
-                                   start, end, options.rtol, options.max_step,
-                                   beyond ? ", beyond doubles" : "", decided ? "" : ", undecided");
-    for (const auto& [prefix, atol] : options.state_atol) text += fmt::format("atol {} {:g}\n", prefix, atol);
-    constexpr std::array kNames{"advance", "clone", "restore", "restore in a new simulator", "roll out"};
-    for (const Cut& cut : cuts)
-      text += fmt::format("at {:.17g}: {} {:.17g}\n", cut.time,
-                          kNames[static_cast<std::size_t>(cut.division)], cut.ahead);
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      const Expected& e = expected[i];
-      text += fmt::format("{} {}:{}\n  ends at x {:.17g} +- {:.3g} v {:.17g} +- {:.3g}, {} events",
-                          parts[i]->name, parts[i]->family, parts[i]->Parameters(), e.end.x, e.x_error,
-                          e.end.v, e.v_error, e.end.n);
-      text += e.accumulates == kInfinity
-                  ? "\n"
-                  : fmt::format(", accumulation at {:.17g}, error from {:.17g} to {:.17g}\n",
-                                seconds(e.accumulates), seconds(e.early), seconds(e.late));
-    }
-    return text;
-  }
 };
 
 /// Permitted is an error of 20 tolerances, and the effect that errors of this size would have at the
@@ -618,9 +570,8 @@ void Expect(System* system, Random& random) {
     errors.first_v = beside / 10 * v_tolerance;
     Expected expected{.end = exact.end, .resolved = exact.resolved, .accumulates = exact.accumulates};
     std::vector<Solution> others;
-    for (errors.pattern = 0; errors.pattern < Errors::kPatterns; ++errors.pattern) {
+    for (errors.pattern = 0; errors.pattern < Errors::kPatterns; ++errors.pattern)
       others.push_back(Solve(*part, duration, latest, errors));
-    }
     if (exact.accumulates <= duration) {
       // The error may come as soon as flights are too low or too short to be told apart from rest.
       expected.early = std::min(exact.blurs, exact.accumulates * (1 - 1e-6L));
@@ -1021,7 +972,6 @@ TEST(HybridPropertyTest, RandomSystemsAgreeWithTheExactSolution) {
   std::map<std::string, std::array<int, kVerdicts.size()>> counts;  // by a property of the systems
   for (const std::uint64_t i : numbers) {
     const System system = MakeSystem(i);
-    if (one != 0) (fmt::print("{}", system.Report()), std::fflush(stdout));
     const Judgement judgement = RunAndJudge(system);
     const auto verdict = static_cast<std::size_t>(judgement.verdict);
     if (judgement.verdict > Verdict::kRefused)

@@ -41,40 +41,6 @@ TEST(LargeTimesTest, ARunIsThatFromZero) {
   }
 }
 
-/// A ball that falls from 1 m and bounces with restitution 0.8.
-struct Ball final : LeafSystem<void> {
-  ContinuousState<Vec<2>> x{this, "x", {1, 0}};
-  TimeDerivative<Vec<2>> dx{x, Uses(x), [](const Vec<2>& x) { return Vec<2>(x[1], -9.81); }};
-  Witness ground{this, "ground", Crossing::kFalling, Uses(x), [](const Vec<2>& x) { return x[0]; }};
-  Update<Vec<2>> bounce{x, ground, Uses(x), [](const Vec<2>& x) { return Vec<2>(x[0], -0.8 * x[1]); }};
-  DiscreteState<int> bounces{this, "bounces"};
-  Update<int> count{bounces, ground, Uses(bounces), [](int n) { return n + 1; }};
-};
-
-TEST(LargeTimesTest, EventsAreThoseFromZero) {
-  DiagramBuilder builder;
-  auto& ball = builder.Add<Ball>("ball");
-  const auto diagram = builder.Build();
-  for (const Method method : kAllMethods) {
-    Vec<2> wanted = Vec<2>::Zero();
-    int bounces = 0;
-    for (const double start : {0.0, 1e7, kNow}) {
-      auto context = diagram->CreateContext();
-      context->SetTime(start);
-      Simulator simulator(std::move(context), {.method = method});
-      simulator.RunTo(start + 2);
-      const Vec<2>& x = simulator.context().Eval(ball.x);
-      if (start == 0) {
-        wanted = x;
-        bounces = simulator.context().Eval(ball.bounces);
-        EXPECT_GE(bounces, 3);
-      }
-      EXPECT_LT((x - wanted).norm(), 20e-6) << NameOf(method) << ' ' << start;
-      EXPECT_EQ(simulator.context().Eval(ball.bounces), bounces);
-    }
-  }
-}
-
 TEST(LargeTimesTest, DividedAndSavedRunsContinueBitForBit) {
   const Vibration vibration(Hz(500));
   Simulator whole(vibration.ContextAt(kNow));

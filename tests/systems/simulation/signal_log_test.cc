@@ -9,15 +9,13 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <csignal>
 #include <future>
 
 namespace tenon::signal_log_test {
 
-using ::testing::ElementsAre;
-using ::testing::EndsWith;
+using ::testing::ElementsAre, ::testing::EndsWith;
 
 struct Tension {
   double force = 0;
@@ -28,8 +26,7 @@ struct Tension {
   }
 };
 
-class SignalLogTest : public testing::Test {
- protected:
+struct SignalLogTest : testing::Test {
   void SetUp() override {
     cart_ = &builder_.Add<Cart>("cart");
     cable_ = &builder_.AddFunction("cable", Uses(builder_.time), [](double t) {
@@ -290,8 +287,7 @@ TEST_F(SignalLogTest, ColumnsWhoseNumberIsKnownAtRunTimeAreComparedAtTheFirstRow
   EXPECT_TRUE(Throws<ParameterError>([&] { simulator_->RunTo(0.1); }, "'list.output.0'", "'list.output'"));
 }
 
-class SinkOnAFullDisk final : public LogSink {
- public:
+struct SinkOnAFullDisk final : LogSink {
   void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void Row(std::span<const double>) override { throw OutputError("the disk is full"); }
 };
@@ -311,10 +307,9 @@ TEST_F(SignalLogTest, WhatWasHeldComesToAllOtherLogsWhereOneCannotBeWritten) {
 TEST_F(SignalLogTest, ASinkBelongsToOneLog) {
   const auto sink = std::make_shared<MemoryLog>();
   simulator_->AddLog(Hz(10), {&cart_->force}, {sink});
-  for (const Rate rate : {Hz(10), Hz(20)}) {
+  for (const Rate rate : {Hz(10), Hz(20)})
     EXPECT_TRUE(Throws<ParameterError>([&] { simulator_->AddLog(rate, {&cart_->force}, {sink}); }, "AddLog",
                                        "another log"));
-  }
   EXPECT_TRUE(Throws<ParameterError>([&] { BackgroundLog log({sink}); }, "BackgroundLog", "another log"));
   EXPECT_TRUE(Throws<ParameterError>([&] { BackgroundLog log({nullptr}); }, "BackgroundLog", "null"));
   simulator_->RunTo(1);
@@ -421,8 +416,7 @@ class SmallDisk {
   void (*handler_)(int);
 };
 
-class BrokenSink final : public LogSink {
- public:
+struct BrokenSink final : LogSink {
   void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void Row(std::span<const double> row) override {
     if (row[0] == 3) throw OutputError("this sink is broken");

@@ -7,8 +7,7 @@ namespace tenon::sundials_integrator_test {
 constexpr Method kMethods[] = {Method::kErk, Method::kDirk, Method::kBdf, Method::kAdams};
 
 /// x' = -x² from 1: x = 1 / (1 + t). And x' = cos(t) x from 1: x = exp(sin t).
-class Scalars final : public LeafSystem<void> {
- public:
+struct Scalars final : LeafSystem<void> {
   ContinuousState<Vec<2>> x{this, {"x", "", "decay, wave"}, Vec<2>(1, 1)};
   TimeDerivative<Vec<2>> dx{
       x, Uses(x, time), [](const Vec<2>& x, double t) { return Vec<2>(-x[0] * x[0], std::cos(t) * x[1]); }};
@@ -73,14 +72,14 @@ INSTANTIATE_TEST_SUITE_P(Multistep, AdaptiveTest,
                                           testing::Values(2, 5), testing::Values(1e-3, 1e-5, 1e-7)),
                          kNameOfCase);
 
-TEST(SundialsIntegratorTest, DirkMeetsTheToleranceWhileItsStepsGrow) {
+using SundialsIntegratorTest = DiagramTest;
+
+TEST_F(SundialsIntegratorTest, DirkMeetsTheToleranceWhileItsStepsGrow) {
   // With the Jacobian of another step size, Newton's method would stop early with an error of 100 tolerances.
-  class Cooling final : public LeafSystem<void> {
-   public:
+  struct Cooling final : LeafSystem<void> {
     ContinuousState<double> x{this, "x", 10.0};
     TimeDerivative<double> dx{x, Uses(x), [](double x) { return 20 - x; }};
   };
-  DiagramBuilder builder;
   auto& cooling = builder.Add<Cooling>("cooling");
   const auto diagram = builder.Build();
   for (const int order : {2, 3, 4, 5}) {
@@ -90,11 +89,10 @@ TEST(SundialsIntegratorTest, DirkMeetsTheToleranceWhileItsStepsGrow) {
   }
 }
 
-TEST(SundialsIntegratorTest, ImplicitMethodsStartAtABoundOfTheDomain) {
+TEST_F(SundialsIntegratorTest, ImplicitMethodsStartAtABoundOfTheDomain) {
   // The level of a tank, x' = 1 - x from 0, has no value below 0.
   for (const bool throws : {false, true}) {
-    class Tank final : public LeafSystem<void> {
-     public:
+    struct Tank final : LeafSystem<void> {
       explicit Tank(bool throws) : throws_(throws) {}
       ContinuousState<double> x{this, "x", 0.0};
       TimeDerivative<double> dx{x, Uses(x), [this](double x) {
@@ -105,9 +103,9 @@ TEST(SundialsIntegratorTest, ImplicitMethodsStartAtABoundOfTheDomain) {
      private:
       bool throws_;
     };
-    DiagramBuilder builder;
-    auto& tank = builder.Add<Tank>("tank", throws);
-    const auto diagram = builder.Build();
+    DiagramBuilder fresh;
+    auto& tank = fresh.Add<Tank>("tank", throws);
+    const auto diagram = fresh.Build();
     for (const Method method : {Method::kDirk, Method::kBdf, Method::kAdams}) {
       Simulator simulator(*diagram, {.method = method, .rtol = 1e-6, .atol = 1e-8});
       simulator.RunTo(1);
@@ -116,11 +114,11 @@ TEST(SundialsIntegratorTest, ImplicitMethodsStartAtABoundOfTheDomain) {
   }
 }
 
-TEST(SundialsIntegratorTest, ImplicitMethodsTakeLargeStepsWhereItIsStiff) {
+TEST_F(SundialsIntegratorTest, ImplicitMethodsTakeLargeStepsWhereItIsStiff) {
   for (const Method method : {Method::kDirk, Method::kBdf}) {
-    DiagramBuilder builder;
-    auto& stiff = builder.Add<Stiff>("stiff");
-    Simulator simulator(builder.Build(), {.method = method, .rtol = 1e-5, .atol = 1e-7});
+    DiagramBuilder fresh;
+    auto& stiff = fresh.Add<Stiff>("stiff");
+    Simulator simulator(fresh.Build(), {.method = method, .rtol = 1e-5, .atol = 1e-7});
     simulator.RunTo(3);
     EXPECT_NEAR(simulator.context().Eval(stiff.x), std::cos(3), 1e-4);
     EXPECT_LT(simulator.statistics().steps, 200);  // stability would demand 100000 of an explicit method
@@ -128,13 +126,11 @@ TEST(SundialsIntegratorTest, ImplicitMethodsTakeLargeStepsWhereItIsStiff) {
   }
 }
 
-TEST(SundialsIntegratorTest, StabilizedMethodsTakeStepsOfFiveTimeConstants) {
-  class Decay final : public LeafSystem<void> {
-   public:
+TEST_F(SundialsIntegratorTest, StabilizedMethodsTakeStepsOfFiveTimeConstants) {
+  struct Decay final : LeafSystem<void> {
     ContinuousState<double> x{this, "x", 1.0};
     TimeDerivative<double> dx{x, Uses(x), [](double x) { return -x; }};
   };
-  DiagramBuilder builder;
   auto& decay = builder.Add<Decay>("decay");
   const auto diagram = builder.Build();
   const auto after_ten_steps = [&](Method method, int order) {
@@ -151,21 +147,21 @@ TEST(SundialsIntegratorTest, StabilizedMethodsTakeStepsOfFiveTimeConstants) {
 
 /// A large constant state and a small oscillation: one absolute tolerance for both is too coarse for the
 /// latter.
-class TwoScales final : public LeafSystem<void> {
- public:
+struct TwoScales final : LeafSystem<void> {
   ContinuousState<double> large{this, "large", 1.0};
   ContinuousState<Vec<2>> small{this, "small", Vec<2>(1e-6, 0)};
   TimeDerivative<double> dl{large, Uses(), [] { return 0.0; }};
   TimeDerivative<Vec<2>> ds{small, Uses(small), [](const Vec<2>& x) { return Vec<2>(x[1], -100 * x[0]); }};
 };
 
-TEST(SundialsIntegratorTest, StatesCanHaveTheirOwnAbsoluteTolerance) {
+TEST_F(SundialsIntegratorTest, StatesCanHaveTheirOwnAbsoluteTolerance) {
   const auto error = [](std::vector<StateTolerance> own) {
-    DiagramBuilder builder;
-    auto& block = builder.Add<TwoScales>("block");
-    Simulator simulator(builder.Build(), {.rtol = 1e-6, .atol = 1e-6, .state_atol = std::move(own)});
-    simulator.RunTo(5);
-    return std::abs(simulator.context().Eval(block.small)[0] - 1e-6 * std::cos(50)) / 1e-6;
+    DiagramBuilder fresh;
+    auto& block = fresh.Add<TwoScales>("block");
+    return std::abs(
+               ValueAt(5, fresh, block.small, {.rtol = 1e-6, .atol = 1e-6, .state_atol = std::move(own)})[0] -
+               1e-6 * std::cos(50)) /
+           1e-6;
   };
   EXPECT_GT(error({}), 0.1);  // relative to the state's size
   EXPECT_LT(error({{"block.small", 1e-12}}), 1e-3);
@@ -173,8 +169,7 @@ TEST(SundialsIntegratorTest, StatesCanHaveTheirOwnAbsoluteTolerance) {
 
 // ---- Options ----
 
-TEST(SundialsIntegratorTest, OptionsThatMakeNoSenseAreRefused) {
-  DiagramBuilder builder;
+TEST_F(SundialsIntegratorTest, OptionsThatMakeNoSenseAreRefused) {
   builder.Add<Oscillator>("plant");
   const auto diagram = builder.Build();
   const auto refused = [&](const SimulatorOptions& options, const std::string& text) {
@@ -196,19 +191,18 @@ TEST(SundialsIntegratorTest, OptionsThatMakeNoSenseAreRefused) {
   refused({.method = Method::kBdf, .fixed_step = 0.1}, "fixed_step");
 }
 
-TEST(SundialsIntegratorTest, StepsAreNoLargerThanAsked) {
+TEST_F(SundialsIntegratorTest, StepsAreNoLargerThanAsked) {
   for (const Method method : kMethods) {
-    DiagramBuilder builder;
-    builder.Add<Oscillator>("plant", 0.01);
-    Simulator simulator(builder.Build(), {.method = method, .max_step = 0.03});
+    DiagramBuilder fresh;
+    fresh.Add<Oscillator>("plant", 0.01);
+    Simulator simulator(fresh.Build(), {.method = method, .max_step = 0.03});
     simulator.RunTo(1);
     EXPECT_LE(simulator.statistics().largest_step, 0.03 * (1 + 1e-12));
     EXPECT_GE(simulator.statistics().steps, 34);
   }
 }
 
-TEST(SundialsIntegratorTest, FixedStepsDivideEachIntervalEvenly) {
-  DiagramBuilder builder;
+TEST_F(SundialsIntegratorTest, FixedStepsDivideEachIntervalEvenly) {
   AddRestarts(builder, "ticks", Hz(100), builder.Add<Oscillator>("plant").u);
   Simulator simulator(builder.Build(), {.fixed_step = 0.003});  // 4 steps of 2.5 ms an interval
   simulator.RunTo(1);
@@ -220,11 +214,11 @@ TEST(SundialsIntegratorTest, FixedStepsDivideEachIntervalEvenly) {
 
 // ---- Statistics ----
 
-TEST(SundialsIntegratorTest, StatisticsCount) {
+TEST_F(SundialsIntegratorTest, StatisticsCount) {
   for (const Method method : kMethods) {
-    DiagramBuilder builder;
-    AddRestarts(builder, "ticks", Hz(10), builder.Add<Oscillator>("plant").u);
-    Simulator simulator(builder.Build(), {.method = method});
+    DiagramBuilder fresh;
+    AddRestarts(fresh, "ticks", Hz(10), fresh.Add<Oscillator>("plant").u);
+    Simulator simulator(fresh.Build(), {.method = method});
     EXPECT_EQ(simulator.statistics().steps, 0);
     simulator.RunTo(1);
     const IntegratorStatistics statistics = simulator.statistics();
@@ -239,15 +233,15 @@ TEST(SundialsIntegratorTest, StatisticsCount) {
   }
 }
 
-TEST(SundialsIntegratorTest, OneStepATickIfTheToleranceAllowsIt) {
+TEST_F(SundialsIntegratorTest, OneStepATickIfTheToleranceAllowsIt) {
   // And, with an open table, no evaluation at its end, where the tick changes the derivatives.
   using Case = std::tuple<Method, int, int>;  // order, evaluations
   for (const auto& [method, order, evaluations] :
        {Case{Method::kErk, 2, 3}, Case{Method::kErk, 3, 4}, Case{Method::kErkOpen, 2, 2},
         Case{Method::kErkOpen, 3, 3}, Case{Method::kStabilized, 2, 3}, Case{Method::kStabilized, 3, 4}}) {
-    DiagramBuilder builder;
-    AddRestarts(builder, "ticks", Hz(1000), builder.Add<Oscillator>("plant").u);
-    Simulator simulator(builder.Build(), {.method = method, .order = order, .rtol = 1e-4});
+    DiagramBuilder fresh;
+    AddRestarts(fresh, "ticks", Hz(1000), fresh.Add<Oscillator>("plant").u);
+    Simulator simulator(fresh.Build(), {.method = method, .order = order, .rtol = 1e-4});
     simulator.RunTo(10);
     const IntegratorStatistics statistics = simulator.statistics();
     EXPECT_EQ(statistics.steps, 10000);
@@ -260,15 +254,13 @@ TEST(SundialsIntegratorTest, OneStepATickIfTheToleranceAllowsIt) {
 // ---- Failures ----
 
 /// Blows up at t = 1: x = 1 / (1 - t).
-class Explosion final : public LeafSystem<void> {
- public:
+struct Explosion final : LeafSystem<void> {
   ContinuousState<Vec<2>> x{this, {"x", "", "calm, wild"}, Vec<2>(0, 1)};
   TimeDerivative<Vec<2>> dx{x, Uses(x), [](const Vec<2>& x) { return Vec<2>(1, x[1] * x[1]); }};
 };
 
-TEST(SundialsIntegratorTest, FailuresNameTheWorstStateAndItsErrorInTolerances) {
+TEST_F(SundialsIntegratorTest, FailuresNameTheWorstStateAndItsErrorInTolerances) {
   // Step size control keeps the error near one tolerance.
-  DiagramBuilder builder;
   builder.Add<Explosion>("bomb");
   const auto diagram = builder.Build();
   for (const Method method : {Method::kErk, Method::kBdf}) {
@@ -288,18 +280,14 @@ TEST(SundialsIntegratorTest, FailuresNameTheWorstStateAndItsErrorInTolerances) {
   }
 }
 
-TEST(SundialsIntegratorTest, SmallerStepsMayAvoidWhatIsNotFinite) {
+TEST_F(SundialsIntegratorTest, SmallerStepsMayAvoidWhatIsNotFinite) {
   // A first guess far too large makes x negative in a stage; smaller steps never do.
-  class Tank final : public LeafSystem<void> {
-   public:
+  struct Tank final : LeafSystem<void> {
     ContinuousState<double> level{this, "level", 1.0};
     TimeDerivative<double> d{level, Uses(level), [](double h) { return -100 * std::sqrt(h) * h; }};
   };
-  DiagramBuilder builder;
   auto& tank = builder.Add<Tank>("tank");
-  Simulator simulator(builder.Build(), {.rtol = 1e-5});
-  simulator.RunTo(1);
-  EXPECT_NEAR(simulator.context().Eval(tank.level), 1 / (51.0 * 51.0), 1e-5);  // h = (1 + 50 t)^-2
+  EXPECT_NEAR(ValueAt(1, builder, tank.level, {.rtol = 1e-5}), 1 / (51.0 * 51.0), 1e-5);  // h = (1 + 50 t)^-2
 }
 
 }  // namespace tenon::sundials_integrator_test

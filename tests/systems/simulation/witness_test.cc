@@ -5,8 +5,7 @@ namespace tenon::witness_test {
 using ::testing::ElementsAre;
 
 /// Notes the times at which its input crosses zero; has no continuous state.
-class Relay final : public LeafSystem<Crossing> {
- public:
+struct Relay final : LeafSystem<Crossing> {
   explicit Relay(Crossing crossing) : LeafSystem(crossing) {}
   InputPort<double> u{this, "u"};
   Witness change{this, "change", params, Uses(u), [](double u) { return u; }};
@@ -19,16 +18,18 @@ class Relay final : public LeafSystem<Crossing> {
                                    }};
 };
 
-TEST(WitnessTest, DirectionsWithoutAnyState) {
+using WitnessTest = DiagramTest;
+
+TEST_F(WitnessTest, DirectionsWithoutAnyState) {
   for (const Method method : kAllMethods) {
-    DiagramBuilder builder;
+    DiagramBuilder fresh;
     auto& wave =
-        builder.AddFunction("wave", Uses(builder.time), [](double t) { return std::sin(M_PI * t - 0.5); });
-    auto& rising = builder.Add<Relay>("rising", Crossing::kRising);
-    auto& falling = builder.Add<Relay>("falling", Crossing::kFalling);
-    auto& both = builder.Add<Relay>("both", Crossing::kBoth);
-    for (auto* relay : {&rising, &falling, &both}) builder.Connect(wave, relay->u);
-    Simulator simulator(builder.Build(), {.method = method, .max_step = 0.1});
+        fresh.AddFunction("wave", Uses(fresh.time), [](double t) { return std::sin(M_PI * t - 0.5); });
+    auto& rising = fresh.Add<Relay>("rising", Crossing::kRising);
+    auto& falling = fresh.Add<Relay>("falling", Crossing::kFalling);
+    auto& both = fresh.Add<Relay>("both", Crossing::kBoth);
+    for (auto* relay : {&rising, &falling, &both}) fresh.Connect(wave, relay->u);
+    Simulator simulator(fresh.Build(), {.method = method, .max_step = 0.1});
     simulator.RunTo(4);
     const double first = 0.5 / M_PI;
     const auto near = [](double t) { return testing::DoubleNear(t, 1e-9); };
@@ -39,8 +40,7 @@ TEST(WitnessTest, DirectionsWithoutAnyState) {
   }
 }
 
-TEST(WitnessTest, ManyBlocksMayFireAtOneInstant) {
-  DiagramBuilder builder;
+TEST_F(WitnessTest, ManyBlocksMayFireAtOneInstant) {
   auto& ramp = builder.AddFunction("ramp", Uses(builder.time), [](double t) { return t - 0.5; });
   std::vector<Relay*> relays;
   for (int i = 0; i < 150; ++i) {
@@ -53,9 +53,8 @@ TEST(WitnessTest, ManyBlocksMayFireAtOneInstant) {
 }
 
 /// A crossing exactly on, just before and just behind a tick fires once.
-TEST(WitnessTest, CrossingsAroundTicksFireOnce) {
-  class Timer final : public LeafSystem<double> {
-   public:
+TEST_F(WitnessTest, CrossingsAroundTicksFireOnce) {
+  struct Timer final : LeafSystem<double> {
     explicit Timer(double at) : LeafSystem(at) {}
     Witness due{this, "due", Crossing::kRising, Uses(time), &Timer::Left};
     DiscreteState<int> fired{this, "fired"};
@@ -65,23 +64,22 @@ TEST(WitnessTest, CrossingsAroundTicksFireOnce) {
     double Left(double t) const { return t - params; }
   };
   for (const Method method : kAllMethods) {
-    DiagramBuilder builder;
+    DiagramBuilder fresh;
     std::vector<const Timer*> timers;
     for (const double at :
          {0.5, 0.5 - 1e-16, 0.5 + 2e-16, 0.5 - 1e-12, 0.5 + 1e-12, 0.5 - 1e-9, 0.5 + 1e-9}) {
-      timers.push_back(&builder.Add<Timer>("timer" + std::to_string(timers.size()), at));
+      timers.push_back(&fresh.Add<Timer>("timer" + std::to_string(timers.size()), at));
     }
-    builder.Add<Oscillator>("plant");
-    builder.Add<Counter>("ticks", Sampled{Hz(10)});
-    Simulator simulator(builder.Build(), {.method = method});
+    fresh.Add<Oscillator>("plant");
+    fresh.Add<Counter>("ticks", Sampled{Hz(10)});
+    Simulator simulator(fresh.Build(), {.method = method});
     simulator.RunTo(1);
     for (const Timer* timer : timers)
       EXPECT_EQ(simulator.context().Eval(timer->fired), 1) << timer->params - 0.5;
   }
 }
 
-TEST(WitnessTest, JumpsOfHeldValuesFireAtTheirTick) {
-  DiagramBuilder builder;
+TEST_F(WitnessTest, JumpsOfHeldValuesFireAtTheirTick) {
   auto& command = builder.AddFunction("command", Sampled{Hz(10)}, Uses(builder.time),
                                       [](double t) { return t > 0.25 && t < 0.55 ? 1.0 : -1.0; });
   auto& rising = builder.Add<Relay>("rising", Crossing::kRising);
@@ -95,67 +93,28 @@ TEST(WitnessTest, JumpsOfHeldValuesFireAtTheirTick) {
   EXPECT_THAT(simulator.context().Eval(both.times), ElementsAre(0.3, 0.6));
 }
 
-TEST(WitnessTest, FirstSampleIsNoJump) {
+TEST_F(WitnessTest, FirstSampleIsNoJump) {
   // The command is 1 from the start. Before its first tick it has no value; it is not 0.
-  DiagramBuilder builder;
   auto& relay = builder.Add<Relay>("relay", Crossing::kRising);
   builder.Connect(builder.AddFunction("one", Sampled{Hz(10)}, Uses(), [] { return 1.0; }), relay.u);
-  Simulator simulator(builder.Build());
-  simulator.RunTo(1);
-  EXPECT_TRUE(simulator.context().Eval(relay.times).empty());
+  EXPECT_TRUE(ValueAt(1, builder, relay.times).empty());
 }
 
-class Flip final : public LeafSystem<void> {
- public:
+struct Flip final : LeafSystem<void> {
   DiscreteState<double> s{this, "s", 1.0};
   Update<double> disturb{s, Sampled{Seconds(1), 0.5}, Uses(s), [](double s) { return -s; }};
   Witness w{this, "w", Crossing::kBoth, Uses(s), [](double s) { return s; }};
   Update<double> flip{s, w, Uses(s), [](double s) { return -s; }};
 };
 
-TEST(WitnessTest, UpdateThatFlipsItsOwnWitnessIsOneEvent) {
+TEST_F(WitnessTest, UpdateThatFlipsItsOwnWitnessIsOneEvent) {
   // After the update, the witness starts on its new side.
-  DiagramBuilder builder;
   auto& flip = builder.Add<Flip>("flip");
-  Simulator simulator(builder.Build(), {.max_events = 10});
-  simulator.RunTo(1);
-  EXPECT_EQ(simulator.context().Eval(flip.s), 1);  // disturbed once, and flipped back once
-}
-
-enum class Heater { kOff, kOn };
-
-/// A thermostat with hysteresis, whose mode changes the dynamics: dT/dt = (heat ? 20 : 0) - T. Between 10 and
-/// 15 degrees, heating takes ln(10 / 5) s and cooling ln(15 / 10) s.
-class Room final : public LeafSystem<void> {
- public:
-  Mode<Heater> heater{this, "heater", Heater::kOn};
-  ContinuousState<double> x{this, {"temperature", "degC"}, 10.0};
-  TimeDerivative<double> dx{x, Uses(x, heater),
-                            [](double T, Heater h) { return (h == Heater::kOn ? 20 : 0) - T; }};
-  Witness warm{this, "warm", Crossing::kRising, Uses(x), [](double T) { return T - 15; }};
-  Witness cold{this, "cold", Crossing::kFalling, Uses(x), [](double T) { return T - 10; }};
-  Update<Heater> off{heater, warm, Uses(), [] { return Heater::kOff; }};
-  Update<Heater> on{heater, cold, Uses(), [] { return Heater::kOn; }};
-};
-
-TEST(WitnessTest, ThermostatSwitchesItsMode) {
-  for (const Method method : kAllMethods) {
-    DiagramBuilder builder;
-    auto& room = builder.Add<Room>("room");
-    Simulator simulator(builder.Build(), {.method = method, .rtol = 1e-8, .atol = 1e-10});
-    const double cycle = std::log(2) + std::log(1.5);
-    simulator.RunTo(3 * cycle + std::log(2) - 0.01);
-    EXPECT_EQ(simulator.context().Eval(room.heater), Heater::kOn);
-    EXPECT_NEAR(simulator.context().Eval(room.x), 20 - 5 * std::exp(0.01), 1e-4);
-    simulator.RunTo(3 * cycle + std::log(2) + 0.01);
-    EXPECT_EQ(simulator.context().Eval(room.heater), Heater::kOff);
-    EXPECT_NEAR(simulator.context().Eval(room.x), 15 * std::exp(-0.01), 1e-4);
-  }
+  EXPECT_EQ(ValueAt(1, builder, flip.s, {.max_events = 10}), 1);  // disturbed once, and flipped back once
 }
 
 /// Notes when a ramp and the input sum to more than 0.25: a witness that reads another witness and is read.
-class Ramp final : public LeafSystem<void> {
- public:
+struct Ramp final : LeafSystem<void> {
   ContinuousState<double> x{this, {"x"}, 0.0};
   InputPort<double> u{this, {"u"}};
   TimeDerivative<double> dx{x, Uses(x), [](double) { return 1.0; }};
@@ -166,15 +125,15 @@ class Ramp final : public LeafSystem<void> {
   Update<double> note{when, sum, Uses(time), [](double t) { return t; }};
 };
 
-TEST(WitnessTest, AWitnessMayReadAnotherOneOfAnyBlock) {
+TEST_F(WitnessTest, AWitnessMayReadAnotherOneOfAnyBlock) {
   for (const Method method : kAllMethods) {
-    DiagramBuilder builder;
-    auto& low = builder.AddFunction("low", Uses(), [] { return -0.25; });
-    auto& first = builder.Add<Ramp>("first");
-    auto& second = builder.Add<Ramp>("second");
-    builder.Connect(low, first.u);
-    builder.Connect(first.y, second.u);
-    Simulator simulator(builder.Build(), {.method = method, .max_step = 0.1});
+    DiagramBuilder fresh;
+    auto& low = fresh.AddFunction("low", Uses(), [] { return -0.25; });
+    auto& first = fresh.Add<Ramp>("first");
+    auto& second = fresh.Add<Ramp>("second");
+    fresh.Connect(low, first.u);
+    fresh.Connect(first.y, second.u);
+    Simulator simulator(fresh.Build(), {.method = method, .max_step = 0.1});
     simulator.RunTo(1);
     EXPECT_NEAR(simulator.context().Eval(first.when), 0.5, 1e-9);
     EXPECT_NEAR(simulator.context().Eval(second.when), 0.375, 1e-9) << "t - 0.25 + (t - 0.5)";
