@@ -65,14 +65,10 @@ TEST(GainTest, Multiplies) {
   EXPECT_EQ(rig.Fix(rig->u, 4)[rig->y], -10);
 }
 
-TEST(GainTest, CarriesItsUnits) {
-  TestRig<Gain<Vec<2>>> rig({.u_unit = "A", .y_unit = "N, m"});
+TEST(GainTest, CarriesUnitsAndNamesOfElements) {
+  TestRig<Gain<Vec<2>>> rig({.gain = 2, .u_unit = "A", .y_unit = "N, m", .elements = "x, z"});
   EXPECT_EQ(rig->u.elements()[1].unit, "A");
   EXPECT_EQ(rig->y.elements()[1].unit, "m");
-}
-
-TEST(GainTest, NamesElements) {
-  TestRig<Gain<Vec<2>>> rig({.gain = 2, .elements = "x, z"});
   EXPECT_EQ(rig->y.elements()[1].name, "z");
 }
 

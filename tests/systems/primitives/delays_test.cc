@@ -44,9 +44,7 @@ TEST(UnitDelayTest, BreaksLoopsOfSampledBlocks) {
     } else {
       builder.Connect(hold.y, sum.u[1]);
     }
-    Simulator simulator(builder.Build());
-    simulator.RunTo(1);
-    return simulator.context().Eval(hold.y);
+    return ValueAt(1, builder, hold.y);
   };
   EXPECT_TRUE(Throws<BuildError>([&] { count(false); }, "UnitDelay"));
   EXPECT_EQ(count(true), 11);
@@ -121,9 +119,8 @@ TEST(TransportDelayTest, IsWithinItsBoundOfACurve) {
   const auto y = Delayed(
       {.delay = tau, .rate = Hz(50)}, [=](double t) { return std::sin(w * t); }, 1);
   double worst = 0;
-  for (std::size_t i = 132; i < y.size(); ++i) {
+  for (std::size_t i = 132; i < y.size(); ++i)
     worst = std::max(worst, std::abs(y[i] - std::sin(w * (1e-3 * static_cast<double>(i) - tau))));
-  }
   EXPECT_LE(worst, h * h / 8 * w * w);
   EXPECT_GE(worst, 0.9 * h * h / 8 * w * w) << "the bound is sharp";
 }
@@ -144,15 +141,12 @@ TEST(TransportDelayTest, BreaksLoops) {
   EXPECT_NEAR(simulator.context().Eval(integrator.y), 1 - 1.5 + 0.125, 1e-6);
 }
 
-TEST(TransportDelayTest, CarriesVectorsAndGoesOnFromASnapshot) {
+TEST(TransportDelayTest, CarriesVectors) {
   TestRig<TransportDelay<Vec<2>>> rig(
       {.delay = 0.25, .rate = Hz(10), .unit = "m, rad", .elements = "x, pitch"});
   for (int n = 0; n < 5; ++n) rig.Fix(rig->u, {n, 10 * n}).Tick();
   EXPECT_THAT(rig[rig->y], IsNear(Vec<2>(1.5, 15), 1e-13));
   EXPECT_EQ(rig->y.elements()[1].name, "pitch");
-  auto context = rig.diagram().CreateContext();
-  context->Restore(rig.context().Save());
-  EXPECT_THAT(context->Eval(rig->y), IsNear(Vec<2>(1.5, 15), 1e-13));
 }
 
 TEST(TransportDelayTest, RefusesBadParameters) {
@@ -172,19 +166,12 @@ std::vector<double> ImpulseThrough(const JitteredDelayParams<>& params, int tick
   return out;
 }
 
-TEST(JitteredDelayTest, WithoutDelayItIsAConnection) {
-  EXPECT_EQ(ImpulseThrough({.delay = 0}, 3), (std::vector<double>{1, 0, 0}));
-}
-
-TEST(JitteredDelayTest, DelaysByWholePeriods) {
-  EXPECT_EQ(ImpulseThrough({.delay = 0.002}, 5), (std::vector<double>{0, 0, 1, 0, 0}));
-}
-
-TEST(JitteredDelayTest, BetweenTicksTheImpulseIsShared) {
-  const std::vector<double> out = ImpulseThrough({.delay = 0.0014}, 5);
-  EXPECT_NEAR(out[1], 0.6, 1e-12);
-  EXPECT_NEAR(out[2], 0.4, 1e-12);
-  EXPECT_EQ(out[0] + out[3] + out[4], 0);
+TEST(JitteredDelayTest, DelaysByPeriodsAndSharesWhatArrivesBetweenTicks) {
+  using ::testing::ElementsAre, ::testing::DoubleNear;
+  EXPECT_THAT(ImpulseThrough({.delay = 0}, 3), ElementsAre(1, 0, 0));
+  EXPECT_THAT(ImpulseThrough({.delay = 0.002}, 5), ElementsAre(0, 0, 1, 0, 0));
+  EXPECT_THAT(ImpulseThrough({.delay = 0.0014}, 5),
+              ElementsAre(0, DoubleNear(0.6, 1e-12), DoubleNear(0.4, 1e-12), 0, 0));
 }
 
 /// Compares with a receiver that is simulated in fine steps: y is the mean of its value over a tick.

@@ -39,10 +39,11 @@ TEST(AddNoiseTest, PassesElementsWithoutNoise) {
   EXPECT_NE(rig[rig->y][1], 4);
 }
 
-TEST(NoiseTest, RefusesBadDeviations) {
+TEST(NoiseTest, RefusesBadDeviationsAndLimits) {
   for (const double bad : {-1.0, test::kNan, test::kInfinity})
     EXPECT_TRUE(Refuses<WhiteNoise<>>({.standard_deviation = bad}, "standard_deviation"));
   EXPECT_TRUE(Refuses<AddNoise<Vec<2>>>({.standard_deviation = {1, -1}}, "standard_deviation"));
+  EXPECT_TRUE(Refuses<UniformNoise<>>({.lower = 2}, "lower"));
 }
 
 struct Measurement {
@@ -101,10 +102,6 @@ TEST(UniformNoiseTest, HasItsMomentsAndLimits) {
   EXPECT_LT(least[0], -0.99);
   EXPECT_LT(most[1], 5);
   EXPECT_GT(most[1], 4.99);
-}
-
-TEST(UniformNoiseTest, RefusesBadLimits) {
-  EXPECT_TRUE(Refuses<UniformNoise<>>({.lower = 2}, "lower"));
 }
 
 TEST(GaussMarkovTest, IsCorrelatedAsItSays) {

@@ -43,9 +43,7 @@ TEST(PulseTest, IsIntegratedExactly) {
   auto& pulse = builder.Add<Pulse<>>("pulse", {.start = 0.123, .width = 0.01, .period = 0.037});
   auto& integral = builder.Add<Integrator<>>("integral");
   builder.Connect(pulse.y, integral.u);
-  Simulator simulator(builder.Build());
-  simulator.RunTo(0.123 + 37 * 0.037);
-  EXPECT_NEAR(simulator.context().Eval(integral.y), 0.37, 1e-12);
+  EXPECT_NEAR(ValueAt(0.123 + 37 * 0.037, builder, integral.y), 0.37, 1e-12);
 }
 
 TEST(PulseTest, RefusesWhatIsNoPulse) {
@@ -54,40 +52,31 @@ TEST(PulseTest, RefusesWhatIsNoPulse) {
   EXPECT_TRUE(Refuses<Pulse<>>({.width = 1, .period = 1}, "period"));
 }
 
-// ---- Kinks and bends of other blocks, which steps of the integrator do not span ----
+using KinkTest = DiagramTest;
 
-TEST(KinkTest, ALimitedSineIsIntegratedWithinTheTolerance) {
-  DiagramBuilder builder;
+TEST_F(KinkTest, ALimitedSineIsIntegratedWithinTheTolerance) {
   auto& sine = builder.Add<Sine<>>("sine");
   auto& limit = builder.Add<Saturation<>>("limit", {.lower = -0.5, .upper = 0.5});
   auto& integral = builder.Add<Integrator<>>("integral");
   builder.Connect(sine.y, limit.u);
   builder.Connect(limit.y, integral.u);
-  Simulator simulator(builder.Build());
-  simulator.RunTo(M_PI);
-  EXPECT_NEAR(simulator.context().Eval(integral.y), 2 * (1 - std::cos(M_PI / 6)) + M_PI / 3, 1e-5);
+  EXPECT_NEAR(ValueAt(M_PI, builder, integral.y), 2 * (1 - std::cos(M_PI / 6)) + M_PI / 3, 1e-5);
 }
 
-TEST(KinkTest, ATableOfTimeIsIntegratedWithinTheTolerance) {
-  DiagramBuilder builder;
+TEST_F(KinkTest, ATableOfTimeIsIntegratedWithinTheTolerance) {
   auto& clock = builder.AddFunction({"clock"}, Uses(builder.time), [](double t) { return t; });
   auto& table = builder.Add<Table<>>("table", {.u = {1, 1.3, 2.7, 3}, .y = {0, 2, -1, 0}});
   auto& integral = builder.Add<Integrator<>>("integral");
   builder.Connect(clock, table.u);
   builder.Connect(table.y, integral.u);
-  Simulator simulator(builder.Build());
-  simulator.RunTo(4);
-  EXPECT_NEAR(simulator.context().Eval(integral.y), 0.3 + 0.7 - 0.15, 1e-5);
+  EXPECT_NEAR(ValueAt(4, builder, integral.y), 0.3 + 0.7 - 0.15, 1e-5);
 }
 
-TEST(KinkTest, ATrajectoryEndsStepsAtItsTimes) {
-  DiagramBuilder builder;
+TEST_F(KinkTest, ATrajectoryEndsStepsAtItsTimes) {
   auto& trajectory = builder.Add<Trajectory<>>("trajectory", {.times = {1, 1.5, 2.5}, .values = {0, 1, -1}});
   auto& integral = builder.Add<Integrator<>>("integral");
   builder.Connect(trajectory.ddy, integral.u);
-  Simulator simulator(builder.Build());
-  simulator.RunTo(3);
-  EXPECT_NEAR(simulator.context().Eval(integral.y), 0, 1e-9);  // from rest to rest
+  EXPECT_NEAR(ValueAt(3, builder, integral.y), 0, 1e-9);  // from rest to rest
 }
 
 TEST(SineTest, HasItsDerivatives) {
