@@ -14,8 +14,7 @@ struct PendulumParams {
   double gravity_over_length = 9.81;  // 1/s²
   double damping = 0.3;               // 1/s
 };
-class Pendulum final : public LeafSystem<PendulumParams> {
- public:
+struct Pendulum final : LeafSystem<PendulumParams> {
   using LeafSystem::LeafSystem;
   InputPort<double> torque{this, {"torque", "1/s^2"}};
   ContinuousState<Vec<2>> x{this, {"x", "rad, rad/s", "angle, rate"}};
@@ -31,8 +30,7 @@ class Pendulum final : public LeafSystem<PendulumParams> {
 };
 
 /// A nested diagram of the pendulum and its controller.
-class Robot final : public Subdiagram {
- public:
+struct Robot final : Subdiagram {
   Robot() : pendulum(Add<Pendulum>("pendulum")), pd(Add<Pd>("pd", PdParams{.kp = 5, .kd = 1})) {
     Connect(pendulum.state, pd.x, IgnoreUnits{});  // made for a cart
     Connect(ref, pd.ref);
@@ -53,8 +51,9 @@ Eigen::Matrix2d PendulumA(double angle) {
   return A;
 }
 
-TEST(AnalysisTest, LinearizesAboutAnyState) {
-  DiagramBuilder builder;
+using AnalysisTest = DiagramTest;
+
+TEST_F(AnalysisTest, LinearizesAboutAnyState) {
   auto& pendulum = builder.Add<Pendulum>("pendulum");
   const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(pendulum.x, Vec<2>(0.7, 0.2));
@@ -84,8 +83,7 @@ struct Pull {
   double force = 0;  // [N]
   static FieldList Fields() { return {{"cart", &Pull::cart}, {"force", &Pull::force, "N"}}; }
 };
-class Carts final : public LeafSystem<void> {
- public:
+struct Carts final : LeafSystem<void> {
   InputPort<Pull> pull{this, {"pull"}};
   ContinuousState<Vec<2>> v{this, {"v", "m/s"}};
   TimeDerivative<Vec<2>> dv{v, Uses(pull), &Carts::CalcDv};
@@ -94,8 +92,7 @@ class Carts final : public LeafSystem<void> {
   Vec<2> CalcDv(const Pull& pull) const { return pull.force * Vec<2>::Unit(pull.cart); }
 };
 
-TEST(AnalysisTest, WhatIsNoRealNumberStays) {
-  DiagramBuilder builder;
+TEST_F(AnalysisTest, WhatIsNoRealNumberStays) {
   auto& carts = builder.Add<Carts>("carts");
   const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(carts.pull, Pull{1, 3});
@@ -107,9 +104,8 @@ TEST(AnalysisTest, WhatIsNoRealNumberStays) {
   EXPECT_NEAR(context->Eval(carts.pull).force, 0, 1e-9);
 }
 
-TEST(AnalysisTest, SamplesAreHeld) {
+TEST_F(AnalysisTest, SamplesAreHeld) {
   // The controller's feedback is held between ticks, so it is not in A; its command can serve as input.
-  DiagramBuilder builder;
   auto& robot = builder.Add<Robot>("robot");
   Simulator simulator(builder.BuildWithOpenInputs());
   simulator.context().Set(robot.push, 0.0);
@@ -124,8 +120,7 @@ TEST(AnalysisTest, SamplesAreHeld) {
   EXPECT_THAT(model.outputs, ElementsAre("robot.tip.x", "robot.tip.y"));
 }
 
-TEST(AnalysisTest, ComputedPortsAreNoInputs) {
-  DiagramBuilder builder;
+TEST_F(AnalysisTest, ComputedPortsAreNoInputs) {
   auto& robot = builder.Add<Robot>("robot");
   const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(robot.push, 0.0);
@@ -134,8 +129,7 @@ TEST(AnalysisTest, ComputedPortsAreNoInputs) {
                                "'robot.pendulum.torque'", "'robot.sum.output'"));
 }
 
-TEST(AnalysisTest, InputsWithoutValueAreRefused) {
-  DiagramBuilder builder;
+TEST_F(AnalysisTest, InputsWithoutValueAreRefused) {
   auto& pendulum = builder.Add<Pendulum>("pendulum");
   const auto context = builder.BuildWithOpenInputs()->CreateContext();
   EXPECT_TRUE(Throws<RunError>([&] { Linearize(*context, {}, {}); }, "'pendulum.torque'"));
@@ -143,8 +137,7 @@ TEST(AnalysisTest, InputsWithoutValueAreRefused) {
                                "'pendulum.torque'"));
 }
 
-TEST(AnalysisTest, DiagramsWithoutStatesAreLinearizedToo) {
-  DiagramBuilder builder;
+TEST_F(AnalysisTest, DiagramsWithoutStatesAreLinearizedToo) {
   auto& map = builder.Add<Map>("map", [](double u) { return u * u; });
   const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(map.u, 3.0);
@@ -154,10 +147,7 @@ TEST(AnalysisTest, DiagramsWithoutStatesAreLinearizedToo) {
   EXPECT_NO_THROW(FindEquilibrium(*context));
 }
 
-// ---- Equilibria ----
-
-TEST(AnalysisTest, PendulumRestsWhereTorqueAndGravityBalance) {
-  DiagramBuilder builder;
+TEST_F(AnalysisTest, PendulumRestsWhereTorqueAndGravityBalance) {
   auto& pendulum = builder.Add<Pendulum>("pendulum");
   const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(pendulum.torque, 5.0);
@@ -171,8 +161,7 @@ TEST(AnalysisTest, PendulumRestsWhereTorqueAndGravityBalance) {
   EXPECT_NEAR(context->Eval(pendulum.x)[0], M_PI - std::asin(5 / 9.81), 1e-9);
 }
 
-TEST(AnalysisTest, FamilyOfEquilibriaGivesANearOne) {
-  DiagramBuilder builder;
+TEST_F(AnalysisTest, FamilyOfEquilibriaGivesANearOne) {
   auto& cart = builder.Add<Cart>("cart");
   const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(cart.force, 0.0);
@@ -184,9 +173,8 @@ TEST(AnalysisTest, FamilyOfEquilibriaGivesANearOne) {
   EXPECT_TRUE(Throws<RunError>([&] { FindEquilibrium(*context); }, "'cart.x.velocity'"));
 }
 
-TEST(AnalysisTest, TrimSolvesForInputsToo) {
+TEST_F(AnalysisTest, TrimSolvesForInputsToo) {
   // No torque balances the rate, but the torque may change: any angle near the first will do.
-  DiagramBuilder builder;
   auto& robot = builder.Add<Robot>("robot");
   const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(robot.push, 20.0);  // more than gravity can hold
@@ -201,11 +189,8 @@ TEST(AnalysisTest, TrimSolvesForInputsToo) {
   EXPECT_NEAR(context->EvalTimeDerivatives().norm(), 0, 1e-10);
 }
 
-// ---- Kinks ----
-
 /// v' = f(v) + u, y = f(u).
-class Bent final : public LeafSystem<std::function<double(double)>> {
- public:
+struct Bent final : LeafSystem<std::function<double(double)>> {
   explicit Bent(std::function<double(double)> f) : LeafSystem(std::move(f)) {}
   InputPort<double> u{this, "u"};
   ContinuousState<double> v{this, {"v", "m/s"}};
@@ -227,7 +212,7 @@ struct AtPoint {
   std::unique_ptr<Context> context;
 };
 
-TEST(AnalysisTest, LinearizeRefusesKinksAndJumps) {
+TEST_F(AnalysisTest, LinearizeRefusesKinksAndJumps) {
   const auto limit = [](double x) { return std::clamp(3 * x, -6.0, 6.0); };
   const auto sign = [](double x) { return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0; };
   const auto abs = [](double x) { return std::abs(x); };
@@ -241,7 +226,7 @@ TEST(AnalysisTest, LinearizeRefusesKinksAndJumps) {
   EXPECT_TRUE(Throws<RunError>([&] { AtPoint(abs, 5e-7, 1).Model(); }, "'bent.v'"));
 }
 
-TEST(AnalysisTest, LinearizesBesideAKink) {
+TEST_F(AnalysisTest, LinearizesBesideAKink) {
   const auto limit = [](double x) { return std::clamp(3 * x, -6.0, 6.0); };
   EXPECT_EQ(AtPoint(limit, 2.001, 3).Model().A(0, 0), 0);
   EXPECT_NEAR(AtPoint(limit, 1.999, 3).Model().A(0, 0), 3, 1e-8);
@@ -249,7 +234,7 @@ TEST(AnalysisTest, LinearizesBesideAKink) {
 }
 
 // Neither strong curvature nor rounding errors of large values count as a kink.
-TEST(AnalysisTest, LinearizesWhateverIsSmooth) {
+TEST_F(AnalysisTest, LinearizesWhateverIsSmooth) {
   EXPECT_NEAR(AtPoint([](double x) { return 1e6 * x * x; }, 0, 0).Model().A(0, 0), 0, 1e-8);
   EXPECT_NEAR(AtPoint([](double x) { return 1e6 * x * x * x; }, 1, 0).Model().A(0, 0), 3e6, 1);
   EXPECT_NEAR(AtPoint([](double x) { return x > 0 ? 1e3 * x * x : 0; }, 0, 0).Model().A(0, 0), 0, 1e-3);

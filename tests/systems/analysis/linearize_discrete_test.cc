@@ -5,8 +5,7 @@
 
 namespace tenon::linearize_discrete_test {
 
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
+using ::testing::ElementsAre, ::testing::IsEmpty;
 
 constexpr double kMass = 2;
 
@@ -24,7 +23,9 @@ struct CartLoop : PdLoop {
   std::shared_ptr<const Diagram> diagram = builder.BuildWithOpenInputs();
 };
 
-TEST(LinearizeDiscreteTest, SampledPdOnADoubleIntegrator) {
+using LinearizeDiscreteTest = DiagramTest;
+
+TEST_F(LinearizeDiscreteTest, SampledPdOnADoubleIntegrator) {
   CartLoop loop;
   const auto context = loop.diagram->CreateContext();
   context->Set(loop.cart.x, Vec<2>(0.3, -0.1));
@@ -53,7 +54,7 @@ TEST(LinearizeDiscreteTest, SampledPdOnADoubleIntegrator) {
   EXPECT_THAT(model.flips, IsEmpty());
 }
 
-TEST(LinearizeDiscreteTest, BeginsAtTheNextTickAndLeavesTheContextAsItIs) {
+TEST_F(LinearizeDiscreteTest, BeginsAtTheNextTickAndLeavesTheContextAsItIs) {
   CartLoop loop;
   Simulator simulator(*loop.diagram);
   simulator.context().Set(loop.pd.ref, 0.2);
@@ -69,9 +70,8 @@ TEST(LinearizeDiscreteTest, BeginsAtTheNextTickAndLeavesTheContextAsItIs) {
   EXPECT_DOUBLE_EQ(LinearizeDiscrete(simulator.context(), {}, {}).time, 0.08);
 }
 
-TEST(LinearizeDiscreteTest, APlantAloneIsHeldForThePeriodGiven) {
+TEST_F(LinearizeDiscreteTest, APlantAloneIsHeldForThePeriodGiven) {
   // q'' = -w² q + u: a turn by w h.
-  DiagramBuilder builder;
   auto& plant = builder.Add<Oscillator>("plant", 3.0);
   const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->SetTime(0.123);
@@ -85,8 +85,7 @@ TEST(LinearizeDiscreteTest, APlantAloneIsHeldForThePeriodGiven) {
   EXPECT_EQ(model.time, 0.123);
 }
 
-TEST(LinearizeDiscreteTest, ChainOfUnitDelays) {
-  DiagramBuilder builder;
+TEST_F(LinearizeDiscreteTest, ChainOfUnitDelays) {
   auto& first = builder.Add<UnitDelay<>>("first", {.initial = 1, .rate = Hz(50)});
   auto& second = builder.Add<UnitDelay<>>("second", {.initial = 2, .rate = Hz(50)});
   builder.Connect(first.y, second.u);
@@ -104,9 +103,8 @@ TEST(LinearizeDiscreteTest, ChainOfUnitDelays) {
   EXPECT_THAT(LinearizeDiscrete(*context, {}, {}, {.left_out = {&first.x}}).states, ElementsAre("second.x"));
 }
 
-TEST(LinearizeDiscreteTest, TwoRates) {
+TEST_F(LinearizeDiscreteTest, TwoRates) {
   // A spring at 2 ms and a damper at 3 ms: ticks at 0, 2, 3, 4 of 6 ms.
-  DiagramBuilder builder;
   auto& cart = builder.Add<Cart>("cart", {.mass = kMass});
   auto& spring = builder.Add<Pd>("spring", {.kp = 900, .kd = 0, .rate = Milliseconds(2)});
   auto& damper = builder.Add<Pd>("damper", {.kp = 0, .kd = 70, .rate = Milliseconds(3)});
@@ -142,8 +140,7 @@ struct LateGainParams {
   double gain = -1;
   Sampled sampled{Hz(100), 0.004};
 };
-class LateGain final : public LeafSystem<LateGainParams> {
- public:
+struct LateGain final : LeafSystem<LateGainParams> {
   using LeafSystem::LeafSystem;
   InputPort<Vec<2>> u{this, "u"};
   OutputPort<Vec<2>> y{this, "y", Vec<2>(Vec<2>::Zero()), params.sampled, Uses(u), &LateGain::Calc};
@@ -152,9 +149,8 @@ class LateGain final : public LeafSystem<LateGainParams> {
   Vec<2> Calc(const Vec<2>& u) const { return params.gain * u; }
 };
 
-TEST(LinearizeDiscreteTest, WhatIsHeldOverTheBeginCarriesOn) {
+TEST_F(LinearizeDiscreteTest, WhatIsHeldOverTheBeginCarriesOn) {
   // The force is computed 4 ms after the beginning of each period: until then the old one acts.
-  DiagramBuilder builder;
   auto& cart = builder.Add<Cart>("cart", {.mass = kMass});
   auto& late = builder.Add<LateGain>("late", {.gain = -40});
   builder.Connect(cart.state, late.u, IgnoreUnits{});
@@ -175,9 +171,8 @@ TEST(LinearizeDiscreteTest, WhatIsHeldOverTheBeginCarriesOn) {
   EXPECT_THAT(model.C.rightCols<2>(), IsNear(Eigen::Matrix2d::Identity(), 1e-9));  // no tick at the begin
 }
 
-TEST(LinearizeDiscreteTest, HeldSamplesThatAreRenewedBeforeTheyAreReadCarryNothing) {
+TEST_F(LinearizeDiscreteTest, HeldSamplesThatAreRenewedBeforeTheyAreReadCarryNothing) {
   // `early` is computed at 4 ms and read at 8 ms, so its old value is never read.
-  DiagramBuilder builder;
   auto& cart = builder.Add<Cart>("cart");
   auto& early = builder.Add<LateGain>("early");
   auto& late = builder.Add<LateGain>("late", {.gain = 2, .sampled = {Hz(100), 0.008}});
@@ -196,8 +191,7 @@ struct Sum {
   int ticks = 0;
   static FieldList Fields() { return {{"value", &Sum::value, "m s"}, {"ticks", &Sum::ticks}}; }
 };
-class ScratchIntegrator final : public LeafSystem<void> {
- public:
+struct ScratchIntegrator final : LeafSystem<void> {
   InputPort<double> u{this, {"u", "m"}};
   Scratch<Sum> sum{this, "sum"};
   OutputPort<double> y{this, {"y", "m s"}, Sampled{Hz(10)}, Uses(u, sum), [](double u, Sum& sum) {
@@ -207,8 +201,7 @@ class ScratchIntegrator final : public LeafSystem<void> {
                        }};
 };
 
-TEST(LinearizeDiscreteTest, ScratchIsState) {
-  DiagramBuilder builder;
+TEST_F(LinearizeDiscreteTest, ScratchIsState) {
   auto& integrator = builder.Add<ScratchIntegrator>("integrator");
   const auto context = builder.BuildWithOpenInputs()->CreateContext();
   context->Set(integrator.u, 5.0);
@@ -226,16 +219,14 @@ TEST(LinearizeDiscreteTest, ScratchIsState) {
 enum class Side { kBelow, kAbove };
 
 /// Its mode says on which side of 0.3 the position is.
-class Latch final : public LeafSystem<void> {
- public:
+struct Latch final : LeafSystem<void> {
   InputPort<Vec<2>> x{this, "x"};
   Mode<Side> side{this, "side"};
   Update<Side> next{side, Sampled{Hz(100)}, Uses(x),
                     [](const Vec<2>& x) { return x[0] > 0.3 ? Side::kAbove : Side::kBelow; }};
 };
 
-TEST(LinearizeDiscreteTest, FlipsAreNamed) {
-  DiagramBuilder builder;
+TEST_F(LinearizeDiscreteTest, FlipsAreNamed) {
   auto& cart = builder.Add<Cart>("cart");
   auto& latch = builder.Add<Latch>("latch");
   builder.Connect(cart.state, latch.x, IgnoreUnits{});
@@ -253,8 +244,7 @@ TEST(LinearizeDiscreteTest, FlipsAreNamed) {
   EXPECT_NO_THROW(LinearizeDiscrete(*context, {}, {}, {.refuse_flips = true}));
 }
 
-TEST(LinearizeDiscreteTest, NoiseIsTheSameInAllRuns) {
-  DiagramBuilder builder;
+TEST_F(LinearizeDiscreteTest, NoiseIsTheSameInAllRuns) {
   auto& noise = builder.Add<AddNoise<>>("noise", {.standard_deviation = 5});
   auto& delay = builder.Add<UnitDelay<>>("delay");
   builder.Connect(noise.y, delay.u);
@@ -270,17 +260,15 @@ struct CubeState {
   double x = 2, last = -std::numeric_limits<double>::infinity();
   static FieldList Fields() { return {{"x", &CubeState::x, "m"}, {"last", &CubeState::last, "s"}}; }
 };
-class Cube final : public LeafSystem<void> {
- public:
+struct Cube final : LeafSystem<void> {
   DiscreteState<CubeState> state{this, "state", CubeState()};
   Update<CubeState> next{state, Sampled{Hz(1)}, Uses(state), [](const CubeState& s) {
                            return CubeState{s.x * s.x * s.x, s.last};
                          }};
 };
 
-TEST(LinearizeDiscreteTest, StepsAreAveragedAndTheirSpreadIsTold) {
+TEST_F(LinearizeDiscreteTest, StepsAreAveragedAndTheirSpreadIsTold) {
   // ((x + h)³ - (x - h)³) / 2 h = 3 x² + h²
-  DiagramBuilder builder;
   auto& cube = builder.Add<Cube>("cube");
   const auto diagram = builder.Build();
   const DiscreteLinearModel model =
@@ -295,7 +283,7 @@ TEST(LinearizeDiscreteTest, StepsAreAveragedAndTheirSpreadIsTold) {
   EXPECT_NEAR(plain.A(0, 0), 12 + 0.3 * 0.3, 1e-12);  // 1 + |x| is 3
 }
 
-TEST(LinearizeDiscreteTest, StatesCanBeChosen) {
+TEST_F(LinearizeDiscreteTest, StatesCanBeChosen) {
   CartLoop loop;
   const auto context = loop.diagram->CreateContext();
   context->Set(loop.pd.ref, 0.0);
@@ -305,9 +293,7 @@ TEST(LinearizeDiscreteTest, StatesCanBeChosen) {
                                "'pd.u'", "t = 0 s"));
 }
 
-// ---- What is refused ----
-
-TEST(LinearizeDiscreteTest, OptionsThatMakeNoSense) {
+TEST_F(LinearizeDiscreteTest, OptionsThatMakeNoSense) {
   CartLoop loop;
   const auto context = loop.diagram->CreateContext();
   const auto refuses = [&](const LinearizeDiscreteOptions& options, const char* text) {
@@ -318,18 +304,16 @@ TEST(LinearizeDiscreteTest, OptionsThatMakeNoSense) {
   EXPECT_TRUE(refuses({.steps = {}}, "steps"));
   EXPECT_TRUE(refuses({.steps = {1e-5, 0}}, "step 0"));
   EXPECT_TRUE(refuses({.scales = {{"m", -1}}}, "'m'"));
-  DiagramBuilder builder;
   builder.Add<Oscillator>("plant");
   const auto unsampled = builder.Build()->CreateContext();
   EXPECT_TRUE(Throws<ParameterError>([&] { LinearizeDiscrete(*unsampled, {}, {}); }, "options.period"));
 }
 
-TEST(LinearizeDiscreteTest, InputsMustBeOpenAndSet) {
+TEST_F(LinearizeDiscreteTest, InputsMustBeOpenAndSet) {
   CartLoop loop;
   const auto context = loop.diagram->CreateContext();
   EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {&loop.pd.u}, {}); }, "'pd.u'"));
   EXPECT_TRUE(Throws<RunError>([&] { LinearizeDiscrete(*context, {&loop.pd.x}, {}); }, "'pd.x'", "'cart.x'"));
-  DiagramBuilder builder;
   auto& cart = builder.Add<Cart>("cart");
   const auto diagram = builder.BuildWithOpenInputs();
   EXPECT_TRUE(Throws<RunError>(
@@ -338,8 +322,7 @@ TEST(LinearizeDiscreteTest, InputsMustBeOpenAndSet) {
 }
 
 /// Ends the run at a tick where the position is beyond the limit.
-class Fence final : public LeafSystem<double> {
- public:
+struct Fence final : LeafSystem<double> {
   explicit Fence(double limit) : LeafSystem(limit) {}
   InputPort<Vec<2>> x{this, "x"};
   Monitor beyond{this, "beyond", Sampled{Hz(100)}, Uses(x), [this](const Vec<2>& x) -> Verdict {
@@ -348,8 +331,7 @@ class Fence final : public LeafSystem<double> {
                  }};
 };
 
-TEST(LinearizeDiscreteTest, RunsThatEndAreNamed) {
-  DiagramBuilder builder;
+TEST_F(LinearizeDiscreteTest, RunsThatEndAreNamed) {
   auto& cart = builder.Add<Cart>("cart");
   auto& fence = builder.Add<Fence>("fence", 1.0);
   builder.Connect(cart.state, fence.x, IgnoreUnits{});
@@ -363,8 +345,7 @@ TEST(LinearizeDiscreteTest, RunsThatEndAreNamed) {
 }
 
 /// A state whose size grows at each tick, and an output whose size depends on the input.
-class Growing final : public LeafSystem<void> {
- public:
+struct Growing final : LeafSystem<void> {
   InputPort<double> size{this, "size"};
   DiscreteState<std::vector<double>> list{this, "list", {1.0}};
   OutputPort<std::vector<double>> copy{this, "copy", Uses(size),
@@ -376,8 +357,7 @@ class Growing final : public LeafSystem<void> {
                                    }};
 };
 
-TEST(LinearizeDiscreteTest, WhatChangesItsSizeHasNoDerivative) {
-  DiagramBuilder builder;
+TEST_F(LinearizeDiscreteTest, WhatChangesItsSizeHasNoDerivative) {
   auto& growing = builder.Add<Growing>("growing");
   auto& delay = builder.Add<UnitDelay<>>("delay", {.rate = Hz(1)});
   builder.Connect(delay.y, growing.size);

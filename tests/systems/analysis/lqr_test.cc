@@ -3,13 +3,9 @@
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
 
-#include <Eigen/Core>
-
 namespace tenon::lqr_test {
 
-using Eigen::Matrix2d;
-using Eigen::MatrixXd;
-using Eigen::Vector2d;
+using Eigen::Matrix2d, Eigen::MatrixXd, Eigen::Vector2d;
 
 const MatrixXd kOne = MatrixXd::Ones(1, 1);
 
@@ -120,8 +116,6 @@ TEST(LqrTest, WhatDecaysNeedNeitherForceNorWeight) {
   EXPECT_EQ(DiscreteLqr(discrete, Vector2d(0, 1), Q, kOne).K(0, 0), 0);
 }
 
-// ---- Filters ----
-
 TEST(LqrTest, KalmanFilterOfARandomWalk) {
   // dP/dt = q - P²/r.
   const KalmanDesign design = Kalman(0 * kOne, kOne, 9 * kOne, 4 * kOne);
@@ -148,8 +142,6 @@ TEST(LqrTest, KalmanEquationsHoldAndErrorsDecay) {
   EXPECT_THAT(A * after * A.transpose() + p.Q, IsNear(discrete.P, 1e-9 * discrete.P.norm()));
   EXPECT_LT(test::Eigenvalues(A - A * discrete.L * C).cwiseAbs().maxCoeff(), 1);
 }
-
-// ---- What is refused ----
 
 ::testing::AssertionResult Refuses(const std::function<void()>& design, const char* what,
                                    const char* matrices) {
@@ -202,9 +194,8 @@ TEST(LqrTest, WhatSixteenDigitsDoNotReachIsNoDesign) {
     MatrixXd A = 2 * MatrixXd::Identity(n, n);
     A.diagonal(1).setConstant(1e-1);
     const MatrixXd B = MatrixXd::Identity(n, n).rightCols(1), Q = MatrixXd::Identity(n, n);
-    for (const auto& design : {Lqr, DiscreteLqr}) {
+    for (const auto& design : {Lqr, DiscreteLqr})
       EXPECT_TRUE(Throws<ParameterError>([&] { design(A, B, Q, kOne, {}); }, "eigenvalue 2", "(A, B)")) << n;
-    }
   }
 }
 

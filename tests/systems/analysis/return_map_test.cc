@@ -2,15 +2,12 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/dense_algebra.h>
 
-#include <Eigen/Core>
-
 namespace tenon::return_map_test {
 
 using ::testing::ElementsAre;
 
 /// x'' = (1 - x²) x' - x, and the integral of its divergence 1 - x².
-class VanDerPol final : public LeafSystem<void> {
- public:
+struct VanDerPol final : LeafSystem<void> {
   ContinuousState<Vec<2>> x{this, {"x", "m, m/s", "position, velocity"}, Vec<2>(2, 0)};
   ContinuousState<double> growth{this, "growth"};
   OutputPort<Vec<2>> state{this, x};
@@ -67,8 +64,7 @@ struct BallParams {
   double kick = 1;  // m/s
   double g = 9.81;  // m/s²
 };
-class Ball final : public LeafSystem<BallParams> {
- public:
+struct Ball final : LeafSystem<BallParams> {
   using LeafSystem::LeafSystem;
   ContinuousState<Vec<2>> x{this, {"x", "m, m/s", "height, velocity"}};
   TimeDerivative<Vec<2>> dx{x, Uses(x), [this](const Vec<2>& x) { return Vec<2>(x[1], -params.g); }};

@@ -4,17 +4,13 @@
 #include <tenon/tests/testing/temporary_path.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <set>
 
 namespace tenon::yaml_test {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
-using ::testing::StartsWith;
+using ::testing::AllOf, ::testing::HasSubstr, ::testing::Not, ::testing::StartsWith;
 
 enum class Gait { kStand, kTrot };
 constexpr auto EnumNames(Gait) {
@@ -78,8 +74,6 @@ std::string SetError(const std::string& text, const std::string& key, const std:
   });
 }
 
-// ---- Reading ----
-
 TEST(YamlReadTest, EveryKindOfMember) {
   const Robot robot = ReadRobot(R"(
 name: "dog: one"
@@ -127,22 +121,15 @@ TEST(YamlReadTest, MissingKeysKeepTheirDefaults) {
   }
 }
 
-TEST(YamlReadTest, NullEmptiesAnOptional) {
+TEST(YamlReadTest, NullDiagonalsAliasesAndByteOrderMarks) {
   Robot robot;
   robot.limit = 3;
-  YamlDocument::Parse("limit_N: null", "robot.yaml").ReadInto(robot);
-  EXPECT_FALSE(robot.limit);
-}
-
-TEST(YamlReadTest, ThreeNumbersAreADiagonal) {
-  Robot robot;
   robot.inertia.setConstant(7);
-  YamlDocument::Parse("inertia_kg_m2: [1, 2, 3]", "robot.yaml").ReadInto(robot);
+  YamlDocument::Parse("limit_N: null\ninertia_kg_m2: [1, 2, 3]", "robot.yaml").ReadInto(robot);
+  EXPECT_FALSE(robot.limit);
   EXPECT_EQ(robot.inertia, Eigen::Matrix3d(Eigen::Vector3d(1, 2, 3).asDiagonal()));
-}
-
-TEST(YamlReadTest, AliasesRepeatAValue) {
   EXPECT_EQ(ReadRobot("legs: [&leg {mass_kg: 7}, *leg]").legs[1].mass, 7);
+  EXPECT_EQ(ReadRobot("\xEF\xBB\xBFname: a\n").name, "a");
 }
 
 TEST(YamlReadTest, ReadIntoKeepsWhatTheFileLeavesOutAndIsAllOrNothing) {
@@ -162,8 +149,6 @@ TEST(YamlReadTest, LoadNamesTheFile) {
   EXPECT_THAT(ErrorOf([&] { YamlDocument::Load(path).Read<Robot>(); }), StartsWith(path + ":2:8: steps: "));
 }
 
-// ---- Errors ----
-
 /// A text that is refused: the message begins with the place and the key, and names `part`.
 struct Refusal {
   const char* text;
@@ -172,10 +157,9 @@ struct Refusal {
 };
 
 void ExpectRefused(const std::vector<Refusal>& cases) {
-  for (const auto& [text, place, part] : cases) {
+  for (const auto& [text, place, part] : cases)
     EXPECT_THAT(ReadError(text), AllOf(StartsWith(std::string("robot.yaml:") + place), HasSubstr(part)))
         << text;
-  }
 }
 
 TEST(YamlErrorTest, UnknownKeysNameTheNearestOne) {
@@ -246,8 +230,6 @@ TEST(YamlErrorTest, WhatIsNoYaml) {
   EXPECT_THAT(ErrorOf([] { YamlDocument::Load(::testing::TempDir()); }), HasSubstr(::testing::TempDir()));
 }
 
-// ---- Overrides ----
-
 TEST(YamlSetTest, ReplacesAndAdds) {
   auto document = YamlDocument::Parse("legs: [{mass_kg: 1}, {mass_kg: 2}]", "robot.yaml");
   const auto before = document;
@@ -266,8 +248,6 @@ TEST(YamlSetTest, ReplacesAndAdds) {
   EXPECT_EQ(robot.gait, Gait::kTrot);
   EXPECT_EQ(before.Read<Robot>().legs[1].mass, 2) << "a copy does not change";
 }
-
-// ---- Documents that complete another ----
 
 TEST(YamlAddMissingTest, MapsMergeWhileListsAndScalarsStand) {
   const auto base = YamlDocument::Parse(
@@ -299,10 +279,6 @@ TEST(YamlAddMissingTest, AnInheritedValueIsPlacedInTheSectionThatInheritsIt) {
       << "a section of the other file alone";
   document.Set("tail.mass_kg", "4");
   EXPECT_EQ(document.Placed("tail", "mass_kg: too heavy"), "--set tail.mass_kg=4: tail.mass_kg: too heavy");
-}
-
-TEST(YamlReadTest, SkipsAByteOrderMark) {
-  EXPECT_EQ(ReadRobot("\xEF\xBB\xBFname: a\n").name, "a");
 }
 
 TEST(YamlSetTest, ErrorsNameTheOverride) {
@@ -359,8 +335,6 @@ TEST(YamlSetTest, PathsThatLeadNowhere) {
   for (const char* key : {"", ".", "a.", ".a", "a..b"})
     EXPECT_THAT(SetError("", key, "3"), HasSubstr("--set"));
 }
-
-// ---- Writing ----
 
 TEST(YamlWriteTest, BlockStyleWithListsInOneLine) {
   Robot robot;
@@ -433,11 +407,10 @@ TEST(YamlWriteTest, RoundTripOfText) {
 }
 
 TEST(YamlReadTest, RefusesWhatIsNotUtf8) {
-  for (const char* bad : {"\xe9", "\xff", "\xc3(", "\xed\xa0\x80", "\xf0\x82\x82\xac"}) {
+  for (const char* bad : {"\xe9", "\xff", "\xc3(", "\xed\xa0\x80", "\xf0\x82\x82\xac"})
     EXPECT_THAT(ErrorOf([&] { YamlDocument::Parse(std::string("a: 1\nname: ") + bad, "robot.yaml"); }),
                 HasSubstr("robot.yaml:2:7: byte 0x"))
         << bad;
-  }
   // Text in UTF-16 contains the byte 0.
   const std::string wide("a\0: \0\x31\0", 7);
   EXPECT_THAT(ErrorOf([&] { YamlDocument::Parse(wide, "robot.yaml"); }),
