@@ -9,8 +9,7 @@
 namespace tenon::testing {
 
 /// A new browser for each test, without a sandbox, which containers may lack.
-class Browser : public internal::Browser {
- public:
+struct Browser : internal::Browser {
   explicit Browser(std::vector<std::string> arguments = {})
       : internal::Browser((arguments.emplace_back("--no-sandbox"), arguments)) {}
 };
@@ -22,10 +21,11 @@ inline void RequireBrowser() {
   GTEST_SKIP() << "needs chromium";
 }
 
-/// A test that needs a browser.
-class BrowserTest : public ::testing::Test {
- protected:
+/// A test of a page in a browser.
+struct BrowserTest : ::testing::Test {
   void SetUp() override { RequireBrowser(); }
+  nlohmann::json Js(const std::string& expression) { return browser.Evaluate(expression); }
+  Browser browser;
 };
 
 }  // namespace tenon::testing

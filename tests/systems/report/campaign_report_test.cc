@@ -5,14 +5,9 @@
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <nlohmann/json.hpp>
-
 namespace tenon::campaign_report_test {
 
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using ::testing::AllOf, ::testing::ElementsAre, ::testing::HasSubstr, ::testing::IsEmpty;
 using Json = nlohmann::json;
 
 /// Two axes of 3 x 2 points, 10 runs at each: the error grows with the force, a run with a force of 3 falls
@@ -40,8 +35,7 @@ CampaignReport Example() {
   return report;
 }
 
-class CampaignReportTest : public ::testing::Test {
- protected:
+struct CampaignReportTest : ::testing::Test {
   ~CampaignReportTest() override { std::filesystem::remove(file); }
   Json Data(const CampaignReport& report) const {
     report.Write(file);
@@ -114,7 +108,6 @@ using CampaignPageTest = testing::BrowserTest;
 
 TEST_F(CampaignPageTest, ShowsItAll) {
   const std::filesystem::path file = test::TemporaryPath("tenon_campaign_page.html");
-  testing::Browser browser;
   CampaignReport many = Example();
   for (std::size_t run = 60; run < 30'000; ++run) {
     many.runs.push_back(many.runs[run % 60]);
@@ -129,22 +122,20 @@ TEST_F(CampaignPageTest, ShowsItAll) {
   for (const CampaignReport& report : {Example(), many, one, none, failed}) {
     report.Write(file);
     browser.Open(file);
-    EXPECT_EQ(browser.Evaluate("window.tenonCampaign.ready"), true) << report.title;
-    EXPECT_EQ(browser.Evaluate("document.querySelector('h1').textContent"), report.title);
+    EXPECT_EQ(Js("window.tenonCampaign.ready"), true) << report.title;
+    EXPECT_EQ(Js("document.querySelector('h1').textContent"), report.title);
     EXPECT_THAT(browser.complaints(), IsEmpty()) << report.title;
   }
   Example().Write(file);
   browser.Open(file);
-  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#map rect').length"), 6);
-  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#survival circle').length"), 6);
-  EXPECT_EQ(browser.Evaluate("document.querySelector('#picks a').getAttribute('href')"),
-            "run_45/report.html");
-  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#lines path').length"), 60);
+  EXPECT_EQ(Js("document.querySelectorAll('#map rect').length"), 6);
+  EXPECT_EQ(Js("document.querySelectorAll('#survival circle').length"), 6);
+  EXPECT_EQ(Js("document.querySelector('#picks a').getAttribute('href')"), "run_45/report.html");
+  EXPECT_EQ(Js("document.querySelectorAll('#lines path').length"), 60);
   // Another colour: the median of the error.
-  browser.Evaluate(
-      "(() => { const s = document.querySelectorAll('#map select')[2]; s.value = 1; "
-      "s.dispatchEvent(new Event('change')); })()");
-  EXPECT_EQ(browser.Evaluate("document.querySelector('#map rect title').textContent"),
+  Js("(() => { const s = document.querySelectorAll('#map select')[2]; s.value = 1; s.dispatchEvent(new "
+     "Event('change')); })()");
+  EXPECT_EQ(Js("document.querySelector('#map rect title').textContent"),
             "friction = 0.3, force_N = 1: 0.045");
   EXPECT_THAT(testing::LayoutFaults(browser), IsEmpty());
   std::filesystem::remove(file);
@@ -152,33 +143,26 @@ TEST_F(CampaignPageTest, ShowsItAll) {
 
 TEST_F(CampaignPageTest, DrawsAnyTwoColumns) {
   const std::filesystem::path file = test::TemporaryPath("tenon_campaign_scatter.html");
-  testing::Browser browser;
   Example().Write(file);
   browser.Open(file);
-  browser.Evaluate(R"(window.choose = (select, text) => {
+  Js(R"(window.choose = (select, text) => {
     const list = document.querySelectorAll('#scatter select')[select];
     list.value = [...list.options].findIndex((option) => option.textContent === text);
     list.dispatchEvent(new Event('change'));
   })");
-  browser.Evaluate(
-      "window.points = () => [...document.querySelectorAll('#scatter path')].filter((p) => p.onclick)");
-  EXPECT_EQ(browser.Evaluate("[points().length, points().filter((p) => p.classList.contains('bad')).length]"),
+  Js("window.points = () => [...document.querySelectorAll('#scatter path')].filter((p) => p.onclick)");
+  EXPECT_EQ(Js("[points().length, points().filter((p) => p.classList.contains('bad')).length]"),
             Json({60, 10}));
-  EXPECT_EQ(browser.Evaluate(
-                "[...document.querySelectorAll('#scatter select')[0].options].map((o) => o.textContent)"),
+  EXPECT_EQ(Js("[...document.querySelectorAll('#scatter select')[0].options].map((o) => o.textContent)"),
             Json({"force [N]", "friction", "mass [kg]", "error max [m]"}));
-  EXPECT_EQ(browser.Evaluate("points().at(-1).querySelector('title').textContent"),
-            "run 49, seed 149, failed");
-  browser.Evaluate("points().at(-1).onclick()");
-  EXPECT_EQ(browser.Evaluate("document.querySelector('#scatter .repeat code').textContent"),
-            "again --replay 49");
-  browser.Evaluate("(choose(0, 'friction'), choose(1, 'mass [kg]'), choose(2, 'force [N]'))");
-  EXPECT_EQ(browser.Evaluate("new Set(points().map((p) => p.getAttribute('d').split(/[M,]/)[1])).size"), 2)
-      << "two places";
-  EXPECT_EQ(browser.Evaluate("new Set(points().map((p) => p.getAttribute('stroke'))).size"), 3)
+  EXPECT_EQ(Js("points().at(-1).querySelector('title').textContent"), "run 49, seed 149, failed");
+  Js("points().at(-1).onclick()");
+  EXPECT_EQ(Js("document.querySelector('#scatter .repeat code').textContent"), "again --replay 49");
+  Js("(choose(0, 'friction'), choose(1, 'mass [kg]'), choose(2, 'force [N]'))");
+  EXPECT_EQ(Js("new Set(points().map((p) => p.getAttribute('d').split(/[M,]/)[1])).size"), 2) << "two places";
+  EXPECT_EQ(Js("new Set(points().map((p) => p.getAttribute('stroke'))).size"), 3)
       << "a colour for each force";
-  const Json pictures =
-      browser.Evaluate(R"(Object.fromEntries(tenonCampaign.pictures().map(([title, text]) => {
+  const Json pictures = Js(R"(Object.fromEntries(tenonCampaign.pictures().map(([title, text]) => {
     const page = new DOMParser().parseFromString(text, 'application/xml');
     return [title, [page.documentElement.tagName, page.querySelectorAll('[class]').length, [...page.querySelectorAll('text')].map((t) => t.textContent).join('|')]];
   })))");

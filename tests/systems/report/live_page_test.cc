@@ -7,7 +7,6 @@
 #include <tenon/tests/testing/temporary_path.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <httplib.h>
 
 #include <condition_variable>
@@ -18,11 +17,7 @@ namespace tenon::live_page_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using ::testing::AllOf;
-using testing::Browser;
-using ::testing::Each;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using ::testing::AllOf, ::testing::Each, ::testing::HasSubstr, ::testing::IsEmpty;
 
 constexpr auto kPatience = std::chrono::seconds(60);  // only a page that hangs takes so long
 
@@ -200,15 +195,13 @@ Json Samples(double from, double to, double peak = -1) {
           {"frames", {{"time", {from, to}}, {"columns", columns}}}};
 }
 
-class LivePageTest : public testing::BrowserTest {
- protected:
+struct LivePageTest : testing::BrowserTest {
   void Load() {
     run.Greet(Hello(), Samples(0, 1));
     browser.Resize(1000, 600);
     browser.Navigate(run.address());
     ASSERT_TRUE(Until("!!window.tenonReport && tenonReport.ready")) << Json(browser.complaints());
-    browser.Evaluate(
-        "tenonReport.replay.simplify(), tenonReport.replay.simplify()");  // tests have no graphics card
+    Js("tenonReport.replay.simplify(), tenonReport.replay.simplify()");  // tests have no graphics card
   }
   void Open() {
     Load();
@@ -222,18 +215,15 @@ class LivePageTest : public testing::BrowserTest {
   bool Until(const std::string& expression) {
     const auto end = std::chrono::steady_clock::now() + kPatience;
     while (std::chrono::steady_clock::now() < end) {
-      if (browser.Evaluate("new Promise((done) => setTimeout(() => done(!!(" + expression + ")), 5))") ==
-          true)
-        return true;
+      if (Js("new Promise((done) => setTimeout(() => done(!!(" + expression + ")), 5))") == true) return true;
     }
     return false;
   }
   std::string Text(const std::string& selector) {
-    return browser.Evaluate("document.querySelector('" + selector + "').textContent");
+    return Js("document.querySelector('" + selector + "').textContent");
   }
 
   FakeRun run;
-  Browser browser;
 };
 
 TEST_F(LivePageTest, FollowsScrubsAndIsSetBack) {
@@ -248,59 +238,55 @@ TEST_F(LivePageTest, FollowsScrubsAndIsSetBack) {
   // The plots show the newest samples in a moving window, thinned but with every peak.
   run.Send("append", Samples(1, 41, 35.01));
   ASSERT_TRUE(Until("tenonReport.time() === 41"));
-  EXPECT_EQ(browser.Evaluate("tenonReport.plots.window"), Json({31, 41}));
-  browser.Evaluate("tenonReport.follower.span = 30, tenonReport.follower.join()");
+  EXPECT_EQ(Js("tenonReport.plots.window"), Json({31, 41}));
+  Js("tenonReport.follower.span = 30, tenonReport.follower.join()");
   ASSERT_TRUE(Until("tenonReport.plots.plots[0].graph.xAxisRange()[0] === 11"));
-  EXPECT_LT(browser.Evaluate("tenonReport.plots.plots[0].graph.numRows()").get<int>(), 900) << "of 3000";
-  EXPECT_EQ(browser.Evaluate("Math.max(...tenonReport.plots.plots[0].graph.rawData_.map((row) => row[1]))"),
-            7);
+  EXPECT_LT(Js("tenonReport.plots.plots[0].graph.numRows()").get<int>(), 900) << "of 3000";
+  EXPECT_EQ(Js("Math.max(...tenonReport.plots.plots[0].graph.rawData_.map((row) => row[1]))"), 7);
   // Curves keep their colours, however noisy they turn out to be.
+  EXPECT_EQ(Js("(() => { const p = tenonReport.plots.plots[0]; p.series[1].noise = 9; p.measured = "
+               "performance.now(); p.update(p.measured); return p.graph.rawData_.at(-1); })()"),
+            Json({41, 0, 1}));
+  EXPECT_NEAR(Js("tenonReport.replay.runs[0].actors[0].object.position.x").get<double>(), 41, 1e-5);
   EXPECT_EQ(
-      browser.Evaluate("(() => { const p = tenonReport.plots.plots[0]; p.series[1].noise = 9; p.measured = "
-                       "performance.now(); p.update(p.measured); return p.graph.rawData_.at(-1); })()"),
-      Json({41, 0, 1}));
-  EXPECT_NEAR(browser.Evaluate("tenonReport.replay.runs[0].actors[0].object.position.x").get<double>(), 41,
-              1e-5);
-  EXPECT_EQ(
-      browser.Evaluate("tenonReport.runs[0].bands[0].intervals"),
+      Js("tenonReport.runs[0].bands[0].intervals"),
       Json::parse(
           R"([{"time": 0.01, "value": 0, "name": "walk"}, {"time": 1.01, "value": 1, "name": "stand"}])"));
 
   // A page that shows the past stays there until the button is pressed.
-  browser.Evaluate("tenonReport.seek(40)");
+  Js("tenonReport.seek(40)");
   run.Send("append", Samples(41, 42));
   ASSERT_TRUE(Until("tenonReport.duration() === 42"));
-  EXPECT_EQ(browser.Evaluate("[tenonReport.time(), document.querySelector('#live').ariaPressed]"),
-            Json({40, "false"}));
-  EXPECT_EQ(browser.Evaluate("tenonReport.plots.window"), Json({11, 41}));
+  EXPECT_EQ(Js("[tenonReport.time(), document.querySelector('#live').ariaPressed]"), Json({40, "false"}));
+  EXPECT_EQ(Js("tenonReport.plots.window"), Json({11, 41}));
 
   // The run is set back to the time that is shown.
   const std::string back =
       "[...document.querySelectorAll('#transport button')].find((b) => b.textContent === 'back to 40.00 s')";
   ASSERT_TRUE(Until(back));
-  browser.Evaluate(back + ".click()");
+  Js(back + ".click()");
   EXPECT_EQ(run.Await("back"), Json({{"command", "back"}, {"to_s", 40}}));
   run.Send("back", {{"to_s", 40}});
   Status(run.client(), "paused");
   ASSERT_TRUE(Until("tenonReport.live.status.state === 'paused' && tenonReport.time() === 40"));
-  EXPECT_EQ(browser.Evaluate("tenonReport.runs[0].find('loop.force')[0].time.at(-1)"), 40);
-  EXPECT_EQ(browser.Evaluate("tenonReport.runs[0].frames.time.at(-1)"), 1) << "the next was at 41 s";
+  EXPECT_EQ(Js("tenonReport.runs[0].find('loop.force')[0].time.at(-1)"), 40);
+  EXPECT_EQ(Js("tenonReport.runs[0].frames.time.at(-1)"), 1) << "the next was at 41 s";
   browser.Press(" ");
   EXPECT_EQ(run.Await("resume")["command"], "resume");
 
   // Old samples are dropped.
   for (int t = 40; t < 220; t += 20) run.Send("append", Samples(t, t + 20));
   ASSERT_TRUE(Until("tenonReport.time() === 220"));
-  EXPECT_GT(browser.Evaluate("tenonReport.runs[0].start").get<double>(), 60);
-  EXPECT_LT(browser.Evaluate("tenonReport.runs[0].find('loop.force')[0].time.length").get<int>(), 15100);
-  EXPECT_EQ(browser.Evaluate("tenonReport.runs[0].find('loop.force')[0].values.length === "
-                             "tenonReport.runs[0].find('loop.force')[0].time.length"),
+  EXPECT_GT(Js("tenonReport.runs[0].start").get<double>(), 60);
+  EXPECT_LT(Js("tenonReport.runs[0].find('loop.force')[0].time.length").get<int>(), 15100);
+  EXPECT_EQ(Js("tenonReport.runs[0].find('loop.force')[0].values.length === "
+               "tenonReport.runs[0].find('loop.force')[0].time.length"),
             true);
 
   // JSON has no numbers that are not finite: they arrive as null.
   run.Send("append", {{"time", {220.5}}, {"values", {{nullptr}, {1}}}});
   ASSERT_TRUE(Until("tenonReport.time() === 220.5"));
-  EXPECT_EQ(browser.Evaluate("Number.isNaN(tenonReport.runs[0].find('loop.force')[0].values.at(-1))"), true);
+  EXPECT_EQ(Js("Number.isNaN(tenonReport.runs[0].find('loop.force')[0].values.at(-1))"), true);
 
   // A run that a monitor ended can be set back.
   run.Send("status", {{"time", 220},
@@ -317,15 +303,14 @@ TEST_F(LivePageTest, FollowsScrubsAndIsSetBack) {
   ASSERT_TRUE(Until("!tenonReport.live.ended"));
 
   // After a lost connection the page loads everything again.
-  browser.Evaluate(
-      "window.texts = new Set(); new MutationObserver(() => texts.add(document.querySelector('#run-bar "
-      ".verdict').textContent)).observe(document.querySelector('#run-bar'), {childList: true, subtree: "
-      "true})");
+  Js("window.texts = new Set(); new MutationObserver(() => texts.add(document.querySelector('#run-bar "
+     ".verdict').textContent)).observe(document.querySelector('#run-bar'), {childList: true, subtree: "
+     "true})");
   run.Greet(Hello(), Samples(300, 301));
   run.Disconnect();
   ASSERT_TRUE(Until("tenonReport.time() === 301"));
-  EXPECT_EQ(browser.Evaluate("texts.has('connection lost, trying again …')"), true);
-  EXPECT_EQ(browser.Evaluate("tenonReport.runs[0].start"), 300);
+  EXPECT_EQ(Js("texts.has('connection lost, trying again …')"), true);
+  EXPECT_EQ(Js("tenonReport.runs[0].start"), 300);
   EXPECT_THAT(browser.complaints(), Each(HasSubstr("ERR_INCOMPLETE_CHUNKED_ENCODING")))
       << "the lost connection alone";
   EXPECT_THAT(browser.requests(), Each(HasSubstr(run.address())));
@@ -343,9 +328,8 @@ TEST_F(LivePageTest, DrivesPullsAndTunes) {
   EXPECT_EQ(run.Await("drive")["velocity"], Json({0, 0, 0}));
   // The stick, to the left and back; a gamepad.
   const auto middle = [&](const std::string& selector) {
-    return browser.Evaluate(
-        "(() => { const b = document.querySelector('" + selector +
-        "').getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; })()");
+    return Js("(() => { const b = document.querySelector('" + selector +
+              "').getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; })()");
   };
   const Json stick = middle(".stick");
   browser.Mouse("mousePressed", stick[0], stick[1]);
@@ -353,20 +337,18 @@ TEST_F(LivePageTest, DrivesPullsAndTunes) {
   EXPECT_EQ(run.Await("drive")["velocity"], Json({0, 0.4, 0}));
   browser.Mouse("mouseReleased", stick[0], stick[1]);
   EXPECT_EQ(run.Await("drive")["velocity"], Json({0, 0, 0}));
-  browser.Evaluate("navigator.getGamepads = () => [null, {axes: [0, 1, 0, 0]}], 0");
+  Js("navigator.getGamepads = () => [null, {axes: [0, 1, 0, 0]}], 0");
   EXPECT_EQ(run.Await("drive")["velocity"], Json({-0.5, 0, 0}));
-  browser.Evaluate("navigator.getGamepads = () => [], 0");
+  Js("navigator.getGamepads = () => [], 0");
   EXPECT_EQ(run.Await("drive")["velocity"], Json({0, 0, 0}));
-  browser.Evaluate(
-      "[...document.querySelectorAll('#drive button')].find((b) => b.textContent === 'walk').click()");
+  Js("[...document.querySelectorAll('#drive button')].find((b) => b.textContent === 'walk').click()");
   EXPECT_EQ(run.Await("gait")["name"], "walk");
-  browser.Evaluate(
-      "[...document.querySelectorAll('#drive button')].find((b) => b.textContent === 'drop').click()");
+  Js("[...document.querySelectorAll('#drive button')].find((b) => b.textContent === 'drop').click()");
   EXPECT_EQ(run.Await("load")["mass_kg"], 3);
 
   // The trunk stands in the middle of its box on the screen.
-  browser.Evaluate("tenonReport.replay.render()");
-  const Json trunk = browser.Evaluate(R"((() => {
+  Js("tenonReport.replay.render()");
+  const Json trunk = Js(R"((() => {
     const {camera, renderer, runs} = tenonReport.replay, box = renderer.domElement.getBoundingClientRect();
     const {x, y} = runs[0].actors[0].object.position.clone().project(camera);
     return [box.left + box.width * (1 + x) / 2, box.top + box.height * (1 - y) / 2];
@@ -381,16 +363,15 @@ TEST_F(LivePageTest, DrivesPullsAndTunes) {
   EXPECT_GT(pull["target_W"][2], pull["point_W"][2]) << "up";
   const std::string from_camera =
       "tenonReport.replay.camera.getWorldDirection(new THREE.Vector3()).dot(new THREE.Vector3(...";
-  EXPECT_NEAR(browser.Evaluate(from_camera + pull["point_W"].dump() + "))").get<double>(),
-              browser.Evaluate(from_camera + pull["target_W"].dump() + "))").get<double>(), 1e-4)
+  EXPECT_NEAR(Js(from_camera + pull["point_W"].dump() + "))").get<double>(),
+              Js(from_camera + pull["target_W"].dump() + "))").get<double>(), 1e-4)
       << "in the plane that faces the camera";
   run.Send("pull",
            {{"body", "trunk"}, {"point_W", {1, 0, 0.3}}, {"target_W", {1, 0, 0.7}}, {"force_N", 123.4}});
   ASSERT_TRUE(Until("!document.querySelector('#force').hidden"));
   EXPECT_EQ(Text("#force"), "123 N at trunk");
-  EXPECT_EQ(
-      browser.Evaluate("[tenonReport.grab.arrow.object.visible, tenonReport.grab.arrow.object.position.x]"),
-      Json({true, 1}));
+  EXPECT_EQ(Js("[tenonReport.grab.arrow.object.visible, tenonReport.grab.arrow.object.position.x]"),
+            Json({true, 1}));
   browser.Mouse("mouseReleased", trunk[0], trunk[1]);
   EXPECT_EQ(run.Await("release")["command"], "release");
   run.Send("pull", Json::object());
@@ -398,34 +379,31 @@ TEST_F(LivePageTest, DrivesPullsAndTunes) {
 
   // A refused value is reset, and the reason is shown.
   const auto enter = [&](const std::string& selector, const std::string& value, const std::string& event) {
-    browser.Evaluate("(() => { const field = document.querySelector('" + selector + "'); field.value = '" +
-                     value + "'; field.dispatchEvent(new Event('" + event + "')); })()");
+    Js("(() => { const field = document.querySelector('" + selector + "'); field.value = '" + value +
+       "'; field.dispatchEvent(new Event('" + event + "')); })()");
   };
   enter("#tune input[type=search]", "spring", "input");
   EXPECT_EQ(Text("#tune .head small"), "above 0 N/m");
-  EXPECT_EQ(
-      browser.Evaluate("(({min, max}) => [min, max])(document.querySelector('#tune input[type=range]'))"),
-      Json({"0.2", "200"}))
+  EXPECT_EQ(Js("(({min, max}) => [min, max])(document.querySelector('#tune input[type=range]'))"),
+            Json({"0.2", "200"}))
       << "the open end is approached";
   enter("#tune input[type=number]", "-5", "change");
   EXPECT_EQ(run.Await("parameter"),
             Json::parse(R"({"command": "parameter", "path": "loop.pd.stiffness", "value": -5})"));
   ASSERT_TRUE(Until("document.querySelector('.refusal').textContent"));
   EXPECT_THAT(Text(".refusal"), HasSubstr("stiffness"));
-  EXPECT_EQ(browser.Evaluate("document.querySelector('#tune input[type=number]').value"), "100");
+  EXPECT_EQ(Js("document.querySelector('#tune input[type=number]').value"), "100");
   enter("#tune input[type=range]", "150", "input");
   EXPECT_EQ(run.Await("parameter")["value"], 150);
   run.Send("parameter", {{"path", "loop.pd.stiffness"}, {"value", 140}});
   ASSERT_TRUE(Until("document.querySelector('#tune input[type=number]').value === '140'"));
   EXPECT_TRUE(Until("document.querySelector('.refusal').textContent === ''"));
 
-  browser.Evaluate("HTMLAnchorElement.prototype.click = function() { window.saved = this.download; }, 0");
-  browser.Evaluate(
-      "tenonReport.follower.join(), [...document.querySelectorAll('#run-bar button')].find((b) => "
-      "b.textContent === "
-      "'save scenario').click()");
+  Js("HTMLAnchorElement.prototype.click = function() { window.saved = this.download; }, 0");
+  Js("tenonReport.follower.join(), [...document.querySelectorAll('#run-bar button')].find((b) => "
+     "b.textContent === 'save scenario').click()");
   ASSERT_TRUE(Until("window.saved"));
-  EXPECT_EQ(browser.Evaluate("saved"), "scenario.yaml");
+  EXPECT_EQ(Js("saved"), "scenario.yaml");
 
   EXPECT_EQ(testing::UnnamedControls(browser), Json::array());
 
@@ -434,23 +412,20 @@ TEST_F(LivePageTest, DrivesPullsAndTunes) {
   ASSERT_TRUE(Until("!tenonReport.live.drives"));
   run.Await("save");
   EXPECT_THAT(Text("#run-bar"), AllOf(HasSubstr("another browser drives"), HasSubstr("take over")));
-  EXPECT_EQ(
-      browser.Evaluate(
-          "[...document.querySelectorAll('#run-bar fieldset, #drive fieldset, #tune fieldset')].every((f) => "
-          "f.disabled)"),
-      true);
+  EXPECT_EQ(Js("[...document.querySelectorAll('#run-bar fieldset, #drive fieldset, #tune "
+               "fieldset')].every((f) => f.disabled)"),
+            true);
   browser.Press("w");
   browser.Mouse("mousePressed", trunk[0], trunk[1]);
   browser.Mouse("mouseReleased", trunk[0], trunk[1]);
-  browser.Evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))");
+  Js("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))");
   EXPECT_EQ(run.num_commands(), 0U);
   for (const int width : {400, 1000, 1800}) {
     browser.Resize(width, 800);
-    EXPECT_LE(browser
-                  .Evaluate("new Promise((done) => requestAnimationFrame(() => "
-                            "done(document.documentElement.scrollWidth)))")
-                  .get<int>(),
-              width)
+    EXPECT_LE(
+        Js("new Promise((done) => requestAnimationFrame(() => done(document.documentElement.scrollWidth)))")
+            .get<int>(),
+        width)
         << "no scrolling sideways";
   }
   EXPECT_THAT(browser.complaints(), Each(HasSubstr("400 (Bad Request)"))) << "what was refused alone";

@@ -4,18 +4,13 @@
 #include <tenon/tests/systems/report/page_layout.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <nlohmann/json.hpp>
-
 namespace tenon::report_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
-using ::testing::SizeIs;
+using ::testing::ElementsAre, ::testing::IsEmpty, ::testing::SizeIs;
 
-using test::FileText;
-using testing::DataOf;
+using test::FileText, testing::DataOf;
 
 template <class T>
 std::vector<T> Numbers(const Json& json) {
@@ -35,11 +30,10 @@ Samples SamplesOf(const Json& run, const std::string& name) {
     for (const Json& column : group.at("columns")) {
       if (column.at("name") != name) continue;
       Samples samples{column.at("unit"), {}, Numbers<float>(column.at("values"))};
-      for (const std::uint16_t row : Numbers<std::uint16_t>(group.at("rows"))) {
+      for (const std::uint16_t row : Numbers<std::uint16_t>(group.at("rows")))
         samples.time.push_back(time.is_string()
                                    ? times.at(row)
                                    : time.at("start").get<double>() + row * time.at("step").get<double>());
-      }
       return samples;
     }
   }
@@ -48,8 +42,7 @@ Samples SamplesOf(const Json& run, const std::string& name) {
 }
 
 /// A cart that moves, drawn with an arrow, a wall and a mesh.
-class ReportTest : public ::testing::Test {
- protected:
+struct ReportTest : ::testing::Test {
   ReportTest() {
     cart = &builder.Add<Cart>("cart");
     force = &builder.AddFunction({"force", "N"}, Sampled{Hz(10)}, Uses(builder.time),
@@ -72,8 +65,7 @@ class ReportTest : public ::testing::Test {
   ~ReportTest() override { fs::remove(file); }
 
   /// The shapes of the cart.
-  class Look final : public Leaf {
-   public:
+  struct Look final : Leaf {
     explicit Look(const Geometry& model) : geometry(this, {"geometry"}, model, Uses(x), &Look::Calc) {}
     InputPort<Vec<2>> x{this, {"x", "m, m/s", "position, velocity"}};
     OutputPort<Geometry> geometry;
@@ -335,8 +327,7 @@ TEST_F(ReportTest, VariantsShareOnePage) {
 }
 
 /// The directory that an app writes for a run.
-class ReadReportTest : public ReportTest {
- protected:
+struct ReadReportTest : ReportTest {
   ReadReportTest() : directory(file.parent_path() / (file.stem().string() + "_run")) {
     fs::create_directories(directory);
   }
@@ -413,8 +404,7 @@ TEST_F(ReadReportTest, WhatIsMissingOrWrongIsNamed) {
 }
 
 /// A hundred arrows that all move, and as many signals.
-class Swarm final : public LeafSystem<void> {
- public:
+struct Swarm final : LeafSystem<void> {
   OutputPort<Vec<100>> waves{
       this, {"waves"}, Uses(time), [](double t) {
         return Vec<100>(Vec<100>::LinSpaced(1, 100).unaryExpr([t](double f) { return std::sin(f * t); }));

@@ -4,13 +4,9 @@
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <nlohmann/json.hpp>
-
 namespace tenon::volume_report_test {
 
-using ::testing::Each;
-using ::testing::IsEmpty;
-using ::testing::StartsWith;
+using ::testing::Each, ::testing::IsEmpty, ::testing::StartsWith;
 using State = VolumeReport::State;
 
 /// A box of 4 x 3 x 2 cells: a block of 2 x 2 x 2 cells holds, one beside it is undecided, the rest fails.
@@ -37,28 +33,25 @@ VolumeReport Example() {
           .maps = {map, other}};
 }
 
-class VolumeReportTest : public testing::BrowserTest {
- protected:
+struct VolumeReportTest : testing::BrowserTest {
   ~VolumeReportTest() override { std::filesystem::remove(file); }
   const std::filesystem::path file = test::TemporaryPath("tenon_volume_report.html");
 };
 
 TEST_F(VolumeReportTest, PageShowsCellsSlicesAndTheirSurface) {
   Example().Write(file);
-  testing::Browser browser;
   browser.Open(file);
-  ASSERT_EQ(browser.Evaluate("!!window.tenonVolume && tenonVolume.ready"), true)
+  ASSERT_EQ(Js("!!window.tenonVolume && tenonVolume.ready"), true)
       << nlohmann::json(browser.complaints()).dump();
-  EXPECT_EQ(browser.Evaluate("document.querySelector('h1').textContent"), "box </script> & more");
-  EXPECT_EQ(browser.Evaluate("[...document.querySelectorAll('#figures td')].map((cell) => cell.textContent)"),
+  EXPECT_EQ(Js("document.querySelector('h1').textContent"), "box </script> & more");
+  EXPECT_EQ(Js("[...document.querySelectorAll('#figures td')].map((cell) => cell.textContent)"),
             nlohmann::json({"8", "m³", "–", "N"}));
-  EXPECT_EQ(browser.Evaluate(
-                "[tenonVolume.state(1, 1, 1), tenonVolume.state(2, 0, 0), tenonVolume.state(2, 0, 1)]"),
+  EXPECT_EQ(Js("[tenonVolume.state(1, 1, 1), tenonVolume.state(2, 0, 0), tenonVolume.state(2, 0, 1)]"),
             nlohmann::json({2, 1, 0}));
-  EXPECT_EQ(browser.Evaluate("document.querySelectorAll('#slices canvas').length"), 3);
+  EXPECT_EQ(Js("document.querySelectorAll('#slices canvas').length"), 3);
 
   // The colour of a cell in the slice across z: what holds is coloured, what fails is white.
-  const nlohmann::json colours = browser.Evaluate(R"((() => {
+  const nlohmann::json colours = Js(R"((() => {
     const canvas = document.querySelector('#slices canvas'), width = parseFloat(canvas.style.width);
     const ratio = canvas.width / width, scale = Math.min((width - 56) / 4, 100);
     const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
@@ -71,16 +64,14 @@ TEST_F(VolumeReportTest, PageShowsCellsSlicesAndTheirSurface) {
   EXPECT_NE(colours[1], "255,255,255");
 
   // A block of 2 x 2 x 2 cells has 24 faces of cells.
-  if (browser.Evaluate("tenonVolume.webgl") == true) {
-    EXPECT_EQ(browser.Evaluate("tenonVolume.faces"), 24);
-    EXPECT_EQ(browser.Evaluate("tenonVolume.replay.runs[0].group.children.filter((c) => c.isMesh).length"),
-              1);
+  if (Js("tenonVolume.webgl") == true) {
+    EXPECT_EQ(Js("tenonVolume.faces"), 24);
+    EXPECT_EQ(Js("tenonVolume.replay.runs[0].group.children.filter((c) => c.isMesh).length"), 1);
   }
-  browser.Evaluate("tenonVolume.colour(1)");
-  browser.Evaluate("tenonVolume.show(1)");
+  Js("tenonVolume.colour(1)");
+  Js("tenonVolume.show(1)");
   EXPECT_EQ(
-      browser.Evaluate(
-          "[...document.querySelectorAll('#choosers select')].map((s) => s.selectedOptions[0].textContent)"),
+      Js("[...document.querySelectorAll('#choosers select')].map((s) => s.selectedOptions[0].textContent)"),
       nlohmann::json({"turns", "margin [N]"}));
   EXPECT_THAT(browser.complaints(), IsEmpty());
   EXPECT_THAT(browser.requests(), Each(StartsWith("file:")));
