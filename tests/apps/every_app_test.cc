@@ -8,11 +8,7 @@
 namespace tenon::every_app_test {
 
 namespace fs = std::filesystem;
-using test::Read;
-using ::testing::AllOf;
-using ::testing::ContainsRegex;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
+using test::Read, ::testing::AllOf, ::testing::ContainsRegex, ::testing::HasSubstr, ::testing::StartsWith;
 
 struct App {
   std::string name, path;
@@ -24,8 +20,7 @@ struct App {
   friend void PrintTo(const App& app, std::ostream* out) { *out << app.name; }
 };
 
-class EveryAppTest : public test::AppTest, public ::testing::WithParamInterface<App> {
- protected:
+struct EveryAppTest : test::AppTest, ::testing::WithParamInterface<App> {
   EveryAppTest() : AppTest(GetParam().path) {}
 };
 
@@ -149,8 +144,7 @@ TEST_P(EveryAppTest, RefusesAnOutputDirectoryThatCannotBeMade) {
 struct PathRun {
   std::string name, app, run, tolerance, without_path;
 };
-class PathTest : public test::AppTest, public ::testing::WithParamInterface<PathRun> {
- protected:
+struct PathTest : test::AppTest, ::testing::WithParamInterface<PathRun> {
   PathTest() : AppTest(GetParam().app) {}
 };
 

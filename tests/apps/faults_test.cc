@@ -7,13 +7,8 @@
 
 namespace tenon::faults_test {
 
-using test::Column;
-using test::Read;
-using test::Result;
-using test::RunCommand;
-using ::testing::AnyOf;
-using ::testing::Contains;
-using ::testing::HasSubstr;
+using test::Column, test::Read, test::Result, test::RunCommand, ::testing::AnyOf, ::testing::Contains,
+    ::testing::HasSubstr;
 
 const std::string kQuadruped = TENON_QUADRUPED, kGuideDog = TENON_GUIDE_DOG, kCdpr = TENON_CDPR;
 
@@ -45,8 +40,7 @@ const std::vector<std::string> kKinds{"kind: drop_out",
                                       "kind: late, samples: 5",
                                       "kind: lost, probability: 0.5"};
 
-class FaultsTest : public test::AppTest, public ::testing::WithParamInterface<FaultyCase> {
- protected:
+struct FaultsTest : test::AppTest, ::testing::WithParamInterface<FaultyCase> {
   /// Runs 0.2 s of a case with faults and returns its summary.
   nlohmann::json Run(const FaultyCase& faulty, const std::string& faults, const std::string& more = "") {
     const Result result = RunCommand(faulty.app + " " + faulty.scenario + " --duration 0.2 --set 'faults=[" +

@@ -16,22 +16,19 @@
 #include <tenon/systems/simulation/simulator.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace tenon::apps::figures_test {
 
 constexpr double kDuration = 0.05;  // [s]
 
 /// A supervisor that passes the command on.
-class OwnSupervisor final : public LeafSystem<void> {
- public:
+struct OwnSupervisor final : LeafSystem<void> {
   InputPort<WalkCommand> command{this, {"command"}};
   OutputPort<WalkCommand> walk{this, {"walk"}, Uses(command), [](const WalkCommand& walk) { return walk; }};
 };
 
 /// A whole-body controller with a spring and a damper at each joint.
-class OwnWholeBody final : public LeafSystem<Vec<12>> {
- public:
+struct OwnWholeBody final : LeafSystem<Vec<12>> {
   using LeafSystem::LeafSystem;
   InputPort<LeggedState> state{this, {"state"}};
   OutputPort<Vec<12>> torque{
@@ -43,15 +40,13 @@ class OwnWholeBody final : public LeafSystem<Vec<12>> {
 };
 
 /// An observer that estimates no disturbance.
-class OwnObserver final : public LeafSystem<void> {
- public:
+struct OwnObserver final : LeafSystem<void> {
   OutputPort<WrenchEstimate> wrench{this, {"wrench"}, Uses(), [] { return WrenchEstimate(); }};
   OutputPort<LegForceEstimate> leg_forces{this, {"leg_forces"}, Uses(), [] { return LegForceEstimate(); }};
 };
 
 /// An estimator whose input is the true state.
-class OwnEstimator final : public LeafSystem<void> {
- public:
+struct OwnEstimator final : LeafSystem<void> {
   InputPort<LeggedState> truth{this, {"truth"}};
   OutputPort<LeggedState> state{this, {"state"}, Uses(truth), [](const LeggedState& x) { return x; }};
   OutputPort<ImuMeasurement> inertial{this, {"inertial"}, Uses(), [] { return ImuMeasurement(); }};
@@ -61,24 +56,21 @@ class OwnEstimator final : public LeafSystem<void> {
 class Nothing final : public LeafSystem<void> {};
 
 /// A monitor that sees a fall at 20 ms, or another fault.
-class OwnMonitor final : public LeafSystem<std::string> {
- public:
+struct OwnMonitor final : LeafSystem<std::string> {
   using LeafSystem::LeafSystem;
   Monitor fault{this, params, Sampled{Hz(1000)}, Uses(time),
                 [](double time) { return time > 0.02 ? Verdict("it is over") : Verdict(); }};
 };
 
 /// An MPC with constant tensions.
-class OwnMpc final : public LeafSystem<CableVector> {
- public:
+struct OwnMpc final : LeafSystem<CableVector> {
   using LeafSystem::LeafSystem;
   InputPort<PlatformEstimate> estimate{this, {"estimate"}};
   OutputPort<CableVector> command{this, {"command", "N"}, params, Uses(), [](CableVector*) {}};
 };
 
 /// A PD controller without gains.
-class OwnPd final : public LeafSystem<void> {
- public:
+struct OwnPd final : LeafSystem<void> {
   InputPort<CdprReference> reference{this, {"reference"}};
   OutputPort<CableVector> command{
       this,
@@ -119,8 +111,7 @@ Summary RunWith(Simulator& simulator, const std::vector<const Source*>& signals,
   return summary;
 }
 
-class WalkTest : public ::testing::Test {
- protected:
+struct WalkTest : ::testing::Test {
   explicit WalkTest(const std::string& scenario = "A1")
       : scenario_(Read<QuadrupedScenario>(scenario, "tenon-quadruped")),
         loop_(builder_.Add<QuadrupedWalk>("loop", MakeWalkParams(scenario_))) {}
@@ -137,8 +128,7 @@ class WalkTest : public ::testing::Test {
   DiagramBuilder builder_;
   QuadrupedWalk& loop_;
 };
-class EstimatedWalkTest : public WalkTest {
- protected:
+struct EstimatedWalkTest : WalkTest {
   EstimatedWalkTest() : WalkTest("estimated") {}
 };
 

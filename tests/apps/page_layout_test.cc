@@ -7,12 +7,9 @@
 namespace tenon::page_layout_test {
 
 namespace fs = std::filesystem;
-using tenon::testing::Browser;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using tenon::testing::Browser, ::testing::HasSubstr, ::testing::IsEmpty;
 
-class PageLayoutTest : public test::AppTest {
- protected:
+struct PageLayoutTest : test::AppTest {
   void SetUp() override { testing::RequireBrowser(); }
   /// Runs an app, which prints the path of its page.
   void Run(const std::string& app, const std::string& arguments, const fs::path& directory) const {

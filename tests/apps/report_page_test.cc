@@ -10,13 +10,11 @@
 namespace tenon::report_page_test {
 
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using ::testing::HasSubstr, ::testing::IsEmpty;
 using Json = nlohmann::json;
 using tenon::testing::Browser;
 
-class ReportPageTest : public ::testing::Test {
- protected:
+struct ReportPageTest : ::testing::Test {
   static void SetUpTestSuite() {
     out = test::TemporaryPath("tenon_ReportPageTest");
     const test::Result result =

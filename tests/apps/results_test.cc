@@ -5,12 +5,9 @@
 namespace tenon::results_test {
 
 namespace fs = std::filesystem;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
+using ::testing::AllOf, ::testing::HasSubstr, ::testing::Not;
 
-class ResultsTest : public test::AppTest {
- protected:
+struct ResultsTest : test::AppTest {
   /// Returns the exit code and sets `text` to stdout and stderr.
   int RunResults(const std::string& arguments) {
     const test::Result result =
@@ -126,8 +123,7 @@ TEST_F(ResultsTest, ThePageIsWellFormed) {
 
 /// A small source tree with one table, whose runs depend on controllers/gain.cc and the scenarios walk and
 /// flat, and a program that plays the campaign: its summary.json is the file `figures`.
-class StaleResultsTest : public ResultsTest {
- protected:
+struct StaleResultsTest : ResultsTest {
   void SetUp() override {
     fs::create_directories(out / "tools");
     fs::copy_file(TENON_RESULTS, out / "tools/results");

@@ -3,7 +3,6 @@
 #include <tenon/tests/testing/temporary_path.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include <cstdio>
@@ -55,8 +54,7 @@ inline std::vector<double> Column(const std::filesystem::path& out, const std::s
 
 /// A test that runs an app as its users do. The app writes to the directory `out`, which is removed
 /// afterwards.
-class AppTest : public ::testing::Test {
- protected:
+struct AppTest : ::testing::Test {
   explicit AppTest(std::string app = "") : app(std::move(app)) {}
   ~AppTest() override { std::filesystem::remove_all(out); }
 

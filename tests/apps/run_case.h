@@ -20,8 +20,7 @@ struct Case {
 };
 
 /// A test of the goals of the shipped cases, which runs the apps as a user does.
-class CaseTest : public AppTest {
- protected:
+struct CaseTest : AppTest {
   /// Runs a scenario to its end or to a fall. The arguments may override its keys.
   Case Run(const std::string& app, const std::string& arguments) const {
     const Result result = RunCommand(app + " " + arguments + Out());

@@ -3,15 +3,12 @@
 #include <tenon/apps/common/figure_list.h>
 #include <tenon/tests/apps/run_app.h>
 
-#include <map>
 #include <set>
 
 namespace tenon::thesis_figures_test {
 
 namespace fs = std::filesystem;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
+using ::testing::AllOf, ::testing::HasSubstr, ::testing::Not;
 
 const std::map<std::string, std::string> kApps{
     {"tenon-quadruped", TENON_QUADRUPED}, {"tenon-guide-dog", TENON_GUIDE_DOG}, {"tenon-cdpr", TENON_CDPR}};
@@ -38,8 +35,7 @@ TEST(ThesisFiguresTest, AreAllFiguresOfResults) {
   EXPECT_EQ(found, numbers);
 }
 
-class ThesisFiguresAppTest : public test::AppTest {
- protected:
+struct ThesisFiguresAppTest : test::AppTest {
   ThesisFiguresAppTest() : AppTest(TENON_QUADRUPED) {}
 };
 
@@ -50,8 +46,7 @@ TEST_F(ThesisFiguresAppTest, AreListedWithoutANumberAndForAnUnknownOne) {
   ExpectRefused({{"A6 --figure 2.19", "--figure"}, {"--figure 2.19 --live", "--live"}});
 }
 
-class EveryFigureTest : public test::AppTest, public ::testing::WithParamInterface<apps::ThesisFigure> {
- protected:
+struct EveryFigureTest : test::AppTest, ::testing::WithParamInterface<apps::ThesisFigure> {
   EveryFigureTest() : AppTest(kApps.at(GetParam().app)) {}
 };
 std::string NumberOf(const ::testing::TestParamInfo<apps::ThesisFigure>& info) {

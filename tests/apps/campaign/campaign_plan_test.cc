@@ -6,8 +6,7 @@
 
 namespace tenon::apps::campaign_plan_test {
 
-using ::testing::ElementsAre;
-using ::testing::Pair;
+using ::testing::ElementsAre, ::testing::Pair;
 
 const std::string kHead = "app: tenon-quadruped\nscenario: A4\n";
 

@@ -12,9 +12,7 @@
 namespace tenon::apps::campaign_search_test {
 
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
-using ::testing::internal::CaptureStdout;
-using ::testing::internal::GetCapturedStdout;
+using ::testing::HasSubstr, ::testing::internal::CaptureStdout, ::testing::internal::GetCapturedStdout;
 
 struct BowlScenario : AppScenario {
   double stiffness = 1;
@@ -54,8 +52,7 @@ const std::string kBowl =
     "  failed_run_cost: 100\n"
     "  held_back: {first: 11, count: 3}\n";
 
-class CampaignSearchTest : public ::testing::Test {
- protected:
+struct CampaignSearchTest : ::testing::Test {
   CampaignSearchTest() { fs::create_directories(directory_); }
   ~CampaignSearchTest() override { fs::remove_all(directory_); }
   int Search(const std::string& text, const std::string& out, bool resume = false) {

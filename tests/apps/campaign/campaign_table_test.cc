@@ -13,8 +13,7 @@ CampaignRow Row(int run, const std::string& error, const std::string& mpc = "") 
   return row;
 }
 
-class CampaignTableTest : public ::testing::Test {
- protected:
+struct CampaignTableTest : ::testing::Test {
   ~CampaignTableTest() override { fs::remove(file); }
   std::string Text() const {
     std::ostringstream text;

@@ -8,9 +8,7 @@
 namespace tenon::test::tenon_campaign_test {
 
 namespace fs = std::filesystem;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
+using ::testing::AllOf, ::testing::HasSubstr, ::testing::Not;
 
 const std::string kApp = TENON_CAMPAIGN;
 
@@ -42,8 +40,7 @@ std::map<int, std::string> Rows(const fs::path& table) {
   return rows;
 }
 
-class TenonCampaignTest : public AppTest {
- protected:
+struct TenonCampaignTest : AppTest {
   TenonCampaignTest() { fs::create_directories(out); }
   std::string File(const std::string& text) const { return Write("campaign_file.yaml", text); }
   std::string Walks(int seeds) const {
@@ -335,8 +332,7 @@ TEST_F(TenonCampaignTest, EveryShippedCampaignCanBegin) {
 }
 
 /// Campaigns that mpirun runs in several processes.
-class TenonCampaignMpiTest : public TenonCampaignTest {
- protected:
+struct TenonCampaignMpiTest : TenonCampaignTest {
   void SetUp() override {
     if (RunCommand("command -v mpirun").exit_code == 0) return;
     ASSERT_EQ(std::getenv("TENON_REQUIRE_CLUSTER"), nullptr) << "mpirun is not installed";

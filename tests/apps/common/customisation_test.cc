@@ -29,17 +29,8 @@ namespace controller {
 }
 #undef main
 
-namespace {
-
-using apps::CdprApp;
-using apps::GuideDogApp;
-using apps::Outputs;
-using apps::QuadrupedApp;
-using apps::Tally;
-using test::Read;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
+using apps::CdprApp, apps::GuideDogApp, apps::Outputs, apps::QuadrupedApp, apps::Tally, test::Read,
+    ::testing::AllOf, ::testing::HasSubstr, ::testing::StartsWith;
 
 struct Keys {
   double gain_per_s = 30;
@@ -47,8 +38,7 @@ struct Keys {
   void Validate() const { Demand(gain_per_s > 0, "gain_per_s must be positive"); }
 };
 
-class CustomisationTest : public test::AppTest {
- protected:
+struct CustomisationTest : test::AppTest {
   /// Runs an app with the scenario and options, and returns its exit code.
   int RunIn(const std::string& name, const auto& app, const std::vector<std::string>& arguments) const {
     return CallIn(
@@ -141,8 +131,7 @@ TEST_F(CustomisationTest, ListsAndChecksItsKeys) {
 }
 
 /// A supervisor that lets every command pass.
-class NoSupervisor final : public LeafSystem<void> {
- public:
+struct NoSupervisor final : LeafSystem<void> {
   InputPort<WalkCommand> command{this, {"command"}};
   OutputPort<GuideStatus> status{this, {"status"}, Uses(), [] { return GuideStatus(); }};
   OutputPort<WalkCommand> walk{this, {"walk"}, Uses(command), [](const WalkCommand& c) { return c; }};
@@ -232,8 +221,7 @@ std::vector<Example> Examples() {
            of_cables}};
 }
 
-class ExampleTest : public CustomisationTest, public ::testing::WithParamInterface<Example> {
- protected:
+struct ExampleTest : CustomisationTest, ::testing::WithParamInterface<Example> {
   std::vector<std::string> For(const std::vector<std::string>& faults, const char* duration) const {
     std::string list;
     for (const std::string& fault : faults) list += "{" + fault + ", start_s: 0.01}, ";
@@ -354,8 +342,7 @@ TEST_F(CustomisationTest, AnObserverThatActsNoLongerIsRefused) {
 }
 
 /// Plants of another class, whose parameters the apps do not know.
-class OtherRobot final : public Subdiagram {
- public:
+struct OtherRobot final : Subdiagram {
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<ExternalForces> external{this, {"external"}, ExternalForces{}};
   OutputPort<LeggedState> state{this, {"state"}};
@@ -487,21 +474,4 @@ TEST_F(CustomisationTest, ACaseWhosePointDidNotHappenIsNotFinished) {
   }
 }
 
-// The tutorial's program in a campaign, which runs it in one process per run.
-TEST_F(CustomisationTest, CampaignsRunIt) {
-  const std::string file =
-      Write("bandwidth.yaml", std::string("app: ") + MY_OBSERVER +
-                                  "\nscenario: A1\nduration_s: 0.1\n"
-                                  "set: {walk.judged_from_s: 0}\n"
-                                  "vary: {custom.bandwidth_rad_per_s: {grid: [5, 50]}}\n");
-  const test::Result result = test::RunCommand(std::string(TENON_CAMPAIGN) + " " + file + " --jobs 1 --out " +
-                                               (out / "runs").string());
-  ASSERT_EQ(result.exit_code, 0) << result.text;
-  EXPECT_THAT(Read(out / "runs/runs.csv"), HasSubstr(",dogbot,mine,"));
-  EXPECT_THAT(Read(out / "runs/runs.csv"),
-              AllOf(HasSubstr("custom.bandwidth_rad_per_s"), HasSubstr("\n0,1,5,A1,true,false,"),
-                    HasSubstr("\n1,1,50,A1,true,false,")));
-}
-
-}  // namespace
 }  // namespace tenon::customisation_test

@@ -13,8 +13,7 @@ namespace tenon::test {
 using Json = nlohmann::json;
 
 /// An app that runs live while a test talks to it.
-class LiveAppTest : public AppTest {
- protected:
+struct LiveAppTest : AppTest {
   /// Starts the app and waits for its address.
   void Start(const std::string& command) {
     // If the test fails, timeout(1) ends the app.

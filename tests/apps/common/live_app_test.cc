@@ -2,7 +2,6 @@
 
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <cstdint>
 
@@ -122,8 +121,7 @@ TEST_F(LiveQuadrupedTest, IdleConnectionsDoNotTakeTheDescriptorsOfFiles) {
   for (const int socket : idle) ::close(socket);
 }
 
-class LiveUsageTest : public AppTest {
- protected:
+struct LiveUsageTest : AppTest {
   LiveUsageTest() : AppTest(TENON_QUADRUPED) {}
 };
 

@@ -8,14 +8,11 @@
 
 namespace tenon::test::live_browser_test {
 
-using testing::Browser;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using testing::Browser, ::testing::HasSubstr, ::testing::IsEmpty;
 
 constexpr auto kPatience = std::chrono::seconds(90);  // reached only by a run that hangs
 
-class LiveBrowserTest : public LiveAppTest {
- protected:
+struct LiveBrowserTest : LiveAppTest {
   void SetUp() override { testing::RequireBrowser(); }
   bool Until(const std::string& expression) {
     const auto end = std::chrono::steady_clock::now() + kPatience;

@@ -5,17 +5,11 @@
 namespace tenon::own_app_test {
 
 namespace fs = std::filesystem;
-using test::Read;
-using test::Result;
-using test::RunCommand;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
+using test::Read, test::Result, test::RunCommand, ::testing::AllOf, ::testing::HasSubstr, ::testing::Not;
 
 const std::string kCampaign = TENON_CAMPAIGN, kExample = TENON_APP_EXAMPLE;
 
-class OwnAppTest : public test::AppTest {
- protected:
+struct OwnAppTest : test::AppTest {
   OwnAppTest() : AppTest(CART_APP) {}
 };
 
@@ -98,8 +92,7 @@ TEST_F(OwnAppTest, CtrlCEndsAReplayInGoodOrder) {
 }
 
 /// Campaigns of a shell script that stands for a user's app.
-class ScriptAppTest : public OwnAppTest {
- protected:
+struct ScriptAppTest : OwnAppTest {
   /// Runs a campaign of one run of the script, which succeeds for `--keys`, and returns what it printed.
   Result Campaign(const std::string& script, const std::string& more = "", const std::string& options = "") {
     Write("scenario.yaml", "case: a\n");
@@ -317,8 +310,7 @@ TEST_F(ScriptAppTest, ReplaysBehindLinksAreNotRemoved) {
 }
 
 /// Starts a campaign of a program that does not end, and sends a signal to the campaign.
-class SignalledCampaignTest : public ScriptAppTest {
- protected:
+struct SignalledCampaignTest : ScriptAppTest {
   Result Signal(const std::string& signal) {
     Write("scenario.yaml", "case: a\n");
     Write("app.sh",

@@ -4,23 +4,16 @@
 #include <tenon/systems/simulation.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 namespace tenon::apps::report_scenario_test {
 
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using ::testing::AllOf, ::testing::ElementsAre, ::testing::HasSubstr, ::testing::IsEmpty;
 
 struct Opaque {
   int* pointer = nullptr;
 };
 
 /// A cart at the end of a spring, x'' = -x.
-class Cart final : public LeafSystem<void> {
- public:
+struct Cart final : LeafSystem<void> {
   ContinuousState<Vec<2>> x{this, {"x", "m, m/s", "position, velocity"}};
   OutputPort<Vec<2>> state{this, x};
   OutputPort<double> force{this, {"force", "N"}, Uses(x), [](const Vec<2>& x) { return -x[0]; }};
@@ -30,14 +23,12 @@ class Cart final : public LeafSystem<void> {
       this, {"any"}, Uses(), [](Eigen::VectorXd* value) { *value = Eigen::VectorXd::Ones(2); }};
   TimeDerivative<Vec<2>> dx{x, Uses(x), [](const Vec<2>& x) { return Vec<2>(x[1], -x[0]); }};
 };
-class Pair final : public Subdiagram {
- public:
+struct Pair final : Subdiagram {
   Cart& front = Add<Cart>("front");
   Cart& rear = Add<Cart>("rear");
 };
 
-class LogScenarioTest : public ::testing::Test {
- protected:
+struct LogScenarioTest : ::testing::Test {
   /// The message of the KeyError that is expected.
   std::string Refusal(const ReportScenario& report, const LogScenario& log, const std::string& key) {
     std::vector<const Source*> signals;
@@ -118,8 +109,7 @@ struct Robot {
   }
 };
 
-class Legs final : public LeafSystem<void> {
- public:
+struct Legs final : LeafSystem<void> {
   OutputPort<double> forces{this, {"forces"}, Uses(), [] { return 0.0; }};
   OutputPort<double> force{this, {"force"}, Uses(), [] { return 0.0; }};
   OutputPort<Robot> robot{this, {"robot"}, Uses(), [] { return Robot(); }};
@@ -130,8 +120,7 @@ class Legs final : public LeafSystem<void> {
 };
 
 /// Lacks all ports but one.
-class Other final : public LeafSystem<void> {
- public:
+struct Other final : LeafSystem<void> {
   OutputPort<double> force{this, {"force"}, Uses(), [] { return 0.0; }};
 };
 
@@ -142,8 +131,7 @@ struct Names final : LogSink {
   void Row(std::span<const double>) override {}
 };
 
-class ColumnsTest : public ::testing::Test {
- protected:
+struct ColumnsTest : ::testing::Test {
   /// The names in a log of the signals of the built diagram.
   std::vector<std::string> Log(const std::vector<const Source*>& signals) {
     diagram_ = builder_.Build();

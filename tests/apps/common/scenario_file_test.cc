@@ -11,11 +11,7 @@
 namespace tenon::apps::scenario_file_test {
 
 namespace fs = std::filesystem;
-using ::testing::AllOf;
-using ::testing::Contains;
-using ::testing::HasSubstr;
-using ::testing::Key;
-using ::testing::Not;
+using ::testing::AllOf, ::testing::Contains, ::testing::HasSubstr, ::testing::Key, ::testing::Not;
 
 struct Scenario {
   std::string app;
@@ -39,8 +35,7 @@ std::string ReadText(const fs::path& file) {
 }
 
 /// A user's directory: robots that do not ship, and scenarios that extend each other across directories.
-class ScenarioFileTest : public ::testing::Test {
- protected:
+struct ScenarioFileTest : ::testing::Test {
   ScenarioFileTest() {
     Write("base/base.yaml", "app: mine\nrobot: ../robots/mine.yaml\nspeed_m_per_s: 1\n");
     Write("deep/er/top.yaml", "extends: ../middle.yaml\nspeed_m_per_s: 3\n");

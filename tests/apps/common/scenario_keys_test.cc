@@ -3,9 +3,7 @@
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/yaml.h>
 
-#include <Eigen/Core>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace tenon::apps::scenario_keys_test {
 

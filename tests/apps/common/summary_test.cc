@@ -8,26 +8,14 @@
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <csignal>
 #include <numbers>
 #include <tuple>
 
 namespace tenon::apps::summary_test {
 
-using apps::FigureColumns;
-using apps::FigureLines;
-using apps::FigureTexts;
-using apps::NamedTexts;
-using apps::NumberText;
-using ::testing::Contains;
-using ::testing::ContainsRegex;
-using ::testing::HasSubstr;
-using ::testing::Pair;
+using apps::FigureColumns, apps::FigureLines, apps::FigureTexts, apps::NamedTexts, apps::NumberText,
+    ::testing::Contains, ::testing::ContainsRegex, ::testing::HasSubstr, ::testing::Pair;
 
 Summary Ran() {
   return {"a", 1, {.status = {.time = 1, .ended = false, .reason = ""}, .failure = "", .wall_s = 1}};
@@ -304,8 +292,6 @@ TEST(PathVerdictTest, ARobotMayStartAsideOfItsPath) {
   EXPECT_EQ(Figure(SummaryOf(verdict), "followed"), "true");
 }
 
-namespace {
-
 std::string Said(const std::string& text) {
   ::testing::internal::CaptureStderr();
   Say(text);
@@ -353,7 +339,5 @@ TEST(SignalTest, EndsARunAfterTheStepThatItInterrupts) {
   EXPECT_EQ(outcome.exit_code, 128 + SIGTERM);
   EXPECT_LT(outcome.status.time, 1);
 }
-
-}  // namespace
 
 }  // namespace tenon::apps::summary_test

@@ -6,18 +6,14 @@
 namespace tenon::tenon_report_test {
 
 namespace fs = std::filesystem;
-using test::Result;
-using test::RunCommand;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
+using test::Result, test::RunCommand, ::testing::AllOf, ::testing::HasSubstr;
 using Json = nlohmann::json;
 
 Result RunApp(const std::string& arguments) {
   return RunCommand(std::string(TENON_REPORT) + " " + arguments);
 }
 
-class TenonReportTest : public test::AppTest {
- protected:
+struct TenonReportTest : test::AppTest {
   /// Two short flights, of different scenarios.
   void Fly() {
     for (const auto& [name, scenario] : {std::pair{"circle", "D1"}, {"hang", "D2"}}) {
