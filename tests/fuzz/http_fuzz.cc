@@ -10,11 +10,8 @@
 
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <cstddef>
-#include <cstdint>
 #include <cstdlib>
-#include <string>
 #include <string_view>
 #include <thread>
 

@@ -4,9 +4,6 @@
 #include <tenon/tests/fuzz/refusals.h>
 #include <tenon/tests/fuzz/scratch.h>
 
-#include <cstddef>
-#include <cstdint>
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const tenon::fuzz::Scratch kScratch;
   const std::string file = kScratch.Write("mesh", {reinterpret_cast<const char*>(data), size});

@@ -3,12 +3,6 @@
 #include <tenon/systems/network/internal/json.h>
 #include <tenon/systems/simulation.h>
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
-#include <vector>
-
 namespace {
 
 enum class Phase { kStance, kSwing };

@@ -7,9 +7,6 @@
 #include <tenon/tests/fuzz/refusals.h>
 #include <tenon/tests/fuzz/scratch.h>
 
-#include <cstddef>
-#include <cstdint>
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const tenon::fuzz::Scratch kScratch;
   const std::string text(reinterpret_cast<const char*>(data), size);

@@ -5,9 +5,6 @@
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/tests/fuzz/refusals.h>
 
-#include <cstddef>
-#include <cstdint>
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
   return tenon::fuzz::Try("input.yaml:", [&] {

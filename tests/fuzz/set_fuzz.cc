@@ -4,10 +4,6 @@
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/tests/fuzz/refusals.h>
 
-#include <algorithm>
-#include <cstddef>
-#include <cstdint>
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const auto kScenario = tenon::YamlDocument::Load(tenon::FindResource("scenarios", "flat"));
   const std::string_view text(reinterpret_cast<const char*>(data), size);

@@ -8,13 +8,6 @@
 #include <tenon/systems/simulation.h>
 #include <tenon/tests/fuzz/refusals.h>
 
-#include <algorithm>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
-#include <memory>
-#include <vector>
-
 namespace {
 
 constexpr std::size_t kHeader = 32, kSize = 16, kChecksum = 24;  // where they lie [bytes]
