@@ -24,8 +24,7 @@ long AllocationsOf(const std::function<void*()>& allocate) {
   return count;
 }
 
-class AllocationGuardTest : public ::testing::Test {
- protected:
+struct AllocationGuardTest : ::testing::Test {
   void SetUp() override {
     if (!AllocationGuard::Available()) GTEST_SKIP() << "allocations are not counted in this build";
   }

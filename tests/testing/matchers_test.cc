@@ -4,15 +4,11 @@
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest-spi.h>
 
 namespace tenon::matchers_test {
 
-using ::testing::AllOf;
-using ::testing::EndsWith;
-using ::testing::HasSubstr;
-using ::testing::Not;
+using ::testing::AllOf, ::testing::EndsWith, ::testing::HasSubstr, ::testing::Not;
 
 template <class T, class Matcher>
 std::string Explanation(const T& value, const Matcher& matcher) {
@@ -130,9 +126,8 @@ TEST(DerivativeCheckTest, FindsTheJacobian) {
 }
 
 TEST(DerivativeCheckTest, AcceptsTheRightOne) {
-  for (const Vec<2>& q : {Vec<2>(1.5, 0.4), Vec<2>(0, 0), Vec<2>(300, -2)}) {
+  for (const Vec<2>& q : {Vec<2>(1.5, 0.4), Vec<2>(0, 0), Vec<2>(300, -2)})
     EXPECT_TRUE(IsJacobian(PlaceJacobian(q), Place, q, 1e-8));
-  }
 }
 
 TEST(DerivativeCheckTest, TakesVectorsOfAnySize) {

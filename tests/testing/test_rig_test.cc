@@ -4,8 +4,6 @@
 #include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/test_rig.h>
 
-#include <gtest/gtest.h>
-
 namespace tenon::test_rig_test {
 
 struct PdParams {
@@ -14,8 +12,7 @@ struct PdParams {
   Rate rate = Hz(1000);
   void Validate() const { Demand(kp > 0, "kp must be positive"); }
 };
-class Pd final : public LeafSystem<PdParams> {
- public:
+struct Pd final : LeafSystem<PdParams> {
   using LeafSystem::LeafSystem;
   InputPort<Vec<2>> x{this, {"x", "m, m/s"}};
   InputPort<double> ref{this, {"ref", "m"}};
@@ -26,8 +23,7 @@ class Pd final : public LeafSystem<PdParams> {
 };
 
 /// A mass on a spring, with a count of its ticks and a speed that only a shared value knows.
-class Oscillator final : public LeafSystem<void> {
- public:
+struct Oscillator final : LeafSystem<void> {
   InputPort<double> force{this, {"force", "N"}};
   ContinuousState<Vec<2>> x{this, {"x", "m, m/s"}, Vec<2>(1, 0)};
   DiscreteState<int> ticks{this, "ticks"};
@@ -43,8 +39,7 @@ class Oscillator final : public LeafSystem<void> {
 };
 
 /// Two blocks in one.
-class Pair final : public Subdiagram {
- public:
+struct Pair final : Subdiagram {
   Pair() {
     auto& first = Add<Pd>("first");
     Connect(x, first.x);
@@ -67,8 +62,7 @@ TEST(TestRigTest, HoldsSamplesUntilTheNextTick) {
 }
 
 /// Counts its ticks where no context sees it.
-class Forgetful final : public LeafSystem<void> {
- public:
+struct Forgetful final : LeafSystem<void> {
   OutputPort<int> count{this, "count", Sampled{Hz(10)}, Uses(), [this] { return ++count_; }};
 
  private:
@@ -135,8 +129,7 @@ TEST(TestRigTest, TakesSubdiagrams) {
 }
 
 TEST(TestRigTest, RefusesTicksWithoutSampleTimes) {
-  class Still final : public LeafSystem<void> {
-   public:
+  struct Still final : LeafSystem<void> {
     InputPort<double> u{this, "u"};
     OutputPort<double> y{this, "y", Uses(u), [](double u) { return -u; }};
   };

@@ -16,10 +16,7 @@
 namespace tenon::quadruped_description_test {
 
 namespace fs = std::filesystem;
-using ::testing::AllOf;
-using ::testing::Contains;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
+using ::testing::AllOf, ::testing::Contains, ::testing::ElementsAre, ::testing::HasSubstr;
 const std::string kRobots = TENON_ROBOTS_DIR;
 
 std::string ReadFile(const fs::path& path) {

@@ -9,9 +9,7 @@
 
 namespace tenon::quadruped_model_test {
 
-using test::RandomState;
-using test::RandomVector;
-using test::Velocities;
+using test::RandomState, test::RandomVector, test::Velocities;
 
 /// Constant joint torques and forces on the feet.
 struct Loads {
@@ -67,8 +65,7 @@ auto RateAlongMotion(const QuadrupedModel& model, const Loads& loads, const Legg
   return ((8 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h)).eval();
 }
 
-class QuadrupedModelTest : public ::testing::TestWithParam<const char*> {
- protected:
+struct QuadrupedModelTest : ::testing::TestWithParam<const char*> {
   const QuadrupedDescription robot_ =
       LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/" + GetParam() + ".yaml");
   const QuadrupedModel model_{robot_};

@@ -3,8 +3,6 @@
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/simbody.h>
 
-#include <Eigen/Core>
-
 namespace tenon::test {
 
 /// The quantities of QuadrupedDynamics from Simbody's operators, in Tenon's order of velocities, without

@@ -25,8 +25,7 @@ TEST(RotationBetween, TurnsOppositeDirectionsByHalfATurn) {
 constexpr int kPoints = 50;  // on a segment
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-class SegmentDistanceTest : public ::testing::Test {
- protected:
+struct SegmentDistanceTest : ::testing::Test {
   Vector3d Draw() { return {uniform_(random_), uniform_(random_), uniform_(random_)}; }
 
  private:

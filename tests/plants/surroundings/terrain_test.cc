@@ -11,10 +11,7 @@ constexpr double kRadius = 0.03;
 
 TEST(TerrainTest, IsAPlane) {
   for (const Vec<2>& grade : {Vec<2>(0, 0), Vec<2>(0.3, -0.1)}) {
-    TerrainParams params;
-    params.grade = grade;
-    params.friction = 0.7;
-    const Terrain terrain(params);
+    const Terrain terrain({.grade = grade, .friction = 0.7});
     const Vec<3> normal = Vec<3>(-grade[0], -grade[1], 1).normalized(), on(2, 5, 2 * grade[0] + 5 * grade[1]);
     const Terrain::Surface surface = terrain.At(2, 5);
     EXPECT_NEAR(surface.height, on[2], 1e-14);
@@ -29,9 +26,7 @@ TEST(TerrainTest, IsAPlane) {
 }
 
 Terrain OneBox() {
-  TerrainParams params;
-  params.boxes = {{{1, 2}, {0.4, 0.6}, 0.1, 0.25}};
-  return Terrain(params);
+  return Terrain({.boxes = {{{1, 2}, {0.4, 0.6}, 0.1, 0.25}}});
 }
 
 TEST(TerrainTest, ABoxHasATopSidesAndEdges) {
@@ -74,10 +69,7 @@ TEST(TerrainTest, DepthIsContinuousOverAnEdge) {
 }
 
 TEST(TerrainTest, BoxesOnASlopeStandOnIt) {
-  TerrainParams params;
-  params.grade = {0.5, 0};
-  params.boxes = {{{1, 0}, {0.4, 0.4}, 0.1, 0.4}};
-  const Terrain terrain(params);
+  const Terrain terrain({.grade = {0.5, 0}, .boxes = {{{1, 0}, {0.4, 0.4}, 0.1, 0.4}}});
   const Vec<3> along = Vec<3>(1, 0, 0.5).normalized(), normal = Vec<3>(-0.5, 0, 1).normalized();
   const Vec<3> top = 1.1 * along + 0.1 * normal;
   EXPECT_NEAR(terrain.At(top[0], 0).height, top[2], 1e-14);
@@ -89,10 +81,8 @@ TEST(TerrainTest, BoxesOnASlopeStandOnIt) {
 
 // A high box on a steep slope overhangs the ground beside its lower edge.
 TEST(TerrainTest, HighBoxesOnASlopeAreFoundFromAnywhere) {
-  TerrainParams params;
-  params.grade = {0.5, -0.3};
-  params.boxes = {{{1, 0.5}, {0.2, 0.3}, 0.4, 0.4}, {{3, -2}, {0.2, 0.2}, 0.05, 0.4}};
-  const Terrain terrain(params);
+  const Terrain terrain(
+      {.grade = {0.5, -0.3}, .boxes = {{{1, 0.5}, {0.2, 0.3}, 0.4, 0.4}, {{3, -2}, {0.2, 0.2}, 0.05, 0.4}}});
   const Eigen::Matrix3d R_WS =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), Vec<3>(-0.5, 0.3, 1)).toRotationMatrix();
   for (const double along : {-0.09, 0.0, 0.09}) {
@@ -104,14 +94,10 @@ TEST(TerrainTest, HighBoxesOnASlopeAreFoundFromAnywhere) {
 }
 
 TerrainParams Field(std::uint64_t seed) {
-  TerrainParams params;
-  BoxField field;
-  field.lower = {1, -2};
-  field.upper = {6, 2};
-  field.kinds = {{0.015, 0.4}, {0.04, 0.6}, {0.02, 0.8}};
-  field.seed = seed;
-  params.field = field;
-  return params;
+  return {.field = BoxField{.lower = {1, -2},
+                            .upper = {6, 2},
+                            .kinds = {{0.015, 0.4}, {0.04, 0.6}, {0.02, 0.8}},
+                            .seed = seed}};
 }
 
 TEST(TerrainTest, FieldsOfBoxesComeFromTheirSeed) {
