@@ -2,7 +2,6 @@
 #include <tenon/apps/campaign/campaign_results.h>
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
-#include <tenon/apps/campaign/campaign_search.h>
 #include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/apps/common/progress.h>
 #include <tenon/systems/campaign/sampling.h>

@@ -1,4 +1,4 @@
-#include <tenon/apps/campaign/program_app.h>
+#include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/framework/types/errors.h>

@@ -6,9 +6,7 @@
 #include <tenon/apps/campaign/campaign_results.h>
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
-#include <tenon/apps/campaign/campaign_search.h>
 #include <tenon/apps/campaign/campaign_table.h>
-#include <tenon/apps/campaign/program_app.h>
 #include <tenon/apps/cdpr/cdpr_app.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>

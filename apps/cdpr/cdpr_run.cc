@@ -1,6 +1,5 @@
 #include <tenon/apps/cdpr/cdpr_figures.h>
 #include <tenon/apps/cdpr/cdpr_limits.h>
-#include <tenon/apps/cdpr/cdpr_live.h>
 #include <tenon/apps/cdpr/cdpr_run.h>
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/faults.h>

@@ -6,7 +6,6 @@
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
-#include <tenon/apps/quadruped/quadruped_ros2.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/diagrams/evaluation/walk_view.h>

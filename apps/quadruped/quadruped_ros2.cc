@@ -1,5 +1,5 @@
 #include <tenon/apps/common/scenario_file.h>
-#include <tenon/apps/quadruped/quadruped_ros2.h>
+#include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/diagrams/legged/quadruped_messages.h>
 #include <tenon/plants/robots/load_robot.h>

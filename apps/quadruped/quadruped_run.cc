@@ -1,10 +1,8 @@
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
-#include <tenon/apps/quadruped/quadruped_ros2.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/serving.h>
-#include <tenon/apps/quadruped/stand_figures.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/yaml/resources.h>

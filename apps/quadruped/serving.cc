@@ -1,6 +1,6 @@
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/real_time.h>
-#include <tenon/apps/quadruped/quadruped_ros2.h>
+#include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/serving.h>
 #include <tenon/diagrams/evaluation/walk_view.h>

@@ -2,7 +2,6 @@
 
 #include <tenon/systems/block.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
-#include <tenon/systems/primitives/internal/weights.h>
 
 namespace tenon {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tenon/systems/block.h>
-#include <tenon/systems/primitives/internal/filtered_difference.h>
+#include <tenon/systems/primitives/internal/elementwise.h>
 
 namespace tenon {
 

@@ -2,7 +2,6 @@
 
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/primitives/internal/elementwise.h>
-#include <tenon/systems/primitives/internal/per.h>
 
 namespace tenon {
 

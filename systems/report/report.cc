@@ -1,10 +1,10 @@
-#include <tenon/systems/report/internal/derived_log.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/internal/run.h>
+#include <tenon/systems/report/internal/run_log.h>
 #include <tenon/systems/report/report.h>
-#include <tenon/systems/text/text.h>
 #include <tenon/systems/simulation/background_log.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
 

@@ -6,8 +6,8 @@
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
+#include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/apps/quadruped/stand_figures.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/robots/load_robot.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/controllers/legged/planning/planar_point.h>
+#include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/plants/signals/motion_signals.h>
 
 #include <array>

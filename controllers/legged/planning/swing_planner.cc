@@ -1,4 +1,4 @@
-#include <tenon/controllers/legged/planning/quintic.h>
+#include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>

@@ -2,7 +2,7 @@
 
 #include <tenon/controllers/legged/planning/foothold_plan.h>
 #include <tenon/controllers/legged/planning/nominal_stance.h>
-#include <tenon/controllers/legged/planning/planar_point.h>
+#include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/legged/planning/step_properties.h>
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/disturbance_signals.h>

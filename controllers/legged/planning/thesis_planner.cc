@@ -1,5 +1,5 @@
+#include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/legged/planning/planned_phases.h>
-#include <tenon/controllers/legged/planning/quintic.h>
 #include <tenon/controllers/legged/planning/thesis_planner.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/plants/signals/quaternion.h>

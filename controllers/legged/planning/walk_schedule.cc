@@ -1,4 +1,4 @@
-#include <tenon/controllers/legged/planning/quintic.h>
+#include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
 
 #include <fmt/core.h>

@@ -1,5 +1,5 @@
 #include <tenon/plants/robots/internal/mesh_import.h>
-#include <tenon/plants/robots/internal/xml_line.h>
+#include <tenon/plants/robots/internal/xml_elements.h>
 #include <tenon/systems/text/text.h>
 
 #include <expat.h>

@@ -1,5 +1,4 @@
 #include <tenon/plants/robots/internal/xml_elements.h>
-#include <tenon/plants/robots/internal/xml_line.h>
 #include <tenon/systems/text/text.h>
 
 #include <expat.h>

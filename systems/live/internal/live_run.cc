@@ -2,7 +2,7 @@
 #include <tenon/systems/framework/diagram/internal/program.h>
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/live/internal/live_run.h>
-#include <tenon/systems/report/internal/derived_log.h>
+#include <tenon/systems/report/internal/run_log.h>
 
 #include <fmt/format.h>
 

@@ -1,6 +1,14 @@
 #pragma once
 
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/framework/types/internal/type_info.h>
 #include <tenon/systems/framework/types/signal.h>
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <initializer_list>
+#include <string>
 
 namespace tenon::internal {
 
@@ -98,5 +106,91 @@ void ForEachDouble(F visit, T& first, More&... more) {
       visit(DoublesAt(&first, run.offset)[i], DoublesAt(&more, run.offset)[i]...);
   }
 }
+
+/// The derivative of a sampled signal, with a first-order low-pass filter, by backward differences:
+///
+///     d[n] = (T d[n - 1] + u[n] - u[n - 1]) / (T + h),   d[0] = 0
+///
+/// Stable for every T >= 0; T = 0 gives the plain difference (Åström and Hägglund, "PID Controllers: Theory,
+/// Design, and Tuning", ISA 1995, chapter 3).
+template <DoubleOrMatrix T>
+struct FilteredDifference {
+  T u = Filled<T>(0), d = Filled<T>(0);
+  bool started = false;
+
+  FilteredDifference Next(const T& next_u, double time_constant, double period) const {
+    if (!started) return {next_u, d, true};
+    return {next_u, (1 / (time_constant + period)) * (time_constant * d + (next_u - u)), true};
+  }
+  static FieldList Fields() {
+    return {{"u", &FilteredDifference::u},
+            {"d", &FilteredDifference::d},
+            {"started", &FilteredDifference::started}};
+  }
+};
+
+/// Divides each of the comma-separated units by a unit of time: "m, rad" per "s" is "m/s, rad/s".
+inline std::string Per(const std::string& units, const std::string& time) {
+  std::string quotients;
+  for (const char c : units + ",") {
+    if (c == ',' && !quotients.empty()) quotients += "/" + time;
+    quotients += c;
+  }
+  quotients.pop_back();
+  return quotients;
+}
+
+/// y = M v, or y += M v with `add`. Throws RunError that names M and v if their sizes do not match.
+template <class Matrix, class V, class Y>
+void Multiply(const char* m_name, const Matrix& m, const char* v_name, const V& v, Y* y, bool add = false) {
+  if (m.cols() != v.size()) {
+    throw RunError(std::string(v_name) + " has " + std::to_string(v.size()) + " elements, but " + m_name +
+                   " has " + std::to_string(m.cols()) + " columns: make them equal");
+  }
+  if (add) {
+    y->noalias() += m * v;
+  } else {
+    y->noalias() = m * v;
+  }
+}
+
+/// Like std::vector<double>, but stores up to two numbers in the object itself, so that calculations in every
+/// step follow no pointer.
+class Weights {
+ public:
+  Weights() = default;
+  Weights(std::initializer_list<double> weights) : Weights(std::vector<double>(weights)) {}
+  Weights(std::vector<double> weights) : size_(weights.size()) {
+    if (size_ > few_.size()) {
+      many_ = std::move(weights);
+    } else {
+      std::copy(weights.begin(), weights.end(), few_.begin());
+    }
+  }
+  bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
+  const double* data() const { return size_ > few_.size() ? many_.data() : few_.data(); }
+  double* data() { return size_ > few_.size() ? many_.data() : few_.data(); }
+  const double* begin() const { return data(); }
+  const double* end() const { return data() + size_; }
+  double operator[](std::size_t i) const { return data()[i]; }
+  /// Resizes; new elements are zero.
+  void resize(std::size_t size) {
+    std::vector<double> weights(begin(), end());
+    weights.resize(size);
+    *this = Weights(std::move(weights));
+  }
+  friend bool operator==(const Weights& a, const Weights& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end());
+  }
+
+ private:
+  std::size_t size_ = 0;
+  std::array<double, 2> few_ = {};
+  std::vector<double> many_ = {};  ///< all elements, if there are more than two
+};
+
+template <>
+struct ItemsOf<Weights> : ItemsOf<std::vector<double>> {};
 
 }  // namespace tenon::internal

@@ -1,4 +1,3 @@
-#include <tenon/systems/report/internal/derived_log.h>
 #include <tenon/systems/report/internal/run_log.h>
 
 #include <algorithm>

@@ -158,7 +158,8 @@ TEST_F(LogEstimatorTest, RefusesLogsThatDoNotFit) {
   EXPECT_THAT(Estimate("", 2), HasSubstr("no scenario"));
   EXPECT_THAT(Estimate("flat --gait trot", 2), HasSubstr("--estimate"));
   std::filesystem::resize_file(mcap(), 3000);
-  EXPECT_THAT(Estimate("flat", 2), AllOf(HasSubstr("message of the topic /joint_states"), HasSubstr("of 3000")));
+  EXPECT_THAT(Estimate("flat", 2),
+              AllOf(HasSubstr("message of the topic /joint_states"), HasSubstr("of 3000")));
   std::filesystem::resize_file(mcap(), 4);
   EXPECT_THAT(Estimate("flat", 2), HasSubstr("no MCAP"));
 }

@@ -1,4 +1,4 @@
-#include <tenon/controllers/legged/planning/quintic.h>
+#include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/controllers/legged/planning/test_map.h>
