@@ -2,7 +2,6 @@
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/recommended_options.h>
-#include <tenon/systems/block.h>
 
 #include <fmt/core.h>
 

@@ -3,9 +3,6 @@
 #include <tenon/plants/cdpr/extended_platform.h>
 #include <tenon/plants/legged/extended_quadruped.h>
 #include <tenon/plants/model/attached_body.h>
-#include <tenon/plants/model/rigid_inertia.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

@@ -26,15 +26,6 @@
 ///
 /// The members of a block are documented in ports.h and state.h, diagrams in diagram_builder.h.
 
-#include <tenon/systems/framework/block/calculation.h>
 #include <tenon/systems/framework/block/external_port.h>
 #include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/publish.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/block/rate.h>
-#include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/framework/types/signal.h>

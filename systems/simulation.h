@@ -18,12 +18,7 @@
 
 // First, because compiler errors then list fewer headers.
 // clang-format off
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 // clang-format on
 
 #include <tenon/systems/block.h>
-#include <tenon/systems/framework/context/context.h>
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/simulation/signal_log.h>
 #include <tenon/systems/simulation/simulator.h>
-#include <tenon/systems/simulation/simulator_options.h>

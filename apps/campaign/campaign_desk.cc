@@ -1,9 +1,6 @@
 #include <tenon/apps/campaign/campaign_desk.h>
-#include <tenon/systems/files/output_file.h>
 
 #include <fmt/core.h>
-
-#include <thread>
 
 namespace tenon::apps {
 

@@ -2,11 +2,8 @@
 
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
-#include <tenon/apps/campaign/campaign_table.h>
-#include <tenon/apps/common/progress.h>
 
 #include <condition_variable>
-#include <mutex>
 
 namespace tenon::apps {
 

@@ -1,5 +1,4 @@
 #include <tenon/apps/campaign/campaign_file.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/systems/framework/block/distribution.h>
-#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {

@@ -1,9 +1,6 @@
 #include <tenon/apps/campaign/campaign_mpi.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <nlohmann/json.hpp>
-
-#include <thread>
 
 #ifdef TENON_WITH_MPI
 #include <mpi.h>

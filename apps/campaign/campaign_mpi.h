@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/apps/campaign/campaign_desk.h>
-#include <tenon/apps/campaign/campaign_runner.h>
 
 namespace tenon::apps {
 

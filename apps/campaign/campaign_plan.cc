@@ -1,7 +1,5 @@
 #include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/systems/campaign/sampling.h>
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/core.h>

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/apps/campaign/campaign_file.h>
-#include <tenon/systems/yaml/yaml.h>
 
 #include <functional>
 

@@ -1,8 +1,5 @@
 #include <tenon/apps/campaign/campaign_results.h>
 #include <tenon/apps/campaign/campaign_table.h>
-#include <tenon/apps/common/progress.h>
-#include <tenon/systems/campaign/statistics.h>
-#include <tenon/systems/files/output_file.h>
 #include <tenon/systems/report/campaign_report.h>
 #include <tenon/systems/report/internal/run_log.h>
 #include <tenon/systems/text/text.h>

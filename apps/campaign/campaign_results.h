@@ -1,10 +1,7 @@
 #pragma once
 
-#include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
 #include <tenon/apps/common/scenario_app.h>
-
-#include <filesystem>
 
 namespace tenon::apps {
 

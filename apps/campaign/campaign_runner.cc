@@ -1,8 +1,4 @@
 #include <tenon/apps/campaign/campaign_runner.h>
-#include <tenon/apps/common/progress.h>
-#include <tenon/apps/common/scenario_file.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 

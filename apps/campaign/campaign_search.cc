@@ -1,11 +1,6 @@
 #include <tenon/apps/campaign/campaign_desk.h>
 #include <tenon/apps/campaign/campaign_results.h>
-#include <tenon/apps/campaign/campaign_runner.h>
-#include <tenon/apps/campaign/campaign_schedule.h>
-#include <tenon/apps/campaign/campaign_table.h>
-#include <tenon/apps/common/progress.h>
 #include <tenon/systems/campaign/sampling.h>
-#include <tenon/systems/files/output_file.h>
 #include <tenon/systems/report/campaign_report.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>

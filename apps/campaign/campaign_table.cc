@@ -1,7 +1,6 @@
 #include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/fnv1a.h>
 #include <tenon/systems/text/text.h>
 

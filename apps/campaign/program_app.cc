@@ -1,7 +1,5 @@
 #include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -11,7 +9,6 @@
 
 #include <cerrno>
 #include <csignal>
-#include <thread>
 
 namespace tenon::apps {
 

@@ -1,30 +1,17 @@
 // tenon-campaign: runs variations of a scenario in threads, across machines, or in parts.
 
-#include <tenon/apps/campaign/campaign_desk.h>
 #include <tenon/apps/campaign/campaign_mpi.h>
-#include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/apps/campaign/campaign_results.h>
-#include <tenon/apps/campaign/campaign_runner.h>
-#include <tenon/apps/campaign/campaign_schedule.h>
-#include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/apps/cdpr/cdpr_app.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/progress.h>
-#include <tenon/apps/common/run_scenario.h>
-#include <tenon/apps/common/scenario_file.h>
-#include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/guide_dog/guide_dog_app.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/types/internal/fnv1a.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
-
-#include <thread>
 
 namespace tenon::apps {
 namespace {

@@ -1,8 +1,6 @@
 #include <tenon/apps/cdpr/cdpr_app.h>
 #include <tenon/apps/cdpr/cdpr_run.h>
-#include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/command_line.h>
-#include <tenon/apps/common/run_scenario.h>
 
 namespace tenon::apps {
 namespace {

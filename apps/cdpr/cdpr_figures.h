@@ -1,10 +1,8 @@
 #pragma once
 
 #include <tenon/apps/common/columns.h>
-#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/verdicts.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
-#include <tenon/systems/simulation/signal_log.h>
 
 namespace tenon::apps {
 

@@ -1,12 +1,9 @@
 #pragma once
 
 #include <tenon/apps/common/columns.h>
-#include <tenon/apps/common/outputs.h>
-#include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/verdicts.h>
 #include <tenon/controllers/cdpr/cable_interference.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
-#include <tenon/systems/simulation/signal_log.h>
 
 namespace tenon::apps {
 

@@ -1,7 +1,5 @@
 #include <tenon/apps/cdpr/cdpr_limits.h>
 #include <tenon/apps/cdpr/cdpr_run.h>
-#include <tenon/apps/common/customisation.h>
-#include <tenon/plants/model/rigid_inertia.h>
 
 #include <Eigen/Geometry>
 

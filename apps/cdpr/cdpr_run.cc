@@ -1,13 +1,9 @@
 #include <tenon/apps/cdpr/cdpr_figures.h>
 #include <tenon/apps/cdpr/cdpr_limits.h>
 #include <tenon/apps/cdpr/cdpr_run.h>
-#include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/faults.h>
-#include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/ros2_outputs.h>
-#include <tenon/controllers/cdpr/load_estimator.h>
 #include <tenon/diagrams/cdpr/cdpr_messages.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>

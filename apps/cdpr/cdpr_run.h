@@ -4,10 +4,7 @@
 #include <tenon/apps/common/customisation.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/controllers/cdpr/goal_path.h>
-#include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/plants/cdpr/platform_pull.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/live/live_server.h>
 
 namespace tenon::apps {
 

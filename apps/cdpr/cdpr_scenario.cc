@@ -1,13 +1,11 @@
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/cdpr/path_file.h>
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/diagrams/cdpr/cdpr_profile.h>
 #include <tenon/plants/attached_bodies.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/yaml/resources.h>
-#include <tenon/systems/yaml/yaml.h>
 
 #include <fmt/core.h>
 

@@ -3,16 +3,10 @@
 #include <tenon/apps/common/report_scenario.h>
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/common/verdicts.h>
-#include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/faults/cdpr_faults.h>
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/model/attached_body.h>
-#include <tenon/plants/multibody/extended_robot.h>
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/yaml/yaml.h>
-
-#include <Eigen/Core>
 
 namespace tenon::apps {
 

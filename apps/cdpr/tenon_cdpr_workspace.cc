@@ -3,9 +3,6 @@
 #include <tenon/apps/cdpr/workspace_study.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/progress.h>
-#include <tenon/apps/common/run_scenario.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>

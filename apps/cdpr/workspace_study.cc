@@ -1,17 +1,13 @@
 #include <tenon/apps/cdpr/workspace_study.h>
-#include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/controllers/optimization/infinity.h>
 #include <tenon/plants/cdpr/cdpr_geometry.h>
 #include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/volume_report.h>
 #include <tenon/systems/version.h>
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 namespace tenon::apps {
 namespace {

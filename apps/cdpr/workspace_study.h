@@ -2,8 +2,6 @@
 
 #include <tenon/controllers/cdpr/cdpr_workspace.h>
 
-#include <Eigen/Core>
-
 #include <filesystem>
 
 namespace tenon::apps {

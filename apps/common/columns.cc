@@ -1,5 +1,4 @@
 #include <tenon/apps/common/columns.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/run_log.h>
 
 #include <Eigen/Geometry>

@@ -1,9 +1,5 @@
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_list.h>
-#include <tenon/apps/common/progress.h>
-#include <tenon/apps/common/scenario_keys.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>
 

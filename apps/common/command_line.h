@@ -1,8 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_app.h>
-#include <tenon/apps/common/scenario_file.h>
 
 #include <variant>
 

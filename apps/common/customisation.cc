@@ -1,5 +1,4 @@
 #include <tenon/apps/common/customisation.h>
-#include <tenon/apps/common/progress.h>
 
 #include <fmt/format.h>
 

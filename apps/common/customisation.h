@@ -3,8 +3,6 @@
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/scenario_keys.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/apps/common/customisation.h>
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/diagrams/faults/faults.h>
 
 namespace tenon::apps {

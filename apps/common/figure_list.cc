@@ -6,11 +6,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstddef>
-#include <filesystem>
-#include <utility>
-
 namespace tenon::apps {
 
 namespace {

@@ -1,13 +1,6 @@
 #pragma once
 
 #include <tenon/apps/common/command_line.h>
-#include <tenon/apps/common/scenario_app.h>
-#include <tenon/systems/report/report.h>
-#include <tenon/systems/yaml/yaml.h>
-
-#include <optional>
-#include <string>
-#include <vector>
 
 namespace tenon::apps {
 

@@ -1,14 +1,9 @@
 #include <tenon/apps/common/mcap_report.h>
 #include <tenon/apps/common/run_scenario.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/ros2/mcap.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <memory>
 
 namespace tenon::apps {
 namespace {

@@ -1,7 +1,6 @@
 #include <tenon/apps/common/output_directory.h>
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/files/output_file.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fcntl.h>
 #include <fmt/format.h>

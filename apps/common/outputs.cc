@@ -1,5 +1,4 @@
 #include <tenon/apps/common/outputs.h>
-#include <tenon/systems/framework/block/system.h>
 
 #include <fmt/core.h>
 

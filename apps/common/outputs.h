@@ -1,9 +1,6 @@
 #pragma once
 
 #include <tenon/apps/common/summary.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/geometry.h>
-#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon::apps {
 

@@ -1,18 +1,14 @@
 #include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/run_scenario.h>
-#include <tenon/systems/files/output_file.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
 #include <sys/time.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cctype>
 #include <csignal>
 #include <cstdio>
-#include <mutex>
-#include <utility>
 
 namespace tenon::apps {
 

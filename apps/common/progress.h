@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/systems/live/live_server.h>
-#include <tenon/systems/simulation/simulator.h>
 
 namespace tenon::apps {
 

@@ -1,5 +1,4 @@
 #include <tenon/apps/common/real_time.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/simulation/real_time_thread.h>
 
 #include <fmt/core.h>

@@ -1,8 +1,5 @@
-#include <tenon/apps/common/output_directory.h>
-#include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/report_pictures.h>
 #include <tenon/apps/common/run_scenario.h>
-#include <tenon/systems/files/output_file.h>
 #include <tenon/systems/report/internal/browser.h>
 #include <tenon/systems/text/text.h>
 

@@ -1,5 +1,4 @@
 #include <tenon/apps/common/report_scenario.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/apps/common/scenario_file.h>
-#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/report/report.h>
 
 namespace tenon::apps {

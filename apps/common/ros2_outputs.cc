@@ -6,8 +6,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-
 namespace tenon::apps {
 
 std::pair<std::string, std::optional<int>> SplitLink(const std::string& option, const std::string& where) {

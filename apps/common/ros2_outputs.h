@@ -1,15 +1,8 @@
 #pragma once
 
 #include <tenon/apps/common/run_scenario.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/ros2/mcap.h>
-#include <tenon/systems/ros2/messages.h>
 #include <tenon/systems/ros2/velocity_command.h>
-
-#include <functional>
-#include <memory>
-#include <string>
-#include <vector>
 
 namespace tenon::apps {
 

@@ -1,6 +1,4 @@
 #include <tenon/apps/common/run_scenario.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/simulation/background_log.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/core.h>

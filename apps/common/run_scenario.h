@@ -1,11 +1,8 @@
 #pragma once
 
 #include <tenon/apps/common/output_directory.h>
-#include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/report_scenario.h>
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/summary.h>
-#include <tenon/systems/report/report.h>
 #include <tenon/systems/simulation/background_log.h>
 #include <tenon/systems/simulation/real_time_thread.h>
 

@@ -1,5 +1,4 @@
 #include <tenon/apps/common/command_line.h>
-#include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/scenario_app.h>
 
 #include <fmt/core.h>

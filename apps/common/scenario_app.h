@@ -1,10 +1,7 @@
 #pragma once
 
-#include <tenon/apps/common/report_scenario.h>
 #include <tenon/apps/common/run_scenario.h>
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/scenario_keys.h>
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {
 

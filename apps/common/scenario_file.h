@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <filesystem>

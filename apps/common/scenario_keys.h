@@ -1,7 +1,5 @@
 #pragma once
 
-#include <tenon/systems/framework/types/internal/type_info.h>
-#include <tenon/systems/framework/types/range.h>
 #include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {

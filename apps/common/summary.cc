@@ -1,17 +1,13 @@
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/run_scenario.h>
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/common/summary.h>
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace tenon::apps {
 

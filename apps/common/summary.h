@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/apps/common/progress.h>
-#include <tenon/systems/report/report.h>
 
 namespace tenon::apps {
 

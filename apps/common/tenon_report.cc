@@ -3,9 +3,6 @@
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/mcap_report.h>
 #include <tenon/apps/common/report_pictures.h>
-#include <tenon/apps/common/run_scenario.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/report/report.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>

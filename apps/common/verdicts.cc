@@ -1,6 +1,5 @@
 #include <tenon/apps/common/figure_text.h>
 #include <tenon/apps/common/verdicts.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <tenon/apps/common/outputs.h>
-#include <tenon/apps/common/summary.h>
-#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon::apps {
 

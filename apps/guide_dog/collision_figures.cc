@@ -1,4 +1,3 @@
-#include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/customisation.h>
 #include <tenon/apps/guide_dog/collision_figures.h>
 #include <tenon/apps/quadruped/limit_figures.h>

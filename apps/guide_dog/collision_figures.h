@@ -1,11 +1,8 @@
 #pragma once
 
-#include <tenon/apps/common/outputs.h>
-#include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/verdicts.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/plants/legged/quadruped_clearance.h>
-#include <tenon/systems/simulation/signal_log.h>
 
 namespace tenon::apps {
 

@@ -1,16 +1,12 @@
 #include <tenon/apps/common/faults.h>
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/guide_dog/collision_figures.h>
 #include <tenon/apps/guide_dog/guide_dog_app.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
-#include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/walk_figures.h>
-#include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/plants/robots/load_robot.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/yaml/resources.h>
 
 namespace tenon::apps {

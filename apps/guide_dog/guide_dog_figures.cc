@@ -1,4 +1,3 @@
-#include <tenon/apps/common/columns.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>

@@ -1,10 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/outputs.h>
-#include <tenon/apps/common/summary.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
-#include <tenon/diagrams/guide_dog/guide_dog.h>
-#include <tenon/systems/simulation/signal_log.h>
 
 namespace tenon::apps {
 

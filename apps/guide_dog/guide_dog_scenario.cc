@@ -1,5 +1,3 @@
-#include <tenon/apps/common/scenario_file.h>
-#include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 
 namespace tenon::apps {

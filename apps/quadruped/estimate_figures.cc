@@ -1,6 +1,5 @@
 #include <tenon/apps/quadruped/estimate_figures.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
-#include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Geometry>
 

@@ -1,10 +1,7 @@
 #pragma once
 
 #include <tenon/apps/common/columns.h>
-#include <tenon/apps/common/outputs.h>
-#include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/diagrams/legged/quadruped_walk.h>
 
 namespace tenon::apps {
 

@@ -1,6 +1,5 @@
 #include <tenon/apps/quadruped/held_mass.h>
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
-#include <tenon/plants/model/rigid_inertia.h>
 
 #include <fmt/core.h>
 

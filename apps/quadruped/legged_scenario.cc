@@ -1,4 +1,3 @@
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/legged_scenario.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>

@@ -9,15 +9,8 @@
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
 #include <tenon/diagrams/faults/legged_faults.h>
-#include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/diagrams/recommended_options.h>
-#include <tenon/plants/model/quadruped_description.h>
-#include <tenon/plants/multibody/extended_robot.h>
 #include <tenon/plants/sensors/terrain_mapper.h>
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/yaml/yaml.h>
-
-#include <Eigen/Core>
 
 namespace tenon::apps {
 

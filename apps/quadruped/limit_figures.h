@@ -1,15 +1,9 @@
 #pragma once
 
 #include <tenon/apps/common/columns.h>
-#include <tenon/apps/common/outputs.h>
-#include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/verdicts.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/plants/legged/quadruped_clearance.h>
-#include <tenon/plants/legged/quadruped_plant.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/report/report.h>
-#include <tenon/systems/simulation/signal_log.h>
 
 namespace tenon::apps {
 

@@ -1,10 +1,7 @@
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
 #include <tenon/apps/quadruped/log_estimator.h>
-#include <tenon/plants/legged/quadruped_geometry.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/io/external_input.h>
-#include <tenon/systems/primitives/unit_delay.h>
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>

@@ -3,9 +3,7 @@
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/apps/quadruped/sensor_log.h>
-#include <tenon/diagrams/legged/disturbance_observer.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 
 namespace tenon::apps {
 

@@ -1,9 +1,5 @@
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/real_time.h>
-#include <tenon/apps/common/report_scenario.h>
-#include <tenon/apps/common/run_scenario.h>
-#include <tenon/apps/common/scenario_file.h>
-#include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/log_estimator.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
@@ -13,14 +9,6 @@
 #include <tenon/systems/files/input_file.h>
 
 #include <fmt/core.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <optional>
-#include <string>
-#include <system_error>
-#include <utility>
-#include <vector>
 
 namespace tenon::apps {
 namespace {

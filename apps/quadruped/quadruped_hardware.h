@@ -2,7 +2,6 @@
 
 #include <tenon/controllers/legged/observers/legged_state_estimator.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
-#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/io/slow.h>
 #include <tenon/systems/yaml/yaml.h>
 

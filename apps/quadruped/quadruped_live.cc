@@ -1,7 +1,6 @@
 #include <tenon/apps/common/customisation.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
-#include <tenon/plants/legged/quadruped_geometry.h>
 
 #include <fmt/core.h>
 

@@ -1,17 +1,9 @@
 #pragma once
 
 #include <tenon/apps/common/ros2_outputs.h>
-#include <tenon/apps/common/run_scenario.h>
-#include <tenon/apps/quadruped/legged_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/controllers/legged/planning/walk_drive.h>
-#include <tenon/controllers/legged/planning/walk_schedule.h>
-#include <tenon/diagrams/legged/quadruped_stand.h>
-#include <tenon/diagrams/legged/quadruped_walk.h>
-#include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/plants/legged/spring_pull.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/live/live_server.h>
 
 namespace tenon::apps {
 

@@ -1,12 +1,7 @@
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/held_mass.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/plants/attached_bodies.h>
-#include <tenon/plants/model/quadruped_description.h>
-#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/robots/load_robot.h>
-#include <tenon/plants/sensors/sensor_noise.h>
-#include <tenon/systems/framework/block/random_stream.h>
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>

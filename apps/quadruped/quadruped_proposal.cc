@@ -1,13 +1,9 @@
 #include <tenon/apps/quadruped/quadruped_proposal.h>
 #include <tenon/plants/legged/quadruped_clearance.h>
-#include <tenon/plants/model/rigid_inertia.h>
-#include <tenon/plants/robots/internal/quadruped_urdf.h>
-#include <tenon/plants/robots/internal/urdf_file.h>
 #include <tenon/plants/robots/mesh_file.h>
 #include <tenon/systems/yaml/internal/yaml_writer.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

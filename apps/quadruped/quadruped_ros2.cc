@@ -1,10 +1,7 @@
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/diagrams/legged/quadruped_messages.h>
 #include <tenon/plants/robots/load_robot.h>
-
-#include <string>
 
 namespace tenon::apps {
 namespace {

@@ -4,17 +4,9 @@
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/serving.h>
 #include <tenon/apps/quadruped/walk_figures.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <functional>
-#include <memory>
-#include <system_error>
-#include <type_traits>
 
 namespace tenon::apps {
 

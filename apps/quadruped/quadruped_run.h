@@ -1,9 +1,7 @@
 #pragma once
 
 #include <tenon/apps/common/customisation.h>
-#include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/common/scenario_app.h>
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/apps/quadruped/wire_recorder.h>
 

@@ -1,4 +1,3 @@
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/plants/attached_bodies.h>
 

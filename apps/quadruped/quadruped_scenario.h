@@ -2,14 +2,9 @@
 
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/apps/quadruped/legged_scenario.h>
-#include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/plants/model/attached_body.h>
-#include <tenon/plants/model/rope.h>
-#include <tenon/systems/framework/types/fields.h>
-
-#include <Eigen/Core>
 
 namespace tenon::apps {
 

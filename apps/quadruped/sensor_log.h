@@ -6,7 +6,6 @@
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/io/recording.h>
 
-#include <array>
 #include <filesystem>
 
 namespace tenon::apps {

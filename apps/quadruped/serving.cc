@@ -5,7 +5,6 @@
 #include <tenon/apps/quadruped/serving.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/plants/robots/load_robot.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 #ifdef TENON_WITH_UNITREE
 #include <tenon/diagrams/unitree/motion_switcher.h>
 #include <tenon/diagrams/unitree/unitree_server.h>
@@ -13,12 +12,6 @@
 #endif
 
 #include <fmt/core.h>
-
-#include <algorithm>
-#include <chrono>
-#include <memory>
-#include <optional>
-#include <thread>
 
 namespace tenon::apps {
 

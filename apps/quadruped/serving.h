@@ -1,10 +1,8 @@
 #pragma once
 
 #include <tenon/apps/common/run_scenario.h>
-#include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/apps/quadruped/wire_recorder.h>
-#include <tenon/diagrams/legged/quadruped_stand.h>
 
 namespace tenon::apps {
 

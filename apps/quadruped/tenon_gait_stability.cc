@@ -1,8 +1,6 @@
 // tenon-gait-stability: the Floquet multipliers of a walking robot.
 
 #include <tenon/apps/common/command_line.h>
-#include <tenon/apps/common/run_scenario.h>
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/systems/analysis/linearize_discrete.h>

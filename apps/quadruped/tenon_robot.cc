@@ -2,22 +2,16 @@
 
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/output_directory.h>
-#include <tenon/apps/common/run_scenario.h>
-#include <tenon/apps/common/summary.h>
 #include <tenon/apps/quadruped/held_mass.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_proposal.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/robots/mesh_file.h>
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 #include <tenon/systems/yaml/resources.h>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 namespace tenon::apps {

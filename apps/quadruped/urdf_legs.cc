@@ -1,5 +1,4 @@
 #include <tenon/apps/quadruped/urdf_legs.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

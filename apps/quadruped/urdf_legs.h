@@ -1,9 +1,6 @@
 #pragma once
 
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
-#include <tenon/plants/robots/internal/urdf_file.h>
-
-#include <Eigen/Geometry>
 
 namespace tenon {
 

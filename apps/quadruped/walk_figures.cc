@@ -1,5 +1,4 @@
 #include <tenon/apps/common/customisation.h>
-#include <tenon/apps/common/progress.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>

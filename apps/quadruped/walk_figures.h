@@ -1,15 +1,8 @@
 #pragma once
 
-#include <tenon/apps/common/columns.h>
-#include <tenon/apps/common/outputs.h>
-#include <tenon/apps/common/scenario_file.h>
-#include <tenon/apps/common/summary.h>
-#include <tenon/apps/common/verdicts.h>
 #include <tenon/apps/quadruped/estimate_figures.h>
 #include <tenon/diagrams/evaluation/leg_errors.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
-#include <tenon/diagrams/legged/quadruped_walk.h>
-#include <tenon/systems/simulation/signal_log.h>
 
 namespace tenon::apps {
 

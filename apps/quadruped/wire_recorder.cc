@@ -1,21 +1,12 @@
-#include <tenon/apps/common/output_directory.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/quadruped/wire_recorder.h>
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/files/output_file.h>
 
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <cstring>
-#include <optional>
-#include <span>
 #include <sstream>
-#include <string_view>
-#include <utility>
 
 namespace tenon::apps {
 namespace {

@@ -1,15 +1,7 @@
 #pragma once
 
 #include <tenon/apps/common/summary.h>
-#include <tenon/systems/framework/types/signal.h>
 #include <tenon/systems/io/recording.h>
-#include <tenon/systems/simulation/simulator.h>
-
-#include <cstddef>
-#include <filesystem>
-#include <memory>
-#include <string>
-#include <vector>
 
 namespace tenon::apps {
 

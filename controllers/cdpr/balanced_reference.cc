@@ -1,6 +1,5 @@
 #include <tenon/controllers/cdpr/balanced_reference.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/plants/signals/quaternion.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
 #include <Eigen/Geometry>

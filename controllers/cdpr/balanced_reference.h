@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 

@@ -2,8 +2,6 @@
 #include <tenon/controllers/optimization/infinity.h>
 #include <tenon/plants/model/vectors.h>
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 
 namespace tenon {

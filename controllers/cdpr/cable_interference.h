@@ -2,8 +2,6 @@
 
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// Clearance of the cables from one another and from the platform.

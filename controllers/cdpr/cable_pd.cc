@@ -1,5 +1,4 @@
 #include <tenon/controllers/cdpr/cable_pd.h>
-#include <tenon/controllers/cdpr/cdpr_kinematics.h>
 
 namespace tenon {
 

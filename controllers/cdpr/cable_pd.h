@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/controllers/cdpr/equilibrium_path.h>
-#include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/systems/block.h>
 

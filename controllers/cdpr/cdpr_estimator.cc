@@ -3,7 +3,6 @@
 #include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 namespace tenon {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/path.h>
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/cdpr_signals.h>

@@ -6,9 +6,7 @@
 #include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/analysis/matrix_functions.h>
-#include <tenon/systems/framework/types/errors.h>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/path.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

@@ -2,8 +2,6 @@
 
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
 #include <tenon/controllers/cdpr/cdpr_mpc_solver.h>
-#include <tenon/controllers/cdpr/cdpr_plan.h>
-#include <tenon/systems/framework/block/parameter.h>
 
 namespace tenon {
 

@@ -1,7 +1,5 @@
-#include <tenon/controllers/cdpr/balanced_reference.h>
 #include <tenon/controllers/cdpr/cdpr_mpc_solver.h>
 #include <tenon/controllers/cdpr/cdpr_tracking_problem.h>
-#include <tenon/controllers/cdpr/loaded_platform.h>
 #include <tenon/controllers/optimization/slq.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/analysis/lqr.h>

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <tenon/controllers/cdpr/cdpr_plan.h>
-#include <tenon/controllers/cdpr/equilibrium_path.h>
-#include <tenon/controllers/optimization/slq_options.h>
 #include <tenon/systems/framework/block/rate.h>
 
 namespace tenon {

@@ -1,6 +1,5 @@
 #include <tenon/controllers/cdpr/cdpr_workspace.h>
 #include <tenon/plants/signals/quaternion.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 

@@ -3,8 +3,6 @@
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/controllers/cdpr/pose_feasibility.h>
 
-#include <Eigen/Core>
-
 #include <functional>
 
 namespace tenon {

@@ -1,6 +1,5 @@
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/LU>
 #include <fmt/format.h>

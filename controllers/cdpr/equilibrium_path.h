@@ -1,10 +1,6 @@
 #pragma once
 
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
-#include <tenon/plants/model/path.h>
-#include <tenon/systems/framework/types/fields.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

@@ -5,9 +5,7 @@
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/analysis/matrix_functions.h>
-#include <tenon/systems/framework/types/errors.h>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 #include <nlopt.hpp>
 

@@ -1,9 +1,6 @@
 #pragma once
 
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
-#include <tenon/plants/model/cdpr_description.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

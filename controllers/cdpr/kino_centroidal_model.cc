@@ -5,9 +5,7 @@
 #include <tenon/plants/model/vectors.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
-#include <tenon/systems/framework/types/errors.h>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <algorithm>

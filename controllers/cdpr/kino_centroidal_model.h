@@ -1,13 +1,8 @@
 #pragma once
 
 #include <tenon/controllers/cdpr/loaded_platform.h>
-#include <tenon/controllers/optimization/lanes/lanes.h>
 #include <tenon/controllers/optimization/runge_kutta.h>
-#include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/path.h>
-#include <tenon/plants/signals/cdpr_signals.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

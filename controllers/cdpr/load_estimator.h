@@ -1,11 +1,6 @@
 #pragma once
 
 #include <tenon/controllers/cdpr/cdpr_estimator.h>
-#include <tenon/plants/model/cdpr_description.h>
-#include <tenon/plants/model/path.h>
-#include <tenon/plants/signals/cdpr_signals.h>
-#include <tenon/plants/signals/imu_signals.h>
-#include <tenon/systems/block.h>
 
 namespace tenon {
 

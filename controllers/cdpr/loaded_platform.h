@@ -3,8 +3,6 @@
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// A platform with a point mass as one rigid body C. Its origin is the common CoM, its axes are those of B:

@@ -1,7 +1,6 @@
 #include <tenon/controllers/cdpr/pose_feasibility.h>
 #include <tenon/controllers/optimization/infinity.h>
 #include <tenon/plants/model/platform_springs.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
 #include <fmt/core.h>

@@ -4,8 +4,6 @@
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/controllers/cdpr/wrench_feasibility.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// Verdict on a property of a set of poses.

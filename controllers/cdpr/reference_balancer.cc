@@ -1,4 +1,3 @@
-#include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/cdpr/reference_balancer.h>
 #include <tenon/plants/signals/euler.h>
 

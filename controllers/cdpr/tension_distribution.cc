@@ -1,5 +1,4 @@
 #include <tenon/controllers/cdpr/tension_distribution.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Householder>
 #include <fmt/format.h>

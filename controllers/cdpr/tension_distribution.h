@@ -3,7 +3,6 @@
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/optimization/dual_active_set.h>
 
-#include <Eigen/Core>
 #include <Eigen/QR>
 
 namespace tenon {

@@ -1,7 +1,6 @@
 #include <tenon/controllers/cdpr/wrench_feasibility.h>
 #include <tenon/controllers/optimization/infinity.h>
 #include <tenon/controllers/optimization/lanes/small_product.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 

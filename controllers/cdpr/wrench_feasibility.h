@@ -2,8 +2,6 @@
 
 #include <tenon/plants/signals/cable_vector.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// Wrenches that the cables must be able to exert on the platform, as a box with the centre `centre` and the

@@ -2,10 +2,7 @@
 
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
-#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/block.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

@@ -1,6 +1,5 @@
 #include <tenon/controllers/guide_dog/reference_admittance.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Geometry>
 

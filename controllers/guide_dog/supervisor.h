@@ -2,7 +2,6 @@
 
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
-#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/block.h>
 
 namespace tenon {

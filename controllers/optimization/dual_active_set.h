@@ -4,8 +4,6 @@
 #include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/internal/border.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// Matrices of constraints: one constraint a row, rows contiguous.

@@ -3,8 +3,6 @@
 #include <tenon/controllers/optimization/lanes/small_product.h>
 #include <tenon/controllers/optimization/slq_options.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// The Jacobians of f(x, u), dense; n and m may be Eigen::Dynamic.

@@ -1,12 +1,8 @@
 #pragma once
 
 #include <tenon/controllers/optimization/box_newton.h>
-#include <tenon/controllers/optimization/lanes/small_product.h>
 #include <tenon/controllers/optimization/runge_kutta.h>
-#include <tenon/controllers/optimization/slq_options.h>
 #include <tenon/systems/framework/types/errors.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

@@ -1,9 +1,6 @@
 #pragma once
 
 #include <tenon/diagrams/cdpr/cdpr_control.h>
-#include <tenon/diagrams/cdpr/cdpr_loop_params.h>
-#include <tenon/diagrams/cdpr/cdpr_observer.h>
-#include <tenon/diagrams/cdpr/cdpr_world.h>
 
 namespace tenon {
 

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <tenon/controllers/cdpr/cdpr_estimator.h>
 #include <tenon/controllers/cdpr/cdpr_mpc.h>
-#include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/controllers/cdpr/load_estimator.h>
 #include <tenon/plants/cdpr/extended_platform.h>
 #include <tenon/plants/cdpr/gusts.h>

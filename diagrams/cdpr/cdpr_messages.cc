@@ -1,5 +1,4 @@
 #include <tenon/diagrams/cdpr/cdpr_messages.h>
-#include <tenon/plants/signals/ros2_signals.h>
 
 #include <fmt/core.h>
 

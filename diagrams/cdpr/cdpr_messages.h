@@ -1,11 +1,8 @@
 #pragma once
 
 #include <tenon/plants/signals/cdpr_signals.h>
-#include <tenon/plants/signals/imu_signals.h>
 #include <tenon/plants/signals/ros2_signals.h>
 #include <tenon/systems/block.h>
-
-#include <string>
 
 namespace tenon {
 

@@ -3,8 +3,6 @@
 #include <tenon/controllers/cdpr/cdpr_mpc_solver.h>
 #include <tenon/plants/model/quadruped_description.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 struct YamlFile;

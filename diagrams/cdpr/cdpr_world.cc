@@ -1,7 +1,5 @@
-#include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/diagrams/cdpr/cdpr_world.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/plants/signals/quaternion.h>
 #include <tenon/systems/primitives/late.h>
 
 namespace tenon {

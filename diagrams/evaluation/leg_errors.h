@@ -3,12 +3,8 @@
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
-#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
 #include <tenon/systems/block.h>
-#include <tenon/systems/geometry.h>
-
-#include <array>
 
 namespace tenon {
 

@@ -1,10 +1,6 @@
 #pragma once
 
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
-#include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/signals/gait_signals.h>
-#include <tenon/plants/signals/motion_signals.h>
-#include <tenon/systems/block.h>
 
 namespace tenon {
 

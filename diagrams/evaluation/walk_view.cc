@@ -1,5 +1,4 @@
 #include <tenon/diagrams/evaluation/walk_view.h>
-#include <tenon/plants/model/rigid_inertia.h>
 
 namespace tenon {
 

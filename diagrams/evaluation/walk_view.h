@@ -4,7 +4,6 @@
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
 #include <tenon/systems/block.h>
-#include <tenon/systems/geometry.h>
 
 namespace tenon {
 

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/primitives/signal_fault.h>
 
 namespace tenon {

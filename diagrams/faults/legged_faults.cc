@@ -3,7 +3,6 @@
 #include <tenon/diagrams/faults/legged_faults.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/diagrams/legged/quadruped_stand.h>
-#include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/plants/legged/joint_lock.h>
 
 namespace tenon {

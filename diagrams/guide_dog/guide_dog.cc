@@ -1,5 +1,4 @@
 #include <tenon/diagrams/guide_dog/guide_dog.h>
-#include <tenon/systems/primitives/unit_delay.h>
 
 namespace tenon {
 

@@ -6,18 +6,12 @@
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
 #include <tenon/controllers/legged/planning/centroidal_mpc.h>
 #include <tenon/controllers/legged/planning/com_planner.h>
-#include <tenon/controllers/legged/planning/foot_scheduler.h>
 #include <tenon/controllers/legged/planning/pacer.h>
 #include <tenon/controllers/legged/planning/step_timing_adapter.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/controllers/legged/planning/trunk_planner.h>
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
-#include <tenon/plants/model/quadruped_description.h>
 #include <tenon/systems/io/slow.h>
-
-#include <array>
-#include <optional>
-#include <vector>
 
 namespace tenon {
 

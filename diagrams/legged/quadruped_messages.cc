@@ -1,5 +1,4 @@
 #include <tenon/diagrams/legged/quadruped_messages.h>
-#include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Geometry>
 

@@ -3,12 +3,8 @@
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/robots/robot_links.h>
 #include <tenon/plants/signals/disturbance_signals.h>
-#include <tenon/plants/signals/imu_signals.h>
-#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/signals/ros2_signals.h>
 #include <tenon/systems/block.h>
-
-#include <array>
 
 namespace tenon {
 

@@ -2,12 +2,9 @@
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
-#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <fmt/core.h>
-
-#include <algorithm>
 
 namespace tenon {
 

@@ -7,15 +7,11 @@
 #include <tenon/controllers/legged/whole_body/rope_tensions.h>
 #include <tenon/diagrams/legged/disturbance_observer.h>
 #include <tenon/diagrams/legged/legged_locomotion.h>
-#include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/plants/legged/joint_drives.h>
 #include <tenon/plants/legged/ropes.h>
 #include <tenon/plants/sensors/terrain_mapper.h>
-#include <tenon/systems/primitives/held_lag.h>
 #include <tenon/systems/primitives/unit_delay.h>
-
-#include <optional>
 
 namespace tenon {
 

@@ -13,11 +13,6 @@
 #include <tenon/systems/primitives/held_lag.h>
 #include <tenon/systems/primitives/jittered_delay.h>
 
-#include <array>
-#include <optional>
-#include <string>
-#include <vector>
-
 namespace tenon {
 
 /// Sensors of the forces on the feet.

@@ -4,13 +4,7 @@
 #include <fmt/core.h>
 #include <unitree_go.h>
 
-#include <algorithm>
-#include <array>
 #include <bit>
-#include <cmath>
-#include <cstddef>
-#include <cstring>
-#include <limits>
 
 namespace tenon {
 namespace {

@@ -4,9 +4,6 @@
 #include <tenon/plants/signals/joint_command.h>
 #include <tenon/systems/dds/dds.h>
 
-#include <cstdint>
-#include <span>
-
 namespace tenon {
 
 /// @file

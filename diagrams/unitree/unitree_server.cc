@@ -1,6 +1,5 @@
 #include <tenon/diagrams/unitree/unitree_server.h>
 #include <tenon/plants/legged/joint_drives.h>
-#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/systems/primitives/unit_delay.h>
 
 namespace tenon {

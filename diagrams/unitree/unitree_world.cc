@@ -1,7 +1,6 @@
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/diagrams/unitree/unitree_world.h>
-#include <tenon/plants/model/rigid_inertia.h>
 
 namespace tenon {
 namespace {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tenon/controllers/legged/deployment/deployment.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/unitree/unitree_messages.h>
 

@@ -1,5 +1,4 @@
 #include <tenon/plants/cdpr/cable_fault.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/plants/signals/cdpr_signals.h>
-#include <tenon/systems/block.h>
 #include <tenon/systems/primitives/fault_schedule.h>
 
 namespace tenon {

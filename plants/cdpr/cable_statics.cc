@@ -1,6 +1,5 @@
 #include <tenon/plants/cdpr/cable_statics.h>
 #include <tenon/plants/model/swivel_pulley.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/format.h>
 

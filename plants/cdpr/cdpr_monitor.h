@@ -1,9 +1,7 @@
 #pragma once
 
 #include <tenon/plants/cdpr/cdpr_geometry.h>
-#include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/path.h>
-#include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/systems/block.h>
 
 namespace tenon {

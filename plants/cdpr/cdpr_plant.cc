@@ -2,9 +2,7 @@
 #include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/model/vectors.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/framework/types/errors.h>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 namespace tenon {

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <tenon/plants/cdpr/cable_statics.h>
 #include <tenon/plants/cdpr/cdpr_geometry.h>
 #include <tenon/plants/cdpr/extended_platform.h>
 #include <tenon/plants/cdpr/free_rigid_body.h>
 #include <tenon/plants/cdpr/winch.h>
 #include <tenon/plants/model/path.h>
-#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/systems/block.h>
 
 namespace tenon {

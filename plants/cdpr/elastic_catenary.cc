@@ -1,6 +1,5 @@
 #include <tenon/plants/cdpr/elastic_catenary.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/held_exceptions.h>
 
 #include <fmt/format.h>

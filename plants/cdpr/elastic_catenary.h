@@ -2,8 +2,6 @@
 
 #include <tenon/systems/framework/types/signal.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// An elastic cable that hangs at rest between two points, by its weight and its strain (Irvine, Cable

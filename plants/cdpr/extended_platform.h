@@ -2,7 +2,6 @@
 
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/multibody/extended_robot.h>
-#include <tenon/plants/signals/cdpr_signals.h>
 
 namespace tenon {
 

@@ -2,8 +2,6 @@
 
 #include <tenon/plants/signals/cdpr_signals.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// One rigid body that moves freely, as a Simbody model (a Free mobilizer with a quaternion), optionally with

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <tenon/plants/legged/quadruped_body.h>
-#include <tenon/plants/model/quadruped_description.h>
-#include <tenon/plants/surroundings/terrain.h>
 
 namespace tenon {
 

@@ -3,9 +3,6 @@
 #include <tenon/plants/legged/quadruped_body.h>
 #include <tenon/plants/multibody/extended_robot.h>
 #include <tenon/plants/signals/disturbance_signals.h>
-#include <tenon/plants/signals/legged_signals.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

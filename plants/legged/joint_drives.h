@@ -2,7 +2,6 @@
 
 #include <tenon/plants/signals/joint_command.h>
 #include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

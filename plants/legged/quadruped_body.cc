@@ -2,10 +2,7 @@
 #include <tenon/plants/legged/quadruped_body.h>
 #include <tenon/plants/model/vectors.h>
 #include <tenon/plants/multibody/internal/simbody_conversions.h>
-#include <tenon/plants/simbody.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
-
-#include <Eigen/Geometry>
 
 namespace tenon {
 namespace {

@@ -4,8 +4,6 @@
 #include <tenon/plants/multibody/point_force.h>
 #include <tenon/plants/signals/legged_signals.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// The bodies of a quadruped as a Simbody model: a Free mobilizer for the trunk and twelve Pins.

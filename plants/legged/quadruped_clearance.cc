@@ -2,8 +2,6 @@
 #include <tenon/plants/legged/quadruped_geometry.h>
 #include <tenon/plants/model/vectors.h>
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 
 namespace tenon {

@@ -1,8 +1,5 @@
 #include <tenon/plants/legged/quadruped_geometry.h>
-#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/model/vectors.h>
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 

@@ -3,7 +3,6 @@
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/surroundings/terrain.h>
-#include <tenon/systems/geometry.h>
 
 namespace tenon {
 

@@ -1,6 +1,5 @@
 #include <tenon/plants/legged/quadruped_multibody.h>
 #include <tenon/plants/multibody/internal/simbody_conversions.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>

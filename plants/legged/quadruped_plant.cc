@@ -1,5 +1,4 @@
 #include <tenon/plants/legged/quadruped_plant.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

@@ -2,13 +2,7 @@
 
 #include <tenon/plants/legged/body_contact.h>
 #include <tenon/plants/legged/extended_quadruped.h>
-#include <tenon/plants/legged/foot_contact.h>
-#include <tenon/plants/legged/quadruped_body.h>
 #include <tenon/plants/legged/quadruped_geometry.h>
-#include <tenon/plants/model/rigid_inertia.h>
-#include <tenon/plants/signals/disturbance_signals.h>
-#include <tenon/plants/signals/legged_signals.h>
-#include <tenon/plants/surroundings/terrain.h>
 #include <tenon/systems/block.h>
 
 namespace tenon {

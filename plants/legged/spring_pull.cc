@@ -1,5 +1,4 @@
 #include <tenon/plants/legged/spring_pull.h>
-#include <tenon/plants/model/rigid_inertia.h>
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>

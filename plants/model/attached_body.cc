@@ -1,5 +1,4 @@
 #include <tenon/plants/model/attached_body.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/format.h>
 

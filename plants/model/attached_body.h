@@ -1,10 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/rigid_inertia.h>
-#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/geometry.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

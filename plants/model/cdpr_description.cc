@@ -1,6 +1,5 @@
 #include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/rigid_inertia.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/format.h>
 

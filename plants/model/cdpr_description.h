@@ -1,10 +1,6 @@
 #pragma once
 
 #include <tenon/plants/signals/cable_vector.h>
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/framework/types/signal.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

@@ -1,5 +1,4 @@
 #include <tenon/plants/model/path.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/SparseLU>
 #include <fmt/format.h>

@@ -2,8 +2,6 @@
 
 #include <tenon/plants/model/cdpr_description.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// A point of a path, with its derivatives in time.

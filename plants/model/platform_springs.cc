@@ -1,6 +1,5 @@
 #include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/model/vectors.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 

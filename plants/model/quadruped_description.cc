@@ -1,5 +1,4 @@
 #include <tenon/plants/model/quadruped_description.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

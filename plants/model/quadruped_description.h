@@ -3,12 +3,7 @@
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/leg.h>
 #include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/framework/types/scale.h>
-#include <tenon/systems/framework/types/signal.h>
 #include <tenon/systems/geometry.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

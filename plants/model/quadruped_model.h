@@ -1,11 +1,8 @@
 #pragma once
 
 #include <tenon/plants/model/quadruped_description.h>
-#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/legged_signals.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

@@ -2,8 +2,6 @@
 
 #include <tenon/plants/signals/cable_vector.h>
 #include <tenon/plants/signals/disturbance_signals.h>
-#include <tenon/plants/signals/legged_signals.h>
-#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
 

@@ -2,7 +2,6 @@
 #include <tenon/plants/multibody/internal/simbody_conversions.h>
 #include <tenon/plants/multibody/robot_multibody.h>
 #include <tenon/systems/analysis/matrix_functions.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>

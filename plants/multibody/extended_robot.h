@@ -3,11 +3,7 @@
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/multibody/point_force.h>
 #include <tenon/plants/signals/cdpr_signals.h>
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/framework/types/signal.h>
 #include <tenon/systems/geometry.h>
-
-#include <Eigen/Core>
 
 #include <functional>
 

@@ -1,6 +1,5 @@
 #include <tenon/plants/multibody/internal/simbody_conversions.h>
 #include <tenon/plants/multibody/robot_multibody.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/format.h>
 

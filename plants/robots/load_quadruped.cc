@@ -1,7 +1,6 @@
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/load_robot.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>

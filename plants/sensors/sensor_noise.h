@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
 
 namespace tenon {

@@ -1,5 +1,4 @@
 #include <tenon/plants/sensors/terrain_mapper.h>
-#include <tenon/systems/framework/block/random_stream.h>
 
 #include <Eigen/Geometry>
 

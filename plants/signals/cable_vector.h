@@ -2,8 +2,6 @@
 
 #include <tenon/systems/framework/types/signal.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// One value for each cable of the robot. Assigning a vector of equal size does not allocate.

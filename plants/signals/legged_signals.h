@@ -2,8 +2,6 @@
 
 #include <tenon/plants/signals/leg.h>
 #include <tenon/plants/signals/quaternion.h>
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/framework/types/signal.h>
 
 namespace tenon {
 

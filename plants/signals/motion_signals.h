@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/plants/signals/leg.h>
-#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
 
 namespace tenon {

@@ -2,8 +2,6 @@
 
 #include <tenon/systems/framework/types/signal.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// @file

@@ -3,9 +3,6 @@
 #include <tenon/plants/signals/imu_signals.h>
 #include <tenon/systems/ros2/messages.h>
 
-#include <string>
-#include <vector>
-
 namespace tenon::ros2 {
 
 /// @file

@@ -1,5 +1,4 @@
 // Type information of the signals, instantiated once for all libraries.
-#include <tenon/plants/signals/cable_vector.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/elevation_map.h>
@@ -8,9 +7,7 @@
 #include <tenon/plants/signals/imu_signals.h>
 #include <tenon/plants/signals/joint_command.h>
 #include <tenon/plants/signals/leash_signals.h>
-#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 

@@ -1,9 +1,7 @@
 #include <tenon/plants/model/vectors.h>
 #include <tenon/plants/surroundings/terrain.h>
 #include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/types/errors.h>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>

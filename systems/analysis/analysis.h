@@ -3,8 +3,6 @@
 #include <tenon/systems/framework/context/context.h>
 #include <tenon/systems/framework/diagram/diagram.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// The linear model ẋ = ẋ0 + A (x - x0) + B (u - u0), y = y0 + C (x - x0) + D (u - u0), with named rows and

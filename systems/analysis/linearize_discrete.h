@@ -3,8 +3,6 @@
 #include <tenon/systems/framework/context/context.h>
 #include <tenon/systems/simulation/simulator_options.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// A bool, integer or enumeration that changed when a state or input was varied, which indicates a jump of

@@ -2,8 +2,6 @@
 
 #include <tenon/systems/framework/types/internal/border.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// A linear feedback u = -K x and its cost from x0, x0' S x0.

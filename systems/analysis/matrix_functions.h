@@ -2,8 +2,6 @@
 
 #include <tenon/systems/framework/types/internal/border.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 // Functions of dense matrices of any size, for set-up code: they allocate. Eigen's decompositions are

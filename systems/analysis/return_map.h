@@ -2,8 +2,6 @@
 
 #include <tenon/systems/analysis/linearize_discrete.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// A motion x*(t) that repeats itself after the period T relative to a reference that may move: P(x*) = x*,

@@ -2,8 +2,6 @@
 
 #include <tenon/systems/framework/context/context.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// A figure of a run and its derivative with respect to numbers in the run's initial context.

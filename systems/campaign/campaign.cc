@@ -1,5 +1,4 @@
 #include <tenon/systems/campaign/campaign.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 

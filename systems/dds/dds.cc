@@ -5,16 +5,8 @@
 #include <fmt/core.h>
 #include <net/if.h>
 
-#include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstdio>
-#include <map>
-#include <mutex>
-#include <optional>
-#include <span>
-#include <string_view>
-#include <utility>
 
 namespace tenon::internal {
 namespace {

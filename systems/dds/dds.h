@@ -2,15 +2,7 @@
 
 #include <tenon/systems/block.h>
 #include <tenon/systems/dds/internal/dds_ends.h>
-#include <tenon/systems/io/recording.h>
-#include <tenon/systems/network/inbox.h>
 #include <tenon/systems/ros2/messages.h>
-
-#include <cstdint>
-#include <limits>
-#include <memory>
-#include <string>
-#include <vector>
 
 namespace tenon {
 

@@ -4,9 +4,6 @@
 #include <fmt/core.h>
 #include <ros2.h>
 
-#include <algorithm>
-#include <cstdlib>
-
 namespace tenon {
 
 namespace internal {

@@ -1,11 +1,7 @@
 #pragma once
 
-#include <tenon/systems/block.h>
 #include <tenon/systems/dds/dds.h>
 #include <tenon/systems/ros2/velocity_command.h>
-
-#include <memory>
-#include <string>
 
 namespace tenon {
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
 
 namespace tenon {

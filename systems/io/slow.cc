@@ -1,17 +1,12 @@
 #include <tenon/systems/framework/diagram/internal/program.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/io/slow.h>
 
 #include <fmt/core.h>
 
-#include <array>
 #include <atomic>
 #include <chrono>
-#include <cstddef>
 #include <exception>
-#include <limits>
 #include <thread>
-#include <vector>
 
 namespace tenon::internal {
 namespace {

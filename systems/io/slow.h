@@ -1,15 +1,8 @@
 #pragma once
 
 #include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/ports.h>
-#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/io/recording.h>
-
-#include <cmath>
-#include <memory>
-#include <type_traits>
-#include <utility>
 
 namespace tenon {
 

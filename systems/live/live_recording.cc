@@ -1,17 +1,10 @@
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/live/internal/live_file.h>
 #include <tenon/systems/live/live_recording.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
-#include <cmath>
-#include <fstream>
 
 namespace tenon {
 

@@ -1,13 +1,6 @@
 #pragma once
 
-#include <tenon/systems/framework/types/signal.h>
 #include <tenon/systems/simulation/simulator.h>
-
-#include <cstdint>
-#include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
 
 namespace tenon {
 

@@ -1,20 +1,7 @@
 #pragma once
 
-#include <tenon/systems/geometry.h>
 #include <tenon/systems/live/live_recording.h>
 #include <tenon/systems/report/report.h>
-#include <tenon/systems/simulation/simulator.h>
-
-#include <array>
-#include <cstdint>
-#include <filesystem>
-#include <functional>
-#include <map>
-#include <memory>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace tenon {
 

@@ -1,5 +1,4 @@
 #include <tenon/systems/io/internal/no_signals.h>
-#include <tenon/systems/network/internal/json.h>
 #include <tenon/systems/network/internal/udp_socket.h>
 #include <tenon/systems/network/udp.h>
 
@@ -8,7 +7,6 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#include <array>
 #include <list>
 #include <system_error>
 #include <thread>

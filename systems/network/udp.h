@@ -1,8 +1,6 @@
 #pragma once
 
 #include <tenon/systems/block.h>
-#include <tenon/systems/io/recording.h>
-#include <tenon/systems/network/inbox.h>
 #include <tenon/systems/network/internal/udp_ends.h>
 
 namespace tenon {

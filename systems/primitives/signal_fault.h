@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tenon/systems/block.h>
 #include <tenon/systems/primitives/fault_schedule.h>
 #include <tenon/systems/primitives/internal/fault_elements.h>
 

@@ -1,11 +1,8 @@
 #include <tenon/systems/campaign/statistics.h>
-#include <tenon/systems/framework/block/system.h>
 #include <tenon/systems/report/campaign_report.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/text/text.h>
-
-#include <nlohmann/json.hpp>
 
 #include <cctype>
 #include <iterator>

@@ -1,7 +1,6 @@
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/internal/run.h>
-#include <tenon/systems/report/internal/run_log.h>
 #include <tenon/systems/report/report.h>
 #include <tenon/systems/simulation/background_log.h>
 #include <tenon/systems/text/text.h>

@@ -3,13 +3,6 @@
 #include <tenon/systems/geometry.h>
 #include <tenon/systems/simulation/simulator.h>
 
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
-
 namespace tenon {
 
 /// One diagram of signals over time.

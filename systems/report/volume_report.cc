@@ -1,11 +1,8 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/report_json.h>
-#include <tenon/systems/report/internal/run_log.h>
 #include <tenon/systems/report/volume_report.h>
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 namespace tenon {
 namespace {

@@ -5,12 +5,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
 #include <fstream>
-#include <string_view>
 
 namespace tenon {
 

@@ -4,17 +4,8 @@
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/ros2/messages.h>
 
-#include <cstdint>
 #include <exception>
-#include <filesystem>
-#include <functional>
-#include <map>
-#include <memory>
 #include <mutex>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
 namespace tenon {
 

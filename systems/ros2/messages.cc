@@ -2,8 +2,6 @@
 #include <tenon/systems/ros2/velocity_command.h>
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 namespace tenon::ros2 {
 namespace {

@@ -1,12 +1,6 @@
 #pragma once
 
-#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
-
-#include <array>
-#include <cstdint>
-#include <string>
-#include <vector>
 
 /// @file
 /// Messages of ROS 2 as signals, with the packages, names and members that they have there: the message

@@ -1,4 +1,3 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/io/internal/no_signals.h>
 #include <tenon/systems/simulation/background_log.h>
 

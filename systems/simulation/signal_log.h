@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/systems/files/output_file.h>
-#include <tenon/systems/framework/block/rate.h>
 #include <tenon/systems/framework/context/context.h>
 
 #include <chrono>

@@ -1,7 +1,5 @@
 #include <tenon/systems/framework/context/internal/profiler.h>
-#include <tenon/systems/framework/diagram/internal/program.h>
 #include <tenon/systems/framework/diagram/internal/schedule.h>
-#include <tenon/systems/simulation/internal/event_finder.h>
 #include <tenon/systems/simulation/internal/sundials_integrator.h>
 #include <tenon/systems/simulation/internal/time_tolerance.h>
 #include <tenon/systems/simulation/simulator.h>
@@ -9,7 +7,6 @@
 #include <fmt/core.h>
 
 #include <cerrno>
-#include <chrono>
 #include <ctime>
 
 namespace tenon {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tenon/systems/framework/context/context.h>
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/simulation/run_profile.h>
 #include <tenon/systems/simulation/signal_log.h>

@@ -1,4 +1,3 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>

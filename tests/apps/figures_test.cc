@@ -5,15 +5,10 @@
 #include <tenon/apps/cdpr/cdpr_limits.h>
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/run_scenario.h>
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
-#include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/limit_figures.h>
-#include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/simulation/simulator.h>
 
 #include <gmock/gmock.h>
 

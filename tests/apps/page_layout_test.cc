@@ -1,7 +1,6 @@
 // Every part of the pages that the apps write is visible, see LayoutFaults.
 
 #include <tenon/tests/apps/run_app.h>
-#include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/systems/report/page_layout.h>
 
 namespace tenon::page_layout_test {

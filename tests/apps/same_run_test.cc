@@ -3,16 +3,10 @@
 
 #include <tenon/apps/cdpr/cdpr_figures.h>
 #include <tenon/apps/cdpr/cdpr_scenario.h>
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
-#include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/apps/quadruped/limit_figures.h>
-#include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/apps/quadruped/walk_figures.h>
-#include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/robots/load_robot.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <gtest/gtest.h>

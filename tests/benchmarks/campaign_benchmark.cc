@@ -9,14 +9,8 @@
 //                      runs_per_s; working, the part of the time in which a rank has a run; busy, the part
 //                      of the time in which rank 0 works
 
-#include <tenon/apps/campaign/campaign_desk.h>
 #include <tenon/apps/campaign/campaign_mpi.h>
-#include <tenon/apps/campaign/campaign_plan.h>
-#include <tenon/apps/campaign/campaign_runner.h>
-#include <tenon/apps/campaign/campaign_schedule.h>
-#include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
-#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 #include <benchmark/benchmark.h>

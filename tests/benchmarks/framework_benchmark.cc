@@ -7,7 +7,6 @@
 //   clone_context/1000      copying a context of 1000 blocks
 //   build_diagram/1000      making 1000 blocks, connecting and compiling them
 
-#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/systems/primitives/gain.h>
 #include <tenon/systems/primitives/integrator.h>

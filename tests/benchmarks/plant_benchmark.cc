@@ -20,7 +20,6 @@
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/plants/cdpr/cable_statics.h>
 #include <tenon/plants/legged/quadruped_plant.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>

@@ -25,11 +25,8 @@
 // exceeds 1e-8 or a solve fails. The difference of ALGLIB is relative to the solution of the full problem by
 // the dual active set method.
 
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/tests/controllers/legged/whole_body/full_whole_body_qp.h>
-#include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 
 #include "least_times.h"

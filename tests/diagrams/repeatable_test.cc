@@ -1,17 +1,11 @@
 // A run of a shipped diagram, also with bodies that Simbody moves, gives the same numbers in every thread, in
 // a clone, and after its context is restored.
 
-#include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
-#include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/plants/attached_bodies.h>
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/primitives/integrator.h>
-#include <tenon/systems/simulation/simulator.h>
-#include <tenon/systems/yaml/resources.h>
 #include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
-#include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
 #include <gtest/gtest.h>

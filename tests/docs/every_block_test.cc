@@ -2,13 +2,11 @@
 // as it is in docs/catalogue/catalogue.cc.
 
 #include <tenon/controllers/cdpr/equilibrium_path.h>
-#include <tenon/docs/catalogue/catalogue.h>
 #include <tenon/docs/catalogue/documents.h>
 #include <tenon/docs/catalogue/headers.h>
 #include <tenon/docs/catalogue/scenario_page.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/signals/legged_signals.h>
-#include <tenon/systems/framework/types/internal/type_info.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 

@@ -1,4 +1,3 @@
-#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/geometry.h>
 #include <tenon/systems/simulation/simulator.h>
 

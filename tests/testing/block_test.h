@@ -2,9 +2,6 @@
 
 // The headers that tests of blocks share.
 
-#include <tenon/systems/framework/block/random_stream.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/allocation_guard.h>
 #include <tenon/tests/testing/expect_throws.h>
 #include <tenon/tests/testing/matchers.h>

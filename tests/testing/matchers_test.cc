@@ -1,4 +1,3 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/signal.h>
 #include <tenon/tests/testing/derivative_check.h>
 #include <tenon/tests/testing/expect_throws.h>

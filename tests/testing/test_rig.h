@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/simulation/simulator.h>
 
 namespace tenon {

@@ -2,7 +2,6 @@
 
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/signals/disturbance_signals.h>
-#include <tenon/plants/signals/ground_plane.h>
 #include <tenon/systems/block.h>
 
 namespace tenon {

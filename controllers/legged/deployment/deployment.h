@@ -1,11 +1,9 @@
 #pragma once
 
 #include <tenon/plants/model/quadruped_description.h>
-#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/joint_command.h>
 #include <tenon/systems/framework/block/parameter.h>
 #include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
 
 namespace tenon {
 

@@ -4,8 +4,6 @@
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/block/system.h>
 
-#include <Eigen/Geometry>
-
 namespace tenon {
 namespace {
 

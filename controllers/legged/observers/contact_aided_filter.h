@@ -3,9 +3,6 @@
 #include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/signals/imu_signals.h>
 #include <tenon/plants/signals/quaternion.h>
-#include <tenon/systems/framework/types/fields.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
-
-#include <Eigen/Core>
 
 #include <complex>
 

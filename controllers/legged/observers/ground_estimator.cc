@@ -1,7 +1,5 @@
 #include <tenon/controllers/legged/observers/ground_estimator.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 namespace {
 

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/disturbance_signals.h>
-#include <tenon/plants/signals/ground_plane.h>
 #include <tenon/systems/block.h>
 
 namespace tenon {

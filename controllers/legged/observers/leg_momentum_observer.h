@@ -3,7 +3,6 @@
 #include <tenon/controllers/legged/observers/disturbance_filter.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/signals/disturbance_signals.h>
-#include <tenon/plants/signals/ground_plane.h>
 #include <tenon/systems/block.h>
 
 namespace tenon {

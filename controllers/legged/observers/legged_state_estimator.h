@@ -2,11 +2,7 @@
 
 #include <tenon/controllers/legged/observers/contact_aided_filter.h>
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/gait_signals.h>
-#include <tenon/plants/signals/ground_plane.h>
-#include <tenon/plants/signals/imu_signals.h>
-#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/block.h>
 
 namespace tenon {

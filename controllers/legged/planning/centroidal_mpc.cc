@@ -2,13 +2,10 @@
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/controllers/optimization/slq.h>
 #include <tenon/plants/model/vectors.h>
-#include <tenon/plants/signals/quaternion.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <chrono>
 
 namespace tenon {

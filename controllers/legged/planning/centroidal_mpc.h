@@ -5,18 +5,10 @@
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/wrench_sinusoid.h>
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
-#include <tenon/plants/signals/ground_plane.h>
-#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
 #include <tenon/systems/block.h>
-
-#include <array>
-#include <cmath>
-#include <memory>
-#include <vector>
 
 namespace tenon {
 

@@ -1,14 +1,8 @@
 #pragma once
 
 #include <tenon/controllers/optimization/runge_kutta.h>
-#include <tenon/controllers/optimization/slq_options.h>
 #include <tenon/plants/signals/leg.h>
 #include <tenon/systems/framework/types/signal.h>
-
-#include <Eigen/Core>
-
-#include <array>
-#include <vector>
 
 namespace tenon {
 

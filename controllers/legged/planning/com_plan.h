@@ -1,12 +1,8 @@
 #pragma once
 
 #include <tenon/controllers/legged/planning/periodic_pendulum.h>
-#include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/optimization/dual_active_set.h>
 #include <tenon/plants/signals/ground_plane.h>
-#include <tenon/plants/signals/motion_signals.h>
-
-#include <array>
 
 namespace tenon {
 

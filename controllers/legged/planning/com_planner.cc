@@ -5,9 +5,6 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
-#include <limits>
-
 namespace tenon {
 namespace {
 

@@ -3,14 +3,8 @@
 #include <tenon/controllers/legged/planning/com_plan.h>
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/zmp_spline.h>
-#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/gait_signals.h>
-#include <tenon/plants/signals/ground_plane.h>
-#include <tenon/plants/signals/motion_signals.h>
 #include <tenon/systems/block.h>
-
-#include <array>
-#include <utility>
 
 namespace tenon {
 

@@ -1,9 +1,6 @@
 #include <tenon/controllers/legged/planning/foot_scheduler.h>
-#include <tenon/systems/framework/types/fields.h>
 
 #include <fmt/core.h>
-
-#include <algorithm>
 
 namespace tenon {
 namespace {

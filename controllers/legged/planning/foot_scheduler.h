@@ -4,10 +4,6 @@
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/block.h>
 
-#include <array>
-#include <utility>
-#include <vector>
-
 namespace tenon {
 
 constexpr auto EnumNames(Leg) {

@@ -1,10 +1,7 @@
 #pragma once
 
 #include <tenon/plants/signals/leg.h>
-#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/framework/types/signal.h>
-
-#include <array>
 
 namespace tenon {
 

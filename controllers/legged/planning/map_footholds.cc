@@ -1,9 +1,5 @@
 #include <tenon/controllers/legged/planning/map_footholds.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 namespace tenon {
 namespace {
 

@@ -1,11 +1,6 @@
 #pragma once
 
 #include <tenon/plants/signals/elevation_map.h>
-#include <tenon/systems/framework/types/fields.h>
-
-#include <Eigen/Core>
-
-#include <optional>
 
 namespace tenon {
 

@@ -1,11 +1,9 @@
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/plants/model/quadruped_model.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tenon {
 namespace {

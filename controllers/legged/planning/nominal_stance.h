@@ -2,10 +2,6 @@
 
 #include <tenon/plants/model/quadruped_description.h>
 
-#include <Eigen/Core>
-
-#include <array>
-
 namespace tenon {
 
 /// Geometry of a robot in its nominal stance, which the planners move along the path: the point of the path

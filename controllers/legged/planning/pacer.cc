@@ -4,10 +4,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 namespace tenon {
 namespace {
 

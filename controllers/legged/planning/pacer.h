@@ -2,11 +2,6 @@
 
 #include <tenon/controllers/legged/planning/foot_scheduler.h>
 #include <tenon/plants/model/quadruped_description.h>
-#include <tenon/plants/model/rigid_inertia.h>
-#include <tenon/plants/signals/gait_signals.h>
-#include <tenon/systems/block.h>
-
-#include <array>
 
 namespace tenon {
 

@@ -1,9 +1,5 @@
 #include <tenon/controllers/legged/planning/periodic_pendulum.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
-#include <tenon/systems/framework/types/errors.h>
-
-#include <cmath>
-#include <string>
 
 namespace tenon {
 

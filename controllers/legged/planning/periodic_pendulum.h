@@ -3,8 +3,6 @@
 #include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/plants/signals/motion_signals.h>
 
-#include <array>
-
 namespace tenon {
 
 /// The periodic motion of a linear inverted pendulum whose ZMP p is constant in each phase,

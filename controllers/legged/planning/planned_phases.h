@@ -5,10 +5,7 @@
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/motion_signals.h>
 
-#include <algorithm>
-#include <array>
 #include <numeric>
-#include <span>
 
 namespace tenon {
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/controllers/legged/planning/map_footholds.h>
-#include <tenon/systems/framework/types/fields.h>
 
 namespace tenon {
 

@@ -1,5 +1,4 @@
 #include <tenon/controllers/legged/planning/step_timing_adapter.h>
-#include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Geometry>
 

@@ -1,14 +1,8 @@
-#include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
 #include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
-
-#include <algorithm>
-#include <cmath>
-#include <optional>
 
 namespace tenon {
 namespace {

@@ -4,16 +4,11 @@
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/legged/planning/step_properties.h>
-#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/disturbance_signals.h>
-#include <tenon/plants/signals/elevation_map.h>
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/plants/signals/ground_plane.h>
-#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
 #include <tenon/systems/block.h>
-
-#include <array>
 
 namespace tenon {
 

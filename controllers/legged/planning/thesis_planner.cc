@@ -1,13 +1,9 @@
-#include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/legged/planning/planned_phases.h>
 #include <tenon/controllers/legged/planning/thesis_planner.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/LU>
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace tenon {

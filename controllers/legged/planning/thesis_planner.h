@@ -3,7 +3,6 @@
 #include <tenon/controllers/legged/planning/com_planner.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/signals/disturbance_signals.h>
-#include <tenon/plants/signals/legged_signals.h>
 
 namespace tenon {
 

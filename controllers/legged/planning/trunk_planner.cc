@@ -1,12 +1,5 @@
 #include <tenon/controllers/legged/planning/trunk_planner.h>
 #include <tenon/plants/model/vectors.h>
-#include <tenon/plants/signals/quaternion.h>
-
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
 
 namespace tenon {
 

@@ -3,7 +3,6 @@
 #include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
-#include <tenon/plants/signals/legged_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
 #include <tenon/systems/block.h>
 

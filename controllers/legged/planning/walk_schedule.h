@@ -3,9 +3,6 @@
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/systems/block.h>
 
-#include <optional>
-#include <vector>
-
 namespace tenon {
 
 /// Part of a walk with one gait and constant velocities: a straight line, an arc or a turn in place.

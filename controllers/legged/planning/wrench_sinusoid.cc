@@ -1,7 +1,6 @@
 #include <tenon/controllers/legged/planning/wrench_sinusoid.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tenon {
 

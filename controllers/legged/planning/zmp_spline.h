@@ -6,12 +6,6 @@
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/motion_signals.h>
 
-#include <Eigen/Core>
-
-#include <array>
-#include <span>
-#include <utility>
-
 namespace tenon {
 
 /// The degree of a spline's polynomials.

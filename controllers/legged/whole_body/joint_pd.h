@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/plants/model/quadruped_description.h>
-#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/block.h>
 

@@ -1,9 +1,7 @@
 #include <tenon/controllers/legged/whole_body/rope_tensions.h>
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/plants/model/vectors.h>
-#include <tenon/plants/signals/quaternion.h>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <numbers>

@@ -3,9 +3,7 @@
 #include <tenon/controllers/optimization/dual_active_set.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/model/rope.h>
-#include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
-#include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/motion_signals.h>
 #include <tenon/systems/block.h>
 

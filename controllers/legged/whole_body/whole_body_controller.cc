@@ -1,10 +1,7 @@
 #include <tenon/controllers/legged/whole_body/whole_body_controller.h>
 #include <tenon/plants/model/vectors.h>
-#include <tenon/plants/signals/quaternion.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
-#include <tenon/systems/framework/types/fields.h>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <chrono>

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
-#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
-#include <tenon/plants/signals/ground_plane.h>
 #include <tenon/plants/signals/motion_signals.h>
 #include <tenon/systems/block.h>
 

@@ -3,7 +3,6 @@
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/block/system.h>
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include <numbers>

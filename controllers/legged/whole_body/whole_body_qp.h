@@ -3,8 +3,6 @@
 #include <tenon/controllers/optimization/dual_active_set.h>
 #include <tenon/plants/model/quadruped_model.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// How the sides of a friction pyramid approximate the cone |f_t| <= mu f_n.

@@ -2,8 +2,6 @@
 
 #include <tenon/controllers/optimization/lanes/packed_algebra.h>
 
-#include <Eigen/Core>
-
 #include <algorithm>
 #include <type_traits>
 #include <utility>

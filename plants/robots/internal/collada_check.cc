@@ -3,7 +3,6 @@
 #include <tenon/systems/text/text.h>
 
 #include <expat.h>
-#include <fmt/format.h>
 
 namespace tenon::internal {
 namespace {

@@ -1,6 +1,5 @@
 #include <tenon/plants/robots/internal/mesh_import.h>
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <assimp/Importer.hpp>
 #include <assimp/MemoryIOWrapper.h>

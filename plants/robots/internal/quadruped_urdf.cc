@@ -2,21 +2,14 @@
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/mesh_file.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <fstream>
-#include <limits>
 #include <numbers>
 #include <sstream>
-#include <utility>
 
 namespace tenon::internal {
 namespace {

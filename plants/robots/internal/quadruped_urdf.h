@@ -5,8 +5,6 @@
 #include <tenon/plants/robots/internal/urdf_file.h>
 #include <tenon/plants/robots/robot_links.h>
 
-#include <Eigen/Core>
-
 namespace tenon::internal {
 
 /// Limits of a joint in a robot's YAML file, which replace those in the URDF.

@@ -1,10 +1,8 @@
 #include <tenon/plants/robots/internal/urdf_file.h>
 #include <tenon/plants/robots/internal/xml_elements.h>
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/text.h>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>

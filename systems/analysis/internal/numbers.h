@@ -2,8 +2,6 @@
 
 #include <tenon/systems/framework/context/context.h>
 
-#include <Eigen/Core>
-
 namespace tenon::internal {
 
 /// Returns the path of every number of the sources in order, such as "cart.x.velocity".

@@ -4,8 +4,6 @@
 #include <tenon/systems/analysis/linearize_discrete.h>
 #include <tenon/systems/framework/block/internal/rational.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 class Simulator;

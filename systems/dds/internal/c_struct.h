@@ -2,10 +2,6 @@
 
 #include <tenon/systems/framework/types/internal/type_info.h>
 
-#include <cstddef>
-#include <string>
-#include <vector>
-
 namespace tenon::internal {
 
 /// Size of the C struct that idlc makes of a message: its texts are pointers, its lists dds_sequence_t.

@@ -1,12 +1,6 @@
 #pragma once
 
-#include <tenon/systems/framework/types/signal.h>
 #include <tenon/systems/network/inbox.h>
-
-#include <cstddef>
-#include <memory>
-#include <string>
-#include <vector>
 
 namespace tenon {
 

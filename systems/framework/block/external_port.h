@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>
 
 namespace tenon {

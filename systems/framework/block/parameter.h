@@ -1,8 +1,6 @@
 #pragma once
 
-#include <tenon/systems/framework/block/source.h>
 #include <tenon/systems/framework/block/system.h>
-#include <tenon/systems/framework/types/range.h>
 
 namespace tenon {
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tenon/systems/framework/block/calculation.h>
 #include <tenon/systems/framework/block/system.h>
 
 namespace tenon {

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <tenon/systems/framework/block/calculation.h>
-#include <tenon/systems/framework/block/source.h>
-#include <tenon/systems/framework/types/errors.h>
 
 namespace tenon {
 

@@ -1,10 +1,7 @@
 #pragma once
 
 #include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>
-
-#include <Eigen/Core>
 
 namespace tenon {
 

@@ -3,7 +3,6 @@
 #include <tenon/systems/framework/context/context.h>
 #include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/framework/diagram/internal/program.h>
-#include <tenon/systems/framework/types/internal/fnv1a.h>
 
 #include <fmt/core.h>
 

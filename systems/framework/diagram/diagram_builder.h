@@ -1,8 +1,6 @@
 #pragma once
 
-#include <tenon/systems/framework/block/ports.h>
 #include <tenon/systems/framework/block/state.h>
-#include <tenon/systems/framework/block/system.h>
 
 #include <unordered_map>
 

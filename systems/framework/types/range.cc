@@ -1,6 +1,3 @@
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/framework/types/internal/type_info.h>
 #include <tenon/systems/framework/types/range.h>
 #include <tenon/systems/framework/types/signal.h>
 #include <tenon/systems/text/text.h>

@@ -3,8 +3,6 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/type_info.h>
 
-#include <Eigen/Core>
-
 namespace tenon {
 
 /// A vector signal of N doubles. Like Eigen::Matrix<double, N, 1>, but never over-aligned, so that a library

@@ -1,13 +1,7 @@
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/live/internal/live_run.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
-
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 
 namespace tenon::internal {
 namespace {

@@ -4,11 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <cstdint>
-#include <filesystem>
 #include <fstream>
-#include <stdexcept>
-#include <vector>
 
 namespace tenon::internal {
 

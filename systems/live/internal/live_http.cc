@@ -1,5 +1,4 @@
 #include <tenon/systems/files/output_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/live/internal/bounded_server.h>
 #include <tenon/systems/live/internal/live_channel.h>
 #include <tenon/systems/live/internal/live_http.h>
@@ -10,9 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
-#include <condition_variable>
-#include <mutex>
 #include <random>
 #include <thread>
 #include <vector>

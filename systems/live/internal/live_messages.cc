@@ -1,11 +1,8 @@
-#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/live/internal/live_messages.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/report_json.h>
 
-#include <algorithm>
 #include <charconv>
-#include <cmath>
 
 namespace tenon::internal {
 namespace {

@@ -4,9 +4,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <string>
-#include <vector>
-
 namespace tenon::internal {
 
 using Json = nlohmann::ordered_json;

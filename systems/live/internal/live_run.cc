@@ -1,13 +1,8 @@
-#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/systems/framework/diagram/internal/program.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/live/internal/live_run.h>
 #include <tenon/systems/report/internal/run_log.h>
 
 #include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
 
 namespace tenon::internal {
 namespace {

@@ -3,14 +3,8 @@
 #include <tenon/systems/live/internal/live_channel.h>
 #include <tenon/systems/live/internal/live_file.h>
 #include <tenon/systems/live/internal/live_messages.h>
-#include <tenon/systems/live/live_server.h>
 
-#include <chrono>
-#include <deque>
-#include <optional>
 #include <set>
-#include <string>
-#include <vector>
 
 namespace tenon::internal {
 

@@ -1,14 +1,9 @@
 #pragma once
 
-#include <tenon/systems/framework/types/errors.h>
-#include <tenon/systems/framework/types/internal/type_info.h>
 #include <tenon/systems/framework/types/signal.h>
-
-#include <Eigen/Core>
 
 #include <algorithm>
 #include <initializer_list>
-#include <string>
 
 namespace tenon::internal {
 

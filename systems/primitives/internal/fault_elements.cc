@@ -1,4 +1,3 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/primitives/internal/fault_elements.h>
 
 #include <fmt/format.h>

@@ -1,11 +1,5 @@
 #include <tenon/systems/report/internal/run_log.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <span>
-#include <utility>
-
 namespace tenon {
 
 namespace {

@@ -1,5 +1,4 @@
 #include <tenon/systems/files/output_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/page_parts.h>
 #include <tenon/systems/version.h>

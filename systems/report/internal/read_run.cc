@@ -1,8 +1,6 @@
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/run.h>
-#include <tenon/systems/report/internal/run_log.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <tenon/systems/geometry.h>
 #include <tenon/systems/report/internal/run_log.h>
-#include <tenon/systems/report/report.h>
 
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,3 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/internal/run.h>
 

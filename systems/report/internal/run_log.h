@@ -1,13 +1,6 @@
 #pragma once
 
-#include <tenon/systems/geometry.h>
 #include <tenon/systems/report/report.h>
-#include <tenon/systems/simulation/signal_log.h>
-
-#include <memory>
-#include <string>
-#include <string_view>
-#include <vector>
 
 namespace tenon::internal {
 

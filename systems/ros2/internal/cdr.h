@@ -2,11 +2,6 @@
 
 #include <tenon/systems/framework/types/internal/type_info.h>
 
-#include <cstddef>
-#include <span>
-#include <string>
-#include <vector>
-
 namespace tenon::internal {
 
 /// The items of a list or an array.

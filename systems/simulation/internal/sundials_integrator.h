@@ -3,7 +3,6 @@
 #include <tenon/systems/framework/context/context.h>
 #include <tenon/systems/simulation/internal/event_finder.h>
 #include <tenon/systems/simulation/internal/sundials_solver.h>
-#include <tenon/systems/simulation/simulator_options.h>
 
 namespace tenon {
 

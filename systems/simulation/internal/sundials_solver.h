@@ -2,7 +2,6 @@
 
 #include <tenon/systems/simulation/simulator_options.h>
 
-#include <cmath>
 #include <memory>
 
 namespace tenon::internal {

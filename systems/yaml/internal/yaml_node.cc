@@ -1,5 +1,4 @@
 #include <tenon/systems/framework/block/rate.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/internal/yaml_node.h>
 #include <tenon/systems/yaml/yaml.h>

@@ -1,4 +1,3 @@
-#include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/apps/campaign/campaign_schedule.h>
 #include <tenon/tests/testing/block_test.h>
 

@@ -1,13 +1,10 @@
 // The search of a campaign, with an app whose figures are functions of its keys with known minima.
 
 #include <tenon/apps/campaign/campaign_results.h>
-#include <tenon/systems/files/output_file.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 #include <nlohmann/json.hpp>
-
-#include <atomic>
 
 namespace tenon::apps::campaign_search_test {
 

@@ -1,9 +1,6 @@
 // The errors of the sensors do not depend on the controller, so --compare compares only controllers.
 
 #include <tenon/apps/cdpr/cdpr_scenario.h>
-#include <tenon/apps/common/scenario_file.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
-#include <tenon/systems/simulation/simulator.h>
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,6 @@
 #include <tenon/apps/guide_dog/guide_dog_app.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/plants/attached_bodies.h>
-#include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/tests/apps/run_app.h>
 
 #include <nlohmann/json.hpp>

@@ -1,7 +1,6 @@
 // The page of a live run in a browser, and how it controls the run.
 
 #include <tenon/tests/apps/common/live_app.h>
-#include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/systems/report/page_layout.h>
 
 #include <chrono>

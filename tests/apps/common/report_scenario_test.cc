@@ -1,6 +1,5 @@
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/report_scenario.h>
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/systems/simulation.h>
 #include <tenon/tests/testing/block_test.h>
 

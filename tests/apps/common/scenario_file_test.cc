@@ -1,8 +1,6 @@
 // Paths in files start from these files; the files of a run can be moved.
 
 #include <tenon/apps/common/scenario_file.h>
-#include <tenon/plants/model/cdpr_description.h>
-#include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/tests/testing/block_test.h>

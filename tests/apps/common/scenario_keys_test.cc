@@ -1,7 +1,5 @@
 #include <tenon/apps/common/scenario_app.h>
-#include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/text/text.h>
-#include <tenon/systems/yaml/yaml.h>
 
 #include <gmock/gmock.h>
 

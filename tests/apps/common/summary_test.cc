@@ -1,11 +1,7 @@
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/common/outputs.h>
-#include <tenon/apps/common/progress.h>
 #include <tenon/apps/common/real_time.h>
 #include <tenon/apps/common/run_scenario.h>
-#include <tenon/apps/common/summary.h>
 #include <tenon/apps/common/verdicts.h>
-#include <tenon/systems/framework/diagram/diagram.h>
 #include <tenon/tests/testing/block_test.h>
 
 #include <csignal>

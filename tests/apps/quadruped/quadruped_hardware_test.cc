@@ -1,6 +1,4 @@
 #include <tenon/apps/quadruped/quadruped_hardware.h>
-#include <tenon/plants/model/quadruped_description.h>
-#include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 

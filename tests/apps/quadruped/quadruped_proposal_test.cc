@@ -1,6 +1,5 @@
 #include <tenon/apps/quadruped/quadruped_proposal.h>
 #include <tenon/plants/legged/quadruped_clearance.h>
-#include <tenon/plants/model/quadruped_description.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>

@@ -1,7 +1,5 @@
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/held_mass.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/plants/model/quadruped_description.h>
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

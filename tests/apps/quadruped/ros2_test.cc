@@ -8,7 +8,6 @@
 
 #include <fmt/core.h>
 
-#include <map>
 #include <thread>
 
 namespace tenon::apps_ros2_test {

@@ -1,6 +1,5 @@
 #include <tenon/tests/apps/run_app.h>
 #include <tenon/tests/plants/model/mesh_test_files.h>
-#include <tenon/tests/testing/temporary_path.h>
 
 namespace tenon::test::tenon_robot_test {
 

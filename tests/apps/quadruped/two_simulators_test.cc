@@ -1,9 +1,7 @@
 // A Go2 in MuJoCo is walked by a controller in another process, over DDS in lock-step. The controller has
 // inertial unit, encoders and motor torques with the errors of standard hardware, and an estimator.
 
-#include <tenon/apps/common/scenario_file.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/diagrams/recommended_options.h>
 #include <tenon/diagrams/unitree/unitree_server.h>
 #include <tenon/diagrams/unitree/unitree_world.h>
 #include <tenon/tests/apps/mujoco_engine.h>

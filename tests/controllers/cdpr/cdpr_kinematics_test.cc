@@ -1,5 +1,4 @@
 #include <tenon/controllers/cdpr/cable_interference.h>
-#include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>

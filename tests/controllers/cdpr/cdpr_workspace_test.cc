@@ -1,5 +1,4 @@
 #include <tenon/controllers/cdpr/cdpr_workspace.h>
-#include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/block_test.h>
 

@@ -1,5 +1,4 @@
 #include <tenon/controllers/cdpr/broken_cable_detector.h>
-#include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/cdpr/inverse_geometrico_static.h>
 #include <tenon/controllers/cdpr/load_estimator.h>
 #include <tenon/controllers/cdpr/loaded_platform.h>

@@ -1,6 +1,4 @@
 #include <tenon/controllers/cdpr/pose_feasibility.h>
-#include <tenon/controllers/cdpr/tension_distribution.h>
-#include <tenon/controllers/cdpr/wrench_feasibility.h>
 #include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>

@@ -1,6 +1,5 @@
 #include <tenon/controllers/cdpr/goal_path.h>
 #include <tenon/controllers/cdpr/kino_centroidal_model.h>
-#include <tenon/controllers/cdpr/loaded_platform.h>
 #include <tenon/controllers/cdpr/reference_balancer.h>
 #include <tenon/controllers/cdpr/reference_generator.h>
 #include <tenon/plants/robots/load_robot.h>

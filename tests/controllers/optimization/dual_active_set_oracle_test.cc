@@ -1,6 +1,5 @@
 // The dual active set method against CGAL's solver, which computes in exact rational numbers.
 
-#include <tenon/controllers/optimization/dual_active_set.h>
 #include <tenon/tests/controllers/optimization/exact_qp.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/testing/block_test.h>

@@ -1,4 +1,3 @@
-#include <tenon/controllers/optimization/dual_active_set.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/testing/block_test.h>
 

@@ -1,4 +1,3 @@
-#include <tenon/controllers/optimization/lanes/lanes.h>
 #include <tenon/controllers/optimization/lanes/small_product.h>
 #include <tenon/tests/testing/block_test.h>
 

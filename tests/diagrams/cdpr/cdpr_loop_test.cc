@@ -1,6 +1,3 @@
-#include <tenon/controllers/cdpr/inverse_geometrico_static.h>
-#include <tenon/diagrams/cdpr/cdpr_loop.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
 #include <tenon/tests/testing/block_test.h>
 

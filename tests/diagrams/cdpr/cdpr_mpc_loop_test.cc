@@ -1,9 +1,7 @@
 // The cable robot under its MPC, with the estimator in the loop.
 
 #include <tenon/controllers/cdpr/goal_path.h>
-#include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/recommended_options.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
 #include <tenon/tests/testing/block_test.h>
 

@@ -1,8 +1,6 @@
 // Gains for cable robots of all sizes.
 
-#include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/diagrams/cdpr/cdpr_profile.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
 #include <tenon/tests/testing/block_test.h>

@@ -1,8 +1,6 @@
 // Robots with more or fewer cables than any shipped one, read from YAML.
 
-#include <tenon/diagrams/cdpr/cdpr_loop.h>
 #include <tenon/plants/signals/euler.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>

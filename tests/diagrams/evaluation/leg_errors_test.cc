@@ -1,6 +1,5 @@
 #include <tenon/diagrams/evaluation/leg_errors.h>
 #include <tenon/plants/legged/disturbances.h>
-#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 

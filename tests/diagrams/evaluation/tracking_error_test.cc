@@ -1,6 +1,5 @@
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
-#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 

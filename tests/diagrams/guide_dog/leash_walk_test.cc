@@ -6,8 +6,6 @@
 #include <tenon/controllers/guide_dog/supervisor.h>
 #include <tenon/plants/surroundings/leash.h>
 #include <tenon/plants/surroundings/person.h>
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/simulation/simulator.h>
 

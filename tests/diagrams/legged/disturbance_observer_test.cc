@@ -8,8 +8,6 @@
 
 #include <Eigen/Geometry>
 
-#include <memory>
-
 namespace tenon::disturbance_observer_test {
 
 using test::DogBot;

@@ -1,16 +1,11 @@
 // The output of each block of LeggedLocomotion can be replaced by that of another block.
 
 #include <tenon/diagrams/legged/legged_locomotion.h>
-#include <tenon/diagrams/legged/locomotion_profile.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 
 #include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
 
 namespace tenon::legged_locomotion_test {
 

@@ -9,8 +9,6 @@
 
 #include <Eigen/Geometry>
 
-#include <map>
-
 namespace tenon::quadruped_messages_test {
 
 using namespace ros2;

@@ -1,6 +1,5 @@
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/recommended_options.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 

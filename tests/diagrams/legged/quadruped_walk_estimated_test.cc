@@ -7,9 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace tenon::quadruped_walk_estimated_test {
 
 /// DogBot trots from a stand, with noise on all sensors that its controller uses.

@@ -3,14 +3,10 @@
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/diagrams/recommended_options.h>
-#include <tenon/systems/framework/types/fields.h>
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 
 #include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 
 namespace tenon::quadruped_walk_test {
 

@@ -1,14 +1,9 @@
 // Walks whose reference of the CoM is the ZMP spline.
 
 #include <tenon/diagrams/evaluation/tracking_error.h>
-#include <tenon/diagrams/legged/quadruped_walk.h>
-#include <tenon/systems/framework/types/fields.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 
 #include <gtest/gtest.h>
-
-#include <algorithm>
 
 namespace tenon::spline_walk_test {
 

@@ -4,11 +4,6 @@
 #include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 
-#include <cmath>
-#include <memory>
-#include <string>
-#include <vector>
-
 namespace tenon::test {
 
 /// DogBot stands for half a second, then trots at 0.12 m/s along an arc, while a force of 20 N pulls at its

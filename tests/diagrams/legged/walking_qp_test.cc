@@ -1,10 +1,8 @@
 // The whole-body controller's quadratic programs of a walk with the plant, with and without elimination,
 // against a solver in exact arithmetic.
 
-#include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/tests/controllers/legged/whole_body/full_whole_body_qp.h>
 #include <tenon/tests/controllers/optimization/exact_qp.h>
-#include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 #include <tenon/tests/testing/block_test.h>
 

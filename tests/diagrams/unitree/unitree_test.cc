@@ -9,14 +9,7 @@
 #include <unitree_go.h>
 
 #include <atomic>
-#include <cstddef>
-#include <cstring>
-#include <functional>
-#include <limits>
-#include <optional>
 #include <thread>
-#include <utility>
-#include <vector>
 
 namespace tenon::unitree_test {
 

@@ -1,7 +1,5 @@
 // CdprPlant with cables that sag, pulleys, drums with layers and differentials.
 
-#include <tenon/plants/cdpr/cdpr_geometry.h>
-#include <tenon/plants/cdpr/cdpr_plant.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 

@@ -2,7 +2,6 @@
 #include <tenon/plants/cdpr/cdpr_monitor.h>
 #include <tenon/systems/primitives/constant.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
-#include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::cdpr_monitor_test {

@@ -1,6 +1,5 @@
 // A trajectory of a platform with an arm in free fall, against MuJoCo.
 
-#include <tenon/plants/cdpr/cdpr_plant.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
 #include <tenon/tests/plants/model/attached_body_mujoco.h>
 #include <tenon/tests/testing/block_test.h>

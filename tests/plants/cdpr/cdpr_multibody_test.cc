@@ -3,7 +3,6 @@
 
 #include <tenon/plants/attached_bodies.h>
 #include <tenon/plants/cdpr/cdpr_multibody.h>
-#include <tenon/plants/cdpr/cdpr_plant.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 

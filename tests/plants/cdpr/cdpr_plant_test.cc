@@ -1,5 +1,3 @@
-#include <tenon/plants/cdpr/cdpr_plant.h>
-#include <tenon/plants/cdpr/free_rigid_body.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
 #include <tenon/tests/testing/block_test.h>

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/plants/cdpr/cdpr_plant.h>
-#include <tenon/systems/framework/block/random_stream.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 
 namespace tenon::test {

@@ -1,5 +1,4 @@
 #include <tenon/plants/cdpr/cable_statics.h>
-#include <tenon/plants/cdpr/elastic_catenary.h>
 #include <tenon/plants/model/swivel_pulley.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
 #include <tenon/tests/testing/block_test.h>

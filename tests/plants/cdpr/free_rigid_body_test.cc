@@ -1,4 +1,3 @@
-#include <tenon/plants/cdpr/free_rigid_body.h>
 #include <tenon/tests/plants/cdpr/cdpr_plant_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>

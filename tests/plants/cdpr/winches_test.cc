@@ -1,6 +1,5 @@
 // Winches, their errors, and drums with layers of cable.
 
-#include <tenon/plants/cdpr/layered_drum.h>
 #include <tenon/plants/cdpr/winch.h>
 #include <tenon/plants/cdpr/winch_errors.h>
 #include <tenon/tests/testing/block_test.h>

@@ -1,8 +1,6 @@
 #include <tenon/plants/legged/disturbances.h>
-#include <tenon/plants/legged/quadruped_body.h>
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/plants/legged/spring_pull.h>
-#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 

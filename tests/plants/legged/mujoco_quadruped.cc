@@ -1,5 +1,3 @@
-#include <tenon/plants/legged/quadruped_geometry.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/plants/legged/mujoco_quadruped.h>
 
 #include <Eigen/Geometry>

@@ -1,7 +1,5 @@
 // A quadruped in MuJoCo, against the plant that it stands in for.
 
-#include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/tests/plants/legged/mujoco_quadruped.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>

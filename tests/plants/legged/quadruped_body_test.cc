@@ -1,7 +1,6 @@
 // The plant's equations of motion against Simbody's own.
 
 #include <tenon/plants/legged/quadruped_body.h>
-#include <tenon/plants/simbody.h>
 #include <tenon/tests/plants/model/quadruped_simbody.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>

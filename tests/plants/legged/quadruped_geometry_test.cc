@@ -1,7 +1,5 @@
 #include <tenon/plants/legged/quadruped_clearance.h>
-#include <tenon/plants/legged/quadruped_geometry.h>
 #include <tenon/plants/legged/quadruped_plant.h>
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/tests/plants/model/mesh_test_files.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>

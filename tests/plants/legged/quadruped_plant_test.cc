@@ -1,5 +1,4 @@
 #include <tenon/plants/legged/quadruped_plant.h>
-#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>

@@ -4,9 +4,7 @@
 #include <tenon/plants/legged/disturbances.h>
 #include <tenon/plants/legged/quadruped_plant.h>
 #include <tenon/plants/legged/ropes.h>
-#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/systems/primitives/constant.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>

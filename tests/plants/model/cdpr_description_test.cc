@@ -1,4 +1,3 @@
-#include <tenon/plants/model/cdpr_description.h>
 #include <tenon/plants/model/path.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>

@@ -1,6 +1,3 @@
-#include <tenon/plants/model/quadruped_description.h>
-#include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/mesh_test_files.h>

@@ -1,10 +1,8 @@
 // Mass matrix, bias and forward dynamics without contact against MuJoCo.
 
-#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_mujoco.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
-#include <tenon/tests/testing/dense_algebra.h>
 
 namespace tenon::quadruped_model_mujoco_test {
 

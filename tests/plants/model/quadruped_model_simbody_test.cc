@@ -1,7 +1,5 @@
 // The model against Simbody's operators.
 
-#include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/simbody.h>
 #include <tenon/tests/plants/model/quadruped_simbody.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>

@@ -1,6 +1,3 @@
-#include <tenon/plants/model/quadruped_description.h>
-#include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/robots/load_robot.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>

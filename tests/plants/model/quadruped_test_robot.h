@@ -2,8 +2,6 @@
 
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/robots/load_robot.h>
-#include <tenon/plants/signals/legged_signals.h>
-#include <tenon/systems/framework/block/random_stream.h>
 
 namespace tenon::test {
 

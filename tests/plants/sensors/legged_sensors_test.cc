@@ -1,11 +1,9 @@
 // The quadruped's sensors: encoders, torque and foot force.
 
-#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/sensors/force_sensors.h>
 #include <tenon/plants/sensors/joint_encoders.h>
 #include <tenon/plants/sensors/shank_forces.h>
 #include <tenon/plants/sensors/terrain_mapper.h>
-#include <tenon/plants/signals/quaternion.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/plants/sensors/error_statistics.h>
 #include <tenon/tests/testing/block_test.h>

@@ -3,8 +3,6 @@
 #include <tenon/plants/signals/ground_plane.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <Eigen/Geometry>
-
 #include <numbers>
 
 namespace tenon::ground_plane_test {

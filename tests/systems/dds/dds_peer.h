@@ -10,10 +10,7 @@
 
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <exception>
-#include <functional>
-#include <string>
 
 namespace tenon::test {
 

@@ -1,6 +1,5 @@
 #include <tenon/tests/systems/dds/dds_peer.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/block_test.h>
 
 #include <cart.h>
 

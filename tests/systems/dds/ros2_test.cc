@@ -8,10 +8,6 @@
 #include <fmt/format.h>
 #include <ros2.h>
 
-#include <chrono>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <numeric>
 #include <thread>
 

@@ -1,4 +1,3 @@
-#include <tenon/systems/files/output_file.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 

@@ -1,4 +1,3 @@
-#include <tenon/systems/files/output_file.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/testing/temporary_path.h>
 

@@ -1,5 +1,3 @@
-#include <tenon/systems/framework/block/parameter.h>
-#include <tenon/systems/framework/types/range.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 

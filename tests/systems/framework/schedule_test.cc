@@ -1,7 +1,4 @@
-#include <tenon/systems/framework/block/internal/rational.h>
-#include <tenon/systems/framework/block/rate.h>
 #include <tenon/systems/framework/diagram/internal/schedule.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::internal::schedule_test {

@@ -1,4 +1,3 @@
-#include <tenon/systems/framework/types/signal.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 namespace tenon {

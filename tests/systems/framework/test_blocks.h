@@ -1,7 +1,5 @@
 #pragma once
 
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon {

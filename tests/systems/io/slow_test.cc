@@ -4,9 +4,7 @@
 #include <tenon/tests/testing/allocation_guard.h>
 
 #include <atomic>
-#include <cmath>
 #include <thread>
-#include <vector>
 
 namespace tenon::slow_test {
 

@@ -9,11 +9,7 @@
 #include <httplib.h>
 
 #include <atomic>
-#include <chrono>
-#include <mutex>
-#include <string>
 #include <thread>
-#include <vector>
 
 namespace tenon::internal::hostile_page_test {
 

@@ -1,15 +1,7 @@
 #pragma once
 
-#include <tenon/systems/framework/diagram/diagram.h>
-#include <tenon/systems/geometry.h>
 #include <tenon/systems/live/live_server.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
-
-#include <array>
-#include <memory>
-#include <string>
-#include <vector>
 
 namespace tenon::test {
 

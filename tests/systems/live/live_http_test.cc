@@ -9,13 +9,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <deque>
-#include <filesystem>
 #include <functional>
 #include <iterator>
-#include <optional>
-#include <string>
 #include <thread>
 #include <vector>
 

@@ -1,9 +1,6 @@
 #include <tenon/systems/live/internal/live_file.h>
-#include <tenon/systems/live/live_recording.h>
 #include <tenon/tests/systems/live/live_diagram.h>
 #include <tenon/tests/testing/temporary_path.h>
-
-#include <fstream>
 
 namespace tenon::live_recording_test {
 

@@ -1,13 +1,6 @@
-#include <tenon/systems/live/internal/live_messages.h>
 #include <tenon/systems/live/internal/live_run.h>
-#include <tenon/systems/live/live_server.h>
 #include <tenon/tests/systems/live/live_diagram.h>
 #include <tenon/tests/testing/temporary_path.h>
-
-#include <nlohmann/json.hpp>
-
-#include <functional>
-#include <optional>
 
 namespace tenon::live_server_test {
 

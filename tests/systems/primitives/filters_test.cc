@@ -8,7 +8,6 @@
 #include <tenon/systems/primitives/rate_limiter.h>
 #include <tenon/systems/primitives/sine.h>
 #include <tenon/systems/primitives/zero_order_hold.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/testing/block_test.h>
 
 namespace tenon::filters_test {

@@ -1,6 +1,5 @@
 #include <tenon/systems/campaign/statistics.h>
 #include <tenon/systems/report/campaign_report.h>
-#include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/systems/report/page_layout.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>

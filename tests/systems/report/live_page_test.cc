@@ -2,7 +2,6 @@
 
 #include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/report.h>
-#include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/systems/report/page_layout.h>
 #include <tenon/tests/testing/temporary_path.h>
 

@@ -1,7 +1,6 @@
 // The page of a report: use by mouse and keys, windows of several sizes, dark colours, printing.
 
 #include <tenon/systems/report/report.h>
-#include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/systems/report/page_layout.h>
 #include <tenon/tests/testing/temporary_path.h>
 

@@ -1,5 +1,4 @@
 #include <tenon/systems/report/internal/run_log.h>
-#include <tenon/systems/report/report.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 #include <tenon/tests/systems/report/page_layout.h>
 #include <tenon/tests/testing/temporary_path.h>

@@ -1,5 +1,4 @@
 #include <tenon/systems/report/volume_report.h>
-#include <tenon/tests/systems/report/browser.h>
 #include <tenon/tests/systems/report/page_layout.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>

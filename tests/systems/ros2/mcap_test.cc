@@ -4,9 +4,6 @@
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <fstream>
-#include <sstream>
-
 namespace tenon::mcap_test {
 
 using namespace ros2;

@@ -2,7 +2,6 @@
 // the same simulator continue bit for bit like the undisturbed run, wherever it is interrupted.
 
 #include <tenon/systems/simulation.h>
-#include <tenon/systems/simulation/run_profile.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
 
 #include <random>

@@ -1,8 +1,5 @@
 #include <tenon/systems/simulation/background_log.h>
-#include <tenon/systems/simulation/signal_log.h>
-#include <tenon/systems/simulation/simulator.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
 #include <fcntl.h>

@@ -1,6 +1,5 @@
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/framework/diagram/internal/compiler.h>
-#include <tenon/systems/framework/types/internal/fnv1a.h>
 
 #include <fmt/core.h>
 

@@ -1,7 +1,5 @@
-#include <tenon/systems/framework/block/state.h>
 #include <tenon/systems/framework/diagram/diagram_builder.h>
 #include <tenon/systems/framework/diagram/internal/compiler.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 

@@ -1,5 +1,4 @@
 #include <tenon/systems/framework/diagram/internal/schedule.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/core.h>
 

@@ -1,4 +1,3 @@
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/type_info.h>
 #include <tenon/systems/framework/types/signal.h>
 

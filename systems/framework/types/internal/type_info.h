@@ -4,8 +4,6 @@
 #include <tenon/systems/framework/types/internal/border.h>
 #include <tenon/systems/framework/types/internal/member_count.h>
 
-#include <Eigen/Core>
-
 #include <cstdint>
 #include <map>
 #include <new>

@@ -2,7 +2,6 @@
 #include <tenon/tests/controllers/legged/quadruped_bench.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
-#include <tenon/tests/testing/dense_algebra.h>
 
 namespace tenon::nonlinear_disturbance_observer_test {
 

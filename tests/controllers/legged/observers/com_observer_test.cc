@@ -3,8 +3,6 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <Eigen/Geometry>
-
 namespace tenon::com_observer_test {
 
 using test::A1;

@@ -2,8 +2,6 @@
 #include <tenon/controllers/legged/observers/ground_estimator.h>
 #include <tenon/controllers/legged/observers/ground_force_observer.h>
 #include <tenon/controllers/legged/observers/mapped_ground.h>
-#include <tenon/plants/model/quadruped_model.h>
-#include <tenon/plants/signals/quaternion.h>
 #include <tenon/tests/controllers/legged/planning/test_map.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>

@@ -1,4 +1,3 @@
-#include <tenon/controllers/legged/observers/disturbance_filter.h>
 #include <tenon/controllers/legged/observers/leg_momentum_observer.h>
 #include <tenon/tests/controllers/legged/quadruped_bench.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>

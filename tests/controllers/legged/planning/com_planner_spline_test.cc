@@ -6,10 +6,7 @@
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <array>
-#include <string>
 #include <tuple>
-#include <vector>
 
 namespace tenon::com_planner_spline_test {
 

@@ -1,5 +1,4 @@
 #include <tenon/controllers/legged/planning/com_planner.h>
-#include <tenon/controllers/legged/planning/nominal_stance.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 

@@ -2,11 +2,7 @@
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <functional>
-#include <map>
 #include <set>
-#include <string>
-#include <vector>
 
 namespace tenon::foot_scheduler_test {
 

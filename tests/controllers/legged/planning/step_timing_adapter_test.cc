@@ -1,10 +1,7 @@
 #include <tenon/controllers/legged/planning/step_timing_adapter.h>
-#include <tenon/plants/signals/quaternion.h>
 #include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
-
-#include <cmath>
 
 namespace tenon::step_timing_adapter_test {
 

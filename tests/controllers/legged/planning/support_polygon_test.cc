@@ -1,10 +1,6 @@
 #include <tenon/controllers/legged/planning/support_polygon.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <algorithm>
-#include <array>
-#include <vector>
-
 namespace tenon::support_polygon_test {
 
 using Feet = std::vector<Eigen::Vector2d>;

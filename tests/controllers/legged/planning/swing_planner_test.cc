@@ -1,17 +1,11 @@
-#include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/legged/planning/swing_planner.h>
-#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/controllers/legged/planning/test_map.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
 #include <iterator>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace tenon::swing_planner_test {
 

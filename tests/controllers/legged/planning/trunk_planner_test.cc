@@ -4,9 +4,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-#include <vector>
-
 namespace tenon::trunk_planner_test {
 
 using test::DogBot;

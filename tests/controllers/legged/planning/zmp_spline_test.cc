@@ -1,13 +1,7 @@
 #include <tenon/controllers/legged/planning/thesis_planner.h>
-#include <tenon/controllers/legged/planning/zmp_spline.h>
-#include <tenon/systems/framework/types/fields.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
-
-#include <algorithm>
-#include <string>
-#include <vector>
 
 namespace tenon::zmp_spline_test {
 

@@ -4,8 +4,6 @@
 #include <tenon/plants/model/vectors.h>
 #include <tenon/tests/controllers/optimization/qp_certificate.h>
 
-#include <Eigen/Geometry>
-
 namespace tenon::test {
 
 /// The program of WholeBodyQp without elimination: 30 variables (nu', then f_i or gamma_k of each leg) and 18

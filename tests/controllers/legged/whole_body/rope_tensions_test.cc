@@ -1,7 +1,6 @@
 #include <tenon/controllers/legged/whole_body/foot_forces.h>
 #include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/controllers/legged/whole_body/rope_tensions.h>
-#include <tenon/plants/model/quadruped_model.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 

@@ -1,11 +1,8 @@
-#include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/tests/controllers/legged/whole_body/full_whole_body_qp.h>
-#include <tenon/tests/controllers/optimization/qp_certificate.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/dense_algebra.h>
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include <numbers>
