@@ -30,7 +30,7 @@ _tenon() {
         words=$("$app" --keys 2>/dev/null | sed 's/ .*/=/; s/\[\]/.0/g')
         compopt -o nospace 2>/dev/null
         ;;
-      --out | --graph | --merge | --replay | --estimate | --video | --frames | --svg | --frame)
+      --out | --graph | --merge | --replay | --estimate | --identify | --video | --frames | --svg | --frame)
         compopt -o default 2>/dev/null
         return
         ;;

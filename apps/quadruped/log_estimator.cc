@@ -1,4 +1,5 @@
 #include <tenon/apps/quadruped/estimate_figures.h>
+#include <tenon/apps/quadruped/identification.h>
 #include <tenon/apps/quadruped/log_estimator.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/io/external_input.h>
@@ -202,8 +203,10 @@ LoadedLog LoadLog(const std::filesystem::path& file, const QuadrupedScenario& sc
 }
 
 RunResult RunEstimate(const std::filesystem::path& file, const QuadrupedScenario& scenario,
-                      const RunOptions& options) {
-  const LoadedLog loaded = LoadLog(file, scenario);
+                      const RunOptions& options, bool identify) {
+  QuadrupedScenario used = scenario;
+  if (identify) used.observer = ObserverKind::kCom;
+  const LoadedLog loaded = LoadLog(file, used);
   const SensorLog& log = loaded.log;
   for (const std::string& told : log.told) Say(fmt::format("warning: {}\n", told));
   DiagramBuilder builder;
@@ -214,8 +217,12 @@ RunResult RunEstimate(const std::filesystem::path& file, const QuadrupedScenario
   std::array<const OutputPort<LeggedState>*, 2> poses{};
   if (!log.odometry.empty()) signals.push_back(poses[0] = &Play(builder, "odom", log.odometry, log.rate));
   if (!log.truth.empty()) signals.push_back(poses[1] = &Play(builder, "ground_truth", log.truth, log.rate));
+  const OutputPort<Vec<12>>* commands = nullptr;
+  if (identify && !log.commands.empty()) commands = &Play(builder, "command", log.commands, log.rate, "N m");
   const auto diagram = builder.Build();
   Simulator simulator(*diagram);
+  std::optional<Identification> identification;
+  if (identify) identification.emplace(loaded, blocks, commands, simulator);
   const OutputPort<LeggedState>* const reference = poses[1] != nullptr ? poses[1] : poses[0];
   std::vector<Plot> plots;
   std::shared_ptr<StateComparison> estimated, recorded;
@@ -245,6 +252,7 @@ RunResult RunEstimate(const std::filesystem::path& file, const QuadrupedScenario
     if (reference != nullptr) summary.Set("reference", poses[1] != nullptr ? "ground_truth" : "odom");
     if (estimated) estimated->errors().AddTo(summary);
     if (recorded) recorded->errors().AddTo(summary, "recorded_");
+    if (identification) identification->AddTo(summary, options.out, scenario);
     for (const std::string& told : log.told) summary.Note(told);
   };
   const double duration = std::min(log.end, loaded.scenario.duration_s.value_or(log.end));

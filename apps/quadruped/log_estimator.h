@@ -34,8 +34,9 @@ LoadedLog LoadLog(const std::filesystem::path& file, const QuadrupedScenario& sc
 LogEstimator AddLogEstimator(DiagramBuilder& builder, const LoadedLog& loaded);
 
 /// The option --estimate: the scenario's estimator and observers on an MCAP file; a log with /odom or
-/// /ground_truth is compared with it. Throws as LoadLog does.
+/// /ground_truth is compared with it. With `identify`, the option --identify, see Identification. Throws as
+/// LoadLog does.
 RunResult RunEstimate(const std::filesystem::path& file, const QuadrupedScenario& scenario,
-                      const RunOptions& options);
+                      const RunOptions& options, bool identify = false);
 
 }  // namespace tenon::apps

@@ -25,6 +25,7 @@ struct WalkArguments {
   std::string drive;            ///< see Drive; empty: the robot is simulated
   std::string estimate;         ///< see RunEstimate; empty: no log
   bool check_realtime = false;  ///< examines the machine
+  std::string identify;         ///< see Identification: a log, or the directory of run.mcap
 
   bool any() const { return !gait.empty() || speed || !observer.empty() || compare; }
 };
@@ -51,6 +52,11 @@ void AddWalkArguments(CommandLine& line, WalkArguments& walk) {
       "scenario.yaml beside it)");
   line.Add("--check-realtime", &walk.check_realtime,
            "measure for 6 s how late this machine begins ticks, and say what to change before --drive");
+  line.Add("--identify", &walk.identify,
+           "estimate as --estimate does, and find friction, rotor inertia, delay and load of the robot, from "
+           "a log "
+           "or the directory of a run with --mcap",
+           {.excludes = "--estimate"});
 }
 
 /// Checks a scenario whose robot is served, and replaces DogBot, which no maker's client knows, by a Go2.
@@ -181,22 +187,26 @@ int ReplayRun(CommonArguments arguments, const WalkArguments& walk, const std::s
 
 /// Runs a log through the scenario's estimator and observers. Returns the exit code.
 int RunLog(CommonArguments arguments, const WalkArguments& walk, const std::string& app) {
-  const std::filesystem::path file = walk.estimate;
+  const bool identify = !walk.identify.empty();
+  std::filesystem::path file = identify ? walk.identify : walk.estimate;
+  if (std::filesystem::is_directory(file)) file /= "run.mcap";
   if (!walk.gait.empty() || walk.speed || walk.compare || !walk.serve.empty() || !walk.drive.empty() ||
       !arguments.live.empty() || !arguments.replay.empty() || !arguments.ros2.empty() || arguments.mcap)
     throw ParameterError(
-        "--estimate takes a SCENARIO, --set, --observer, --duration and --out: remove other options");
+        "--estimate and --identify take a SCENARIO, --set, --observer, --duration and --out: remove other "
+        "options");
   if (const auto beside = file.parent_path() / "scenario.yaml";
       arguments.scenario.empty() && std::filesystem::exists(beside))
     arguments.scenario = beside.string();
-  if (arguments.out.empty()) arguments.out = (file.parent_path() / "estimate").string();
+  if (arguments.out.empty())
+    arguments.out = (file.parent_path() / (identify ? "identify" : "estimate")).string();
   YamlDocument document = LoadScenario(arguments, app);
   if (walk.any()) SetWalk(walk, arguments.scenario, document);
   return RunBlaming(document, [&] {
     auto scenario = document.Read<QuadrupedScenario>();
     scenario.duration_s = arguments.duration;
     const RunOptions options = OptionsOf(arguments);
-    return PrintResult(RunEstimate(file, scenario, options).summary, options);
+    return PrintResult(RunEstimate(file, scenario, options, identify).summary, options);
   });
 }
 
@@ -239,7 +249,7 @@ int QuadrupedApp::Run(int argc, char** argv) const {
       return holds ? kRan : kLimitBroken;
     }
     if (const auto code = RunInstead(arguments, app)) return *code;
-    if (!walk.estimate.empty()) return RunLog(arguments, walk, app.name);
+    if (!walk.estimate.empty() || !walk.identify.empty()) return RunLog(arguments, walk, app.name);
     std::error_code ignored;
     if (std::filesystem::is_directory(arguments.replay, ignored))
       return ReplayRun(arguments, walk, app.name, customisation_);

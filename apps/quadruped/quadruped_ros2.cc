@@ -36,6 +36,12 @@ void SendFootForces(DiagramBuilder& builder, Ros2Outputs& outputs, const OutputP
     outputs.Send("foot_force/" + foot->name(), *foot, rate);
 }
 
+void SendCommands(DiagramBuilder& builder, Ros2Outputs& outputs, const OutputPort<Vec<12>>& torque,
+                  QuadrupedMessages& messages, Rate rate) {
+  builder.Connect(torque, messages.command);
+  outputs.Send("joint_commands", messages.joint_commands, rate);
+}
+
 }  // namespace
 
 void AddRos2(DiagramBuilder& builder, Ros2Outputs& outputs, const LeggedScenario& scenario,
@@ -57,6 +63,9 @@ void AddRos2(DiagramBuilder& builder, Ros2Outputs& outputs, const LeggedScenario
                                        return truth;
                                      }));
   builder.Connect(walk.observer.wrench, messages.wrench);
+  if (!wire)
+    SendCommands(builder, outputs, walk.deployment != nullptr ? walk.drives->torque : walk.locomotion.torque,
+                 messages, walk.locomotion.whole_body.params.rate);
   outputs.Send("disturbance", messages.disturbance);
   const LiveScenario& live = scenario.live;
   const auto ends = [&](int i) {
@@ -79,6 +88,7 @@ void AddRos2(DiagramBuilder& builder, Ros2Outputs& outputs, const LeggedScenario
   if (!outputs.any()) return;
   QuadrupedMessages& messages = AddMessages(builder, outputs, scenario, stand.world, stand.world.state, {});
   SendFootForces(builder, outputs, stand.world.foot_forces, messages, stand.world.foot_sensor.params.rate);
+  SendCommands(builder, outputs, stand.pd.torque, messages, stand.pd.params.rate);
 }
 
 }  // namespace tenon::apps

@@ -61,6 +61,8 @@ class Reader {
     std::string reason;
     if (message.topic == "/joint_states") {
       reason = Read(message, joints_, [&](double t) { return TakeJoints(t); });
+    } else if (message.topic == "/joint_commands") {
+      reason = Read(message, joints_, [&](double t) { return TakeCommands(t); });
     } else if (message.topic == "/imu") {
       reason = Read(message, imu_, [&](double t) { return TakeImu(t); });
     } else if (message.topic == "/odom") {
@@ -90,36 +92,36 @@ class Reader {
     return {};
   }
 
-  std::string TakeJoints(double time) {
-    if (joints_.name != known_) {  // joints by name, in any order
+  /// Returns the values of a list in the order of the robot's joints; NaN if it has another length.
+  Vec<12> InOrder(const std::vector<double>& list) {
+    if (joints_.name != known_) {  // in any order
       known_ = joints_.name;
       for (std::size_t j = 0; j < names_.size(); ++j) {
         const auto found = std::ranges::find(known_, names_[j]);
         if (found == known_.end())
           Refuse(
-              fmt::format("the topic /joint_states lacks the joint '{}', but has '{}': choose the robot of "
+              fmt::format("the log lacks the joint '{}', but has '{}': choose the robot of "
                           "the log by --set robot=NAME",
                           names_[j], fmt::join(known_, "', '")));
         places_[j] = static_cast<std::size_t>(found - known_.begin());
       }
     }
-    for (const auto* list : {&joints_.position, &joints_.velocity, &joints_.effort})
-      if (list->size() != known_.size())
-        return "position, velocity and effort need an entry for each joint: record measured torques as "
-               "effort";
-    JointMotion motion;
-    Vec<12> torque;
-    for (int j = 0; j < kNumJoints; ++j) {
-      const std::size_t place = places_[static_cast<std::size_t>(j)];
-      motion.q[j] = joints_.position[place];
-      motion.qd[j] = joints_.velocity[place];
-      torque[j] = joints_.effort[place];
-    }
-    if (!torque.allFinite()) return "a number is not finite";
+    Vec<12> values = Vec<12>::Constant(std::numeric_limits<double>::quiet_NaN());
+    if (list.size() != known_.size()) return values;
+    for (int j = 0; j < kNumJoints; ++j) values[j] = list[places_[static_cast<std::size_t>(j)]];
+    return values;
+  }
+
+  std::string TakeJoints(double time) {
+    const JointMotion motion{InOrder(joints_.position), InOrder(joints_.velocity)};
+    const Vec<12> torque = InOrder(joints_.effort);
+    if (!internal::IsFinite(motion) || !torque.allFinite())
+      return "position, velocity and effort, the measured torque, need a finite number for each joint";
     std::string reason = Append(time, motion, log_.joints);
     if (reason.empty()) log_.torque.push_back({time, torque});
     return reason;
   }
+  std::string TakeCommands(double time) { return Append(time, InOrder(joints_.effort), log_.commands); }
 
   std::string TakeImu(double time) {
     if (imu_.header.frame_id != frame_) {
@@ -180,7 +182,8 @@ class Reader {
     const auto shift = [&](auto& samples) {
       for (auto& sample : samples) sample.time -= log_.start + kAlign;
     };
-    shift(log_.joints), shift(log_.torque), shift(log_.imu), shift(log_.odometry), shift(log_.truth);
+    shift(log_.joints), shift(log_.torque), shift(log_.commands), shift(log_.imu), shift(log_.odometry),
+        shift(log_.truth);
     for (auto& samples : log_.feet) shift(samples);
   }
   /// Tells the gaps of a topic and returns its median period [s].

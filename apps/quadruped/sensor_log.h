@@ -14,7 +14,8 @@ namespace tenon::apps {
 /// begins [s].
 struct SensorLog {
   Recording<JointMotion> joints;
-  Recording<Vec<12>> torque;  ///< measured [N m]
+  Recording<Vec<12>> torque;    ///< measured [N m]
+  Recording<Vec<12>> commands;  ///< /joint_commands [N m]; may be empty
   Recording<ImuMeasurement> imu;
   std::array<Recording<Vec<3>>, kNumLegs> feet;  ///< ground forces in the axes of the trunk [N]
   Recording<LeggedState> odometry;               ///< /odom, pose and velocity; may be empty

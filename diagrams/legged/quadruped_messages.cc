@@ -50,6 +50,18 @@ void QuadrupedMessages::CalcJoints(double t, const JointMotion& motion, const Ve
   }
 }
 
+sensor_msgs::JointState QuadrupedMessages::MakeCommands() const {
+  sensor_msgs::JointState commands = MakeJoints();
+  commands.position.clear();
+  commands.velocity.clear();
+  return commands;
+}
+
+void QuadrupedMessages::CalcCommands(double t, const Vec<12>& torque, sensor_msgs::JointState* out) const {
+  out->header.stamp = StampOf(params.epoch + t);
+  Eigen::Map<Vec<12>>(out->effort.data()) = torque;
+}
+
 void QuadrupedMessages::CalcDisturbance(double t, const LeggedState& x, const WrenchEstimate& estimate,
                                         Wrench* out) const {
   const Eigen::Matrix3d R_BW = x.R_WB().transpose();

@@ -23,7 +23,9 @@ struct QuadrupedMessagesParams {
 ///                inertial      measurement of the IMU in B, whose orientation is not measured
 ///                foot_forces   in W
 ///                wrench        estimated wrench of disturbances; zero if not connected
+///                command       commanded torques; zero if not connected [N m]
 ///     ports out  joint_states  joints by the names in the URDF
+///                joint_commands the commanded torques as efforts
 ///                imu, odometry
 ///                disturbance   the wrench about the origin of B, in B
 ///                tf            odom -> base_link -> links that move, and feet
@@ -43,9 +45,12 @@ class QuadrupedMessages final : public LeafSystem<QuadrupedMessagesParams> {
   InputPort<ImuMeasurement> inertial{this, {"inertial"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}, FootForces{}};
   InputPort<WrenchEstimate> wrench{this, {"wrench"}, WrenchEstimate{}};
+  InputPort<Vec<12>> command{this, {"command", "N m", kJointElements}, Vec<12>::Zero()};
 
   OutputPort<ros2::sensor_msgs::JointState> joint_states{
       this, {"joint_states"}, MakeJoints(), Uses(time, joints, torque), &QuadrupedMessages::CalcJoints};
+  OutputPort<ros2::sensor_msgs::JointState> joint_commands{
+      this, {"joint_commands"}, MakeCommands(), Uses(time, command), &QuadrupedMessages::CalcCommands};
   OutputPort<ros2::sensor_msgs::Imu> imu{
       this,
       {"imu"},
@@ -80,11 +85,13 @@ class QuadrupedMessages final : public LeafSystem<QuadrupedMessagesParams> {
 
  private:
   ros2::sensor_msgs::JointState MakeJoints() const;
+  ros2::sensor_msgs::JointState MakeCommands() const;
   ros2::tf2_msgs::TFMessage MakeTf(bool at_rest) const;
   OutputPort<Wrench> MakeFoot(int leg);
 
   void CalcJoints(double t, const JointMotion& motion, const Vec<12>& effort,
                   ros2::sensor_msgs::JointState* out) const;
+  void CalcCommands(double t, const Vec<12>& torque, ros2::sensor_msgs::JointState* out) const;
   void CalcDisturbance(double t, const LeggedState& x, const WrenchEstimate& estimate, Wrench* out) const;
   void CalcTf(double t, const LeggedState& x, ros2::tf2_msgs::TFMessage* out) const;
 };

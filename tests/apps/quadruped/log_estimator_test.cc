@@ -1,5 +1,5 @@
-// The option --estimate: estimator and observers on logs, of runs and of a robot that stands tilted, which is
-// written here.
+// The options --estimate and --identify: estimator and observers on logs, of runs and of a robot that stands
+// tilted, which is written here.
 
 #include <tenon/plants/signals/ros2_signals.h>
 #include <tenon/systems/ros2/mcap.h>
@@ -162,6 +162,45 @@ TEST_F(LogEstimatorTest, RefusesLogsThatDoNotFit) {
               AllOf(HasSubstr("message of the topic /joint_states"), HasSubstr("of 3000")));
   std::filesystem::resize_file(mcap(), 4);
   EXPECT_THAT(Estimate("flat", 2), HasSubstr("no MCAP"));
+}
+
+// The truth is standard.yaml on DogBot's drives of 60 N m and 6 rad/s; the torque is measured 1 ms late.
+TEST_F(LogEstimatorTest, DrivesAndLoadOfARunAreIdentified) {
+  Run("flat --gait crawl --duration 10 --mcap --set hardware=standard --set walk.state=estimated --set "
+      "'payload={mass_kg: 3, position_m: [0.05, 0.02, 0.1], edges_m: [0.2, 0.2, 0.1]}'");
+  const test::Result result = test::RunCommand(app + " --identify " + out.string());
+  ASSERT_EQ(result.exit_code, 0) << result.text;
+  const nlohmann::json figures = nlohmann::json::parse(test::Read(out / "identify" / "summary.json"));
+  const auto expect = [&](const char* key, double truth) {
+    EXPECT_NEAR(figures[key]["value"], truth, 0.05 * truth) << key;
+    EXPECT_GT(figures[key]["deviation"], 0) << key;
+    EXPECT_LT(figures[key]["deviation"], 0.05 * truth) << key;
+  };
+  expect("leg_mass_ratio", 1);
+  expect("rotor_inertia_kg_m2", 60 / 7400.0);
+  expect("damping_N_m_s_per_rad", 0.02 * 60 / 6);
+  expect("friction_N_m", 0.02 * 60);
+  expect("torque_delay_s", 0.002);
+  expect("torque_lag_s", 1 / (2 * std::numbers::pi * 40));
+  expect("payload_kg", 3);
+  EXPECT_NEAR(figures["payload_x_m"]["value"], 0.05, 0.01);
+  EXPECT_NEAR(figures["payload_y_m"]["value"], 0.02, 0.01);
+  for (const std::string& scenario : {"flat --set hardware=" + (out / "identify/hardware.yaml").string(),
+                                      (out / "identify/identified.yaml").string()})
+    EXPECT_EQ(test::RunCommand(app + " " + scenario + " --duration 0.1 --out " + (out / "again").string())
+                  .exit_code,
+              0)
+        << scenario;
+}
+
+TEST_F(LogEstimatorTest, WhatALogDoesNotDetermineIsSaid) {
+  WriteStanding({});
+  const test::Result result = test::RunCommand(app + " flat --identify " + mcap());
+  EXPECT_EQ(result.exit_code, 0) << result.text;
+  for (const char* key : {"rotor_inertia_kg_m2", "friction_N_m", "damping_N_m_s_per_rad", "payload_kg"})
+    EXPECT_THAT(result.text, HasSubstr(std::string(key) + " is not determined"));
+  EXPECT_THAT(result.text, HasSubstr("/joint_commands"));
+  EXPECT_THAT(test::Read(out / "identify/hardware.yaml"), ::testing::Not(HasSubstr("friction_ratio")));
 }
 
 }  // namespace tenon::apps_log_estimator_test
