@@ -1,6 +1,4 @@
 #include <tenon/apps/quadruped/identification.h>
-#include <tenon/apps/quadruped/quadruped_hardware.h>
-#include <tenon/systems/files/output_file.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <Eigen/Cholesky>

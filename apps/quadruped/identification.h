@@ -2,8 +2,6 @@
 
 #include <tenon/apps/quadruped/log_estimator.h>
 
-#include <memory>
-
 namespace tenon::apps {
 
 /// The option --identify: drives and load of the robot in a log, by bounded least squares.
