@@ -1,7 +1,6 @@
-#include <tenon/apps/quadruped/identification.h>
+#include <tenon/apps/quadruped/log_estimator.h>
 #include <tenon/systems/yaml/resources.h>
 
-#include <Eigen/Cholesky>
 #include <fmt/core.h>
 #include <nlopt.hpp>
 

@@ -1,5 +1,4 @@
 #include <tenon/apps/quadruped/estimate_figures.h>
-#include <tenon/apps/quadruped/identification.h>
 #include <tenon/apps/quadruped/log_estimator.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/io/external_input.h>

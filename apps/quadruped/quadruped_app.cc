@@ -3,7 +3,6 @@
 #include <tenon/apps/quadruped/log_estimator.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
-#include <tenon/apps/quadruped/serving.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/files/input_file.h>

@@ -2,7 +2,6 @@
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
-#include <tenon/apps/quadruped/serving.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/systems/yaml/resources.h>
 

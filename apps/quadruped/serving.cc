@@ -2,7 +2,6 @@
 #include <tenon/apps/common/real_time.h>
 #include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
-#include <tenon/apps/quadruped/serving.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/plants/robots/load_robot.h>
 #ifdef TENON_WITH_UNITREE

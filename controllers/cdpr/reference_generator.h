@@ -10,7 +10,8 @@ struct ReferenceGeneratorParams {
   /// The path and its equilibria, computed once before the run and shared by several blocks and contexts.
   std::shared_ptr<const EquilibriumPath> path;
   Rate rate = Hz(1000);
-  void Validate() const;  ///< throws ParameterError if there is no path
+  /// throws ParameterError if there is no path
+  void Validate() const { Demand(path != nullptr, "no path given: make an EquilibriumPath and share it"); }
 };
 
 /// Outputs the reference along an EquilibriumPath: position, velocity and acceleration of the CoM, and the

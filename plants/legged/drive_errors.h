@@ -37,8 +37,17 @@ class DriveErrors final : public LeafSystem<DriveErrorsParams> {
                              &DriveErrors::CalcTorque};
 
  private:
-  Vec<12> Draw(RandomStream& random) const;
-  Vec<12> CalcTorque(const Vec<12>& command, const Vec<12>& gain, RandomStream& random) const;
+  Vec<12> Draw(RandomStream& random) const {
+    Vec<12> gain;
+    for (double& each : gain) each = params.gain_deviation * random.Normal();
+    return gain;
+  }
+  Vec<12> CalcTorque(const Vec<12>& command, const Vec<12>& gain, RandomStream& random) const {
+    Vec<12> torque;
+    for (int j = 0; j < kNumJoints; ++j)
+      torque[j] = (1 + gain[j]) * (1 + params.ripple * random.Normal()) * command[j];
+    return torque;
+  }
 };
 
 }  // namespace tenon

@@ -52,7 +52,9 @@ class JointTorqueSensor final : public LeafSystem<TorqueSensorParams> {
                                &JointTorqueSensor::CalcMeasured};
 
  private:
-  Vec<12> CalcMeasured(const Vec<12>& torque, const SensorError& error, RandomStream& noise) const;
+  Vec<12> CalcMeasured(const Vec<12>& torque, const SensorError& error, RandomStream& noise) const {
+    return error.Measure(torque, noise);
+  }
 };
 
 /// Measures the forces on all feet, each component with an error (sensor_noise.h), in the axes of the input.
@@ -68,7 +70,14 @@ class FootForceSensor final : public LeafSystem<FootForceSensorParams> {
       this, {"measured"}, Sampled{params.rate}, Uses(forces, error, noise), &FootForceSensor::CalcMeasured};
 
  private:
-  FootForces CalcMeasured(const FootForces& forces, const SensorError& error, RandomStream& noise) const;
+  FootForces CalcMeasured(const FootForces& forces, const SensorError& error, RandomStream& noise) const {
+    FootForces measured;
+    for (int leg = 0; leg < kNumLegs; ++leg) {
+      measured[leg] = error.Measure(forces[leg], noise);
+      if (measured[leg].norm() < params.threshold) measured[leg].setZero();
+    }
+    return measured;
+  }
 };
 
 }  // namespace tenon

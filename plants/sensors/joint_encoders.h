@@ -4,6 +4,8 @@
 #include <tenon/plants/signals/legged_signals.h>
 #include <tenon/systems/block.h>
 
+#include <numbers>
+
 namespace tenon {
 
 /// Encoders of the joints. By default there are no errors.
@@ -15,7 +17,8 @@ struct JointEncodersParams {
   double offset_deviation = 0;  ///< standard deviation of each joint's calibration error [rad]
   double speed_bandwidth = 0;   ///< cut-off frequency f of differentiated angles; 0: speeds are measured [Hz]
 
-  double Resolution() const;  ///< smallest difference of two angles; 0: unlimited [rad]
+  /// smallest difference of two angles; 0: unlimited [rad]
+  double Resolution() const { return bits ? std::ldexp(2 * std::numbers::pi, -*bits) : 0; }
   static FieldList Fields() {
     using P = JointEncodersParams;
     return {{"rate_hz", &P::rate},
@@ -70,10 +73,28 @@ class JointEncoders final : public LeafSystem<JointEncodersParams> {
                                  &JointEncoders::CalcJoints};
 
  private:
-  Vec<12> DrawOffset(RandomStream& noise) const;
+  Vec<12> DrawOffset(RandomStream& noise) const {
+    Vec<12> offset;
+    for (double& angle : offset) angle = params.offset_deviation * noise.Normal();
+    return offset;
+  }
   JointMotion CalcJoints(const LeggedState& x, const SensorError& angle, const SensorError& speed,
                          const Vec<12>& offset, RandomStream& angle_noise, RandomStream& speed_noise,
-                         Memory& memory) const;
+                         Memory& memory) const {
+    JointMotion joints{angle.Measure<12>(x.q + offset, angle_noise), speed.Measure(x.qd, speed_noise)};
+    if (params.bits) {
+      const double resolution = params.Resolution();
+      joints.q = resolution * (joints.q / resolution).array().round().matrix();
+    }
+    if (params.speed_bandwidth > 0) {
+      const double h = params.rate.period();
+      const double a = std::exp(-2 * std::numbers::pi * params.speed_bandwidth * h);
+      joints.qd = memory.started ? Vec<12>(a * memory.last.qd + (1 - a) / h * (joints.q - memory.last.q))
+                                 : Vec<12>::Zero();
+      memory = {true, joints};
+    }
+    return joints;
+  }
 };
 
 }  // namespace tenon

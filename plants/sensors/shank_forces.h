@@ -20,7 +20,14 @@ class ShankForces final : public LeafSystem<ShankForcesParams> {
   OutputPort<FootForces> shank{this, {"shank"}, Uses(state, forces), &ShankForces::CalcShank};
 
  private:
-  FootForces CalcShank(const LeggedState& x, const FootForces& forces_W) const;
+  FootForces CalcShank(const LeggedState& x, const FootForces& forces_W) const {
+    const Eigen::Matrix3d R_WB = x.R_WB();
+    FootForces forces_J;
+    for (int leg = 0; leg < kNumLegs; ++leg)
+      forces_J[leg] =
+          (R_WB * params.robot.PoseOfLeg(leg, x.q).R_BJ[kJointsPerLeg - 1]).transpose() * forces_W[leg];
+    return forces_J;
+  }
 };
 
 }  // namespace tenon

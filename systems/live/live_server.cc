@@ -1,4 +1,3 @@
-#include <tenon/systems/live/internal/live_http.h>
 #include <tenon/systems/live/internal/live_run.h>
 #include <tenon/systems/live/live_server.h>
 #include <tenon/systems/report/internal/page.h>

@@ -1,7 +1,6 @@
 // Bytes as a request to the server of a live page, which must serve its page afterwards.
 
 #include <tenon/systems/live/internal/live_channel.h>
-#include <tenon/systems/live/internal/live_http.h>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

@@ -37,7 +37,13 @@ class FootForceEstimate final : public LeafSystem<FootForceEstimateParams> {
   OutputPort<FootForces> forces{this, {"forces"}, Uses(shank, joints, q_WB_), &FootForceEstimate::CalcForces};
 
  private:
-  FootForces CalcForces(const FootForces& shank, const JointMotion& joints, const Vec<4>& q_WB) const;
+  FootForces CalcForces(const FootForces& shank, const JointMotion& joints, const Vec<4>& q_WB) const {
+    const Eigen::Matrix3d R_WB = RotationFromQuaternion(q_WB);
+    FootForces forces_W;
+    for (int leg = 0; leg < kNumLegs; ++leg)
+      forces_W[leg] = R_WB * (params.robot.PoseOfLeg(leg, joints.q).R_BJ[kJointsPerLeg - 1] * shank[leg]);
+    return forces_W;
+  }
 };
 
 }  // namespace tenon

@@ -1,7 +1,6 @@
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/live/internal/bounded_server.h>
 #include <tenon/systems/live/internal/live_channel.h>
-#include <tenon/systems/live/internal/live_http.h>
 
 #include <fmt/format.h>
 #include <httplib.h>

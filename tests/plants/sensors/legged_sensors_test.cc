@@ -8,8 +8,6 @@
 #include <tenon/tests/plants/sensors/error_statistics.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <numbers>
-
 namespace tenon::legged_sensors_test {
 
 using test::DogBot;

@@ -1,7 +1,6 @@
 // A page of another site that tries to control a live run.
 
 #include <tenon/systems/live/internal/live_channel.h>
-#include <tenon/systems/live/internal/live_http.h>
 #include <tenon/tests/systems/report/browser.h>
 
 #include <gmock/gmock.h>

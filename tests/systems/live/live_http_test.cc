@@ -1,6 +1,5 @@
 #include <tenon/systems/files/output_file.h>
 #include <tenon/systems/live/internal/live_channel.h>
-#include <tenon/systems/live/internal/live_http.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
