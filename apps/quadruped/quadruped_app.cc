@@ -126,8 +126,9 @@ int RunCommand(YamlDocument document, const CommonArguments& arguments, const Wa
                const RunOptions& options, const WalkCustomisation& customisation) {
   if (walk.any()) SetWalk(walk, arguments.scenario, document);
   if (!walk.serve.empty()) SetServed(arguments.scenario, document);
-  const std::string drive =
-      walk.serve.empty() ? SetDriven(arguments.scenario, walk.drive, document) : std::string();
+  const std::string drive = RunBlaming(document, [&] {
+    return walk.serve.empty() ? SetDriven(arguments.scenario, walk.drive, document) : std::string();
+  });
   if (!drive.empty() && (options.live || walk.compare))
     throw ParameterError("a robot is driven by one run without a page: remove --live and --compare");
   return RunBlaming(document, [&] {

@@ -121,8 +121,11 @@ TEST(SameRunTest, D1) {
   params.mpc.emplace();
   params.mpc->path = params.path;
   params.mpc->horizon = 1.2;
-  params.mpc->weights = {
-      .position = 3000, .velocity = 100, .attitude = 80, .angular_velocity = 0.5, .tension = 3e-3};
+  params.mpc->weights = {.position = Vec<3>::Constant(3000),
+                         .velocity = Vec<3>::Constant(100),
+                         .attitude = Vec<3>::Constant(80),
+                         .angular_velocity = Vec<3>::Constant(0.5),
+                         .tension = 3e-3};
   ExpectSameRun<CdprLoop, CdprFigures>(Read<CdprScenario>("D1", "tenon-cdpr"), MakeLoopParams, params);
 }
 

@@ -314,7 +314,6 @@ TEST(EveryBlock, ActsOnASetParameterAsOnOneThatItIsMadeWith) {
                                          "SineForce.end",
                                          "SineForce.start",
                                          "StateSpace.D",
-                                         "StepTimingAdapter.timing",
                                          "SwingPlanner.step",
                                          "ThesisPlanner.zmp",
                                          "TrackingError.min_singular_value",
