@@ -224,8 +224,8 @@ TEST(UnitreeServerTest, AClientInAnotherProcessMovesTheRobotAndTheRunRepeats) {
 
 // ---- The robot as the plant ----
 
-/// Whether a command damps all joints; torques of the command stay within the limits. That of damping exceeds
-/// them at a speed beyond the limit, where the drive limits it.
+/// Whether a command damps all joints; torques of the command stay within the limits. The torque of damping
+/// exceeds them at a speed beyond the limit, where the drive limits it.
 bool Damps(const JointCommand& command, const JointMotion& joints, const QuadrupedDescription& robot) {
   const Vec<12> torque = command.TorqueAt(joints);
   for (int j = 0; j < kNumJoints; ++j) {
