@@ -9,6 +9,7 @@
 
 #include <cctype>
 #include <map>
+#include <sstream>
 
 namespace tenon::internal {
 namespace {

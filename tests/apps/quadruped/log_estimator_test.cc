@@ -9,6 +9,8 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include <numbers>
+
 namespace tenon::apps_log_estimator_test {
 
 using namespace ros2;

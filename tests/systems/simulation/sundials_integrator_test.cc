@@ -1,5 +1,7 @@
 #include <tenon/tests/systems/framework/test_blocks.h>
 
+#include <fmt/core.h>
+
 #include <tuple>
 
 namespace tenon::sundials_integrator_test {
