@@ -1,4 +1,5 @@
 #include <tenon/apps/quadruped/log_estimator.h>
+#include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
@@ -91,20 +92,21 @@ class LeastSquares {
     }
     const VectorXd r = At(u);
     const MatrixXd J = Jacobian(u);
-    const Eigen::LDLT<MatrixXd> normal((J.transpose() * J).eval());
+    const MatrixXd normal = J.transpose() * J;
+    const VectorXd sizes = SymmetricEigenvalues(normal);
     MatrixXd spread = MatrixXd::Zero(J.cols(), J.cols());
     for (Index begin = 0; begin < r.size(); begin += block) {
       const Index size = std::min(block, r.size() - begin);
       const VectorXd sum = J.middleRows(begin, size).transpose() * r.segment(begin, size);
       spread += sum * sum.transpose();
     }
-    const bool enough = r.size() / block > 3 * J.cols() && normal.rcond() > 1e-12;
-    const MatrixXd covariance = normal.solve(normal.solve(spread).transpose());
+    const bool enough = r.size() / block > 3 * J.cols() && sizes.minCoeff() > 1e-12 * sizes.maxCoeff();
     for (std::size_t i = 0; i < u.size(); ++i) {
       Unknown& parameter = parameters_[i];
-      const auto at = static_cast<Index>(i);
       parameter.value = Value(i, u[i]);
-      if (enough) parameter.deviation = (parameter.upper - parameter.lower) * std::sqrt(covariance(at, at));
+      if (!enough) continue;
+      const VectorXd row = SolveLinear(normal, VectorXd::Unit(J.cols(), static_cast<Index>(i)));
+      parameter.deviation = (parameter.upper - parameter.lower) * std::sqrt(row.dot(spread * row));
     }
   }
 

@@ -32,8 +32,10 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
   Connect(foot_forces, scheduler.foot_forces);
   Connect(state, step_timing.state);
   Connect(com_planner.reference, step_timing.body);
-  Connect(step_timing.clock_rate, scheduler.clock_rate);
-  Connect(step_timing.clock_rate, swing_planner.clock_rate);
+  if (pacer == nullptr) {  // a fast trot tilts the trunk at each step
+    Connect(step_timing.clock_rate, scheduler.clock_rate);
+    Connect(step_timing.clock_rate, swing_planner.clock_rate);
+  }
 
   Connect(state, ground_estimator.state);
   Connect(scheduler.schedule, ground_estimator.schedule);
