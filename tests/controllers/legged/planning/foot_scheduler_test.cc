@@ -214,8 +214,8 @@ TEST(FootSchedulerTest, AFootThatNeverFindsGroundStillSwingsInItsTurn) {
   Walk walk(Gait::kTrot);
   walk.Tick();
   walk.Force(kFrontLeft, 0);
-  EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kSearching; }), 40);
-  EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kSwing; }), 150 - 40);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kSearching; }), 12);
+  EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kFrontLeft].state == kSwing; }), 150 - 12);
 }
 
 TEST(FootSchedulerTest, StanceFootWithoutForceSearches) {
@@ -223,12 +223,12 @@ TEST(FootSchedulerTest, StanceFootWithoutForceSearches) {
     Walk walk(gait);
     for (int n = 0; n < 20; ++n) walk.Tick();
     walk.Force(kRearLeft, 0);
-    for (int n = 0; n < 39; ++n) walk.Tick();
+    for (int n = 0; n < 11; ++n) walk.Tick();
     EXPECT_EQ(walk.state(kRearLeft), kStance);
     walk.Free(kRearLeft);
     walk.Tick();  // the count begins anew
     walk.Force(kRearLeft, 0);
-    EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kRearLeft].state == kSearching; }), 40);
+    EXPECT_EQ(walk.Until([](const auto& s) { return s.legs[kRearLeft].state == kSearching; }), 12);
     EXPECT_EQ(walk.schedule().legs[kRearLeft].time_to_touchdown, 0);
     walk.Free(kRearLeft);
     walk.Tick();
