@@ -23,6 +23,8 @@ class Reader {
  public:
   Reader(const QuadrupedDescription& robot, const RobotLinks& links) : links_(links) {
     for (int j = 0; j < kNumJoints; ++j) names_.push_back(robot.joint(j).name);
+    for (std::size_t leg = 0; leg < kNumLegs; ++leg)
+      foot_topics_[leg] = std::string("/foot_force/") + kLegNames[leg];
   }
 
   SensorLog Read(const std::filesystem::path& file, bool foot_sensors) {
@@ -50,9 +52,7 @@ class Reader {
   }
 
  private:
-  static std::string FootTopic(int leg) {
-    return std::string("/foot_force/") + kLegNames[static_cast<std::size_t>(leg)];
-  }
+  const std::string& FootTopic(int leg) const { return foot_topics_[static_cast<std::size_t>(leg)]; }
   Recording<Vec<3>>& feet(int leg) { return log_.feet[static_cast<std::size_t>(leg)]; }
 
   void Take(const McapMessage& message) {
@@ -69,10 +69,10 @@ class Reader {
       reason = Read(message, odometry_, [&](double t) { return TakeOdometry(t, log_.odometry); });
     } else if (message.topic == "/ground_truth") {
       reason = Read(message, odometry_, [&](double t) { return TakeOdometry(t, log_.truth); });
+    } else if (const auto topic = std::ranges::find(foot_topics_, message.topic); topic != foot_topics_.end()) {
+      const auto leg = static_cast<int>(topic - foot_topics_.begin());
+      reason = Read(message, wrench_, [&](double t) { return TakeFoot(t, leg); });
     }
-    for (int leg = 0; leg < kNumLegs; ++leg)
-      if (message.topic == FootTopic(leg))
-        reason = Read(message, wrench_, [&](double t) { return TakeFoot(t, leg); });
     if (reason.empty()) return;
     ++refused_;
     why_ = fmt::format("topic {}, t = {:.3f} s: {}", message.topic, message.time, reason);
@@ -206,6 +206,7 @@ class Reader {
   const RobotLinks& links_;
   std::vector<std::string> names_, known_;        // joints of the robot, and of the log
   std::array<std::size_t, kNumJoints> places_{};  // in the log
+  std::array<std::string, kNumLegs> foot_topics_;
   std::string frame_, why_;
   Eigen::Matrix3d R_BI_ = Eigen::Matrix3d::Identity();
   sensor_msgs::JointState joints_;

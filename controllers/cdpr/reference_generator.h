@@ -10,7 +10,7 @@ struct ReferenceGeneratorParams {
   /// The path and its equilibria, computed once before the run and shared by several blocks and contexts.
   std::shared_ptr<const EquilibriumPath> path;
   Rate rate = Hz(1000);
-  /// throws ParameterError if there is no path
+  /// Throws ParameterError if there is no path.
   void Validate() const { Demand(path != nullptr, "no path given: make an EquilibriumPath and share it"); }
 };
 

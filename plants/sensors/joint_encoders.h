@@ -17,7 +17,7 @@ struct JointEncodersParams {
   double offset_deviation = 0;  ///< standard deviation of each joint's calibration error [rad]
   double speed_bandwidth = 0;   ///< cut-off frequency f of differentiated angles; 0: speeds are measured [Hz]
 
-  /// smallest difference of two angles; 0: unlimited [rad]
+  /// Smallest difference of two angles; 0: unlimited [rad]
   double Resolution() const { return bits ? std::ldexp(2 * std::numbers::pi, -*bits) : 0; }
   static FieldList Fields() {
     using P = JointEncodersParams;
