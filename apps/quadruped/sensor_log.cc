@@ -69,7 +69,8 @@ class Reader {
       reason = Read(message, odometry_, [&](double t) { return TakeOdometry(t, log_.odometry); });
     } else if (message.topic == "/ground_truth") {
       reason = Read(message, odometry_, [&](double t) { return TakeOdometry(t, log_.truth); });
-    } else if (const auto topic = std::ranges::find(foot_topics_, message.topic); topic != foot_topics_.end()) {
+    } else if (const auto topic = std::ranges::find(foot_topics_, message.topic);
+               topic != foot_topics_.end()) {
       const auto leg = static_cast<int>(topic - foot_topics_.begin());
       reason = Read(message, wrench_, [&](double t) { return TakeFoot(t, leg); });
     }
