@@ -26,10 +26,7 @@ struct BrokenCableDetectorParams {
 /// thresholds, the measurement is assumed to have failed and no cable is reported. The failure of a single
 /// load cell cannot be distinguished from a broken cable.
 ///
-///     ports in  cables   as measured
-///               command  to the winches [N]
-///     port out  broken   1 if broken, else 0, one per cable, sampled; delayed by a tick, so that the command
-///                        may depend on it
+/// `broken` is 1 for a broken cable, else 0, and delayed by a tick, so that the command may depend on it.
 ///
 /// @throws RunError during a run if a signal does not have one entry per cable.
 class BrokenCableDetector final : public LeafSystem<BrokenCableDetectorParams> {

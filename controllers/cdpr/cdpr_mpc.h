@@ -20,17 +20,8 @@ namespace tenon {
 ///
 /// The model and the reference include the load of LoadEstimator, so that a constant load leaves no error.
 /// Cables that BrokenCableDetector reports as broken have the command 0 and the others replace them. If these
-/// cannot hold the platform for `unheld_time`, the run ends.
-///
-///     ports in  estimate  the platform's state
-///               load      on the platform (optional)
-///               broken    1 for a broken cable, else 0 (optional)
-///               path      replaces the parameter, see GoalPath (optional)
-///     ports out plan      the policy, sampled
-///               command   [N], one per cable, sampled
-///               diagnostics
-///     parameters weights, terminal_weights   CdprMpcWeights
-///                max_fallbacks_in_a_row
+/// cannot hold the platform for `unheld_time`, the run ends. A connected `path` replaces the parameter, see
+/// GoalPath.
 class CdprMpc : public LeafSystem<CdprMpcParams> {
  public:
   using LeafSystem::LeafSystem;

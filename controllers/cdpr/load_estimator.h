@@ -35,13 +35,6 @@ struct LoadEstimatorParams {
 /// a constant wrench are therefore found without error at rest, and in motion up to the rotation of the
 /// platform during the lag of the filters. A mass below the dead band is part of the rest. A known wrench is
 /// added to W u and, without lag, to the rest; that of the robot's springs is added to W u.
-///
-///     ports in   estimate  of the platform; the pose is used
-///                inertial  at the CoM
-///                cables    the tensions are used
-///                known_wrench  on the platform about its CoM, part of the load (optional)
-///     port out   load      payload and rest, sampled
-///     parameter  bandwidth [rad/s]
 class LoadEstimator final : public LeafSystem<LoadEstimatorParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -74,15 +74,7 @@ struct AdmittanceMotion {
 ///
 /// which points along the leash when it is taut, and ahead when it is slack and f is noise. While the person
 /// pulls from ahead, T < 0 or T > f_d along e = -h, so the robot moves towards the pull. The vertical force
-/// is not used, since it contains the errors of the robot's mass.
-///
-///     ports in   command  command without a person
-///                wrench   estimated external wrench
-///                state    state of the robot; only the yaw is used
-///     parameter  gains    AdmittanceGains
-///     ports out  progress motion and what is remembered; sampled
-///                motion   sampled
-///                walk     the command with corrected velocities; sampled
+/// is not used, since it contains the errors of the robot's mass. Only the yaw of `state` is used.
 ///
 /// The forward velocity is limited to [min_forward, max_forward] and the left velocity to max_left, or to the
 /// command if it is beyond; both accelerations are limited by `acceleration`. The limits also apply to x~',

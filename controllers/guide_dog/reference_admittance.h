@@ -31,13 +31,8 @@ struct ReferenceAdmittanceGains {
 /// with diagonal matrices in the frame of the heading and the estimated force f on the robot. A taut leash
 /// pulls the robot back, f = -T e, so the robot lags behind its plan while the tension T exceeds f_d, and
 /// leads it while T is smaller. The planner and the footholds do not know x~: it must stay small, and a
-/// person who is slower than the commanded speed stretches the leash without bound.
-///
-///     ports in   body      reference of the CoM planner
-///                wrench    estimated external wrench
-///     state      x         x~ and x~', forward, left and up
-///     parameter  gains     ReferenceAdmittanceGains
-///     port out   modified  `body` with the modified position, velocity and acceleration of the CoM
+/// person who is slower than the commanded speed stretches the leash without bound. The state `x` is x~ and
+/// x~', forward, left and up.
 ///
 /// Insert it with `builder.Insert(loop.locomotion.com_planner.reference, admittance.body,
 /// admittance.modified)`.

@@ -105,16 +105,7 @@ struct GuideStatus {
 };
 
 /// Decides when a guide dog moves, stops and turns (Morlando 2023, algorithm 1), with the estimated force of
-/// the leash.
-///
-///     ports in   command   command without a person
-///                wrench    estimated external wrench; only the horizontal force is used
-///                state     state of the robot; yaw and velocity are used
-///                obstacle  true if an obstacle is ahead; false if not connected
-///     parameter  gains     SupervisorGains
-///     ports out  progress  status and what is remembered; sampled
-///                status    sampled
-///                walk      sampled
+/// the leash. Only the horizontal force of `wrench` and the yaw and velocity of `state` are used.
 ///
 /// While moving, the command passes unchanged; when stopped, the robot stands. A pull on the standing robot
 /// starts a turn into the direction of the pull, yaw = atan2(f_y, f_x): the robot walks an arc with the

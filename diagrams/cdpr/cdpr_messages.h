@@ -12,15 +12,8 @@ struct CdprMessagesParams {
 
 /// The messages of ROS 2 on a cable robot. W is the frame map, and the platform's frame B is base_link.
 ///
-///     ports in   platform      pose and velocity
-///                cables, inertial   measurements
-///                load          estimated load; none if not connected
-///     ports out  joint_states  cables as joints `cable_1` and so on: length and its rate, tension [N]
-///                imu, odometry
-///                disturbance   wrench of the load without its point mass about the origin of B, in B
-///                tf            map -> base_link
-///
-/// All covariances are unknown.
+/// The cables are joints `cable_1` and so on, with length, rate and tension. `disturbance` is the wrench of
+/// the load without its point mass about the origin of B, in B. All covariances are unknown.
 class CdprMessages final : public LeafSystem<CdprMessagesParams> {
  public:
   using LeafSystem::LeafSystem;

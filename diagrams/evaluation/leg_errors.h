@@ -29,15 +29,8 @@ struct ForcesAtPoints {
 
 /// Errors of the legs as Morlando 2023 plots them (section 2.5): of the feet in all phases, and of the
 /// estimated forces at the points where the disturbances act. They are figures of merit and must not be fed
-/// back.
-///
-///     ports in   state, external_torque, external   true state, joint torques of disturbances [N m], forces
-///                leg_forces                         estimate of an observer
-///                schedule, feet                     outputs of the controller
-///                footholds                          planned footholds [m]; those of `feet` if not connected
-///     ports out  foot         |p - p_ref| of each foot [m]; sampled
-///                forces       ForcesAtPoints
-///                geometry     the planned footholds as spheres
+/// back. `foot` is |p - p_ref| of each foot, and `geometry` shows the planned footholds as spheres: those of
+/// `feet` if `footholds` is not connected.
 ///
 /// **Feet.** The reference of a swing foot is that of `feet`. The reference of a stance foot is the foothold
 /// that was planned for its last swing, on the ground as the controller estimated it at lift-off: a foot on a

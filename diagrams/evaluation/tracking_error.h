@@ -45,17 +45,9 @@ struct PathErrors {
 };
 
 /// Deviations of a walking robot from the plan of its controller. They are figures of merit and must not be
-/// fed back, because they are computed from the true state and masses.
-///
-///     ports in   state, foot_forces              true state and ground forces
-///                told                            state that the controller reads
-///                schedule, body, feet, plan      outputs of the controller
-///                external_torque                 joint torques of disturbances [N m]; zero if not connected
-///     ports out  errors                          errors in W
-///                path                            errors without the drift of `told`
-///                external_foot_forces            the forces at the feet that are equivalent to
-///                                                external_torque, see SolveFootForces [N]
-///     parameter  min_singular_value              [m]
+/// fed back, because they are computed from the true state and masses. `path` has the errors without the
+/// drift of `told`, the state that the controller reads, and `external_foot_forces` are the forces at the
+/// feet that are equivalent to the joint torques of the disturbances, see SolveFootForces.
 class TrackingError final : public LeafSystem<TrackingErrorParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -18,21 +18,10 @@ struct QuadrupedMessagesParams {
 /// RobotLinks::base; the centres of the feet have frames of their own, `contact_front_left` and so on, with
 /// the axes of B.
 ///
-///     ports in   state         pose, velocity and joints; those that the controller uses
-///                joints        measured joints; torque [N m]
-///                inertial      measurement of the IMU in B, whose orientation is not measured
-///                foot_forces   in W
-///                wrench        estimated wrench of disturbances; zero if not connected
-///                command       commanded torques; zero if not connected [N m]
-///     ports out  joint_states  joints by the names in the URDF
-///                joint_commands the commanded torques as efforts
-///                imu, odometry
-///                disturbance   the wrench about the origin of B, in B
-///                tf            odom -> base_link -> links that move, and feet
-///                tf_static     links at rest relative to their parents
-///                front_left, … ground force on the foot, in the frame of the foot's centre
-///
-/// All covariances are unknown.
+/// `state` is the one that the controller uses. Joints have the names in the URDF, `joint_commands` has the
+/// commanded torques as efforts, and the IMU does not measure its orientation. `disturbance` is the wrench
+/// about the origin of B, in B, the forces on the feet are in the frames of their centres, and `tf_static`
+/// has the links at rest relative to their parents. All covariances are unknown.
 class QuadrupedMessages final : public LeafSystem<QuadrupedMessagesParams> {
  public:
   using LeafSystem::LeafSystem;

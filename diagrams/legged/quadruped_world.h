@@ -103,16 +103,8 @@ QuadrupedWorldParams MakeQuadrupedWorld(const QuadrupedDescription& robot, const
 ///                             ▲
 ///     torque ──► command_delay ──► drive_errors ──► drive_lag
 ///
-///     ports in   torque           commanded joint torques [N m]
-///                pull             an additional force on the robot; zero if not connected
-///     ports out  state            true state
-///                ground_forces    true ground forces on the feet
-///                external_torque  true joint torques of disturbing forces on the legs [N m]
-///                added_wrench     true wrench of additions on the robot, see QuadrupedPlant
-///                joints           measurement of the encoders
-///                measured_torque  measured joint torques [N m]
-///                foot_forces      measured foot forces, in W or in the axes of the shanks (FootSensing)
-///                inertial         measurement of the trunk's inertial unit
+/// The first four outputs are true and the others measured; `foot_forces` are in W or in the axes of the
+/// shanks, see FootSensing. `external_torque` is that of disturbing forces on the legs.
 ///
 /// The blocks are public members, so that a program can log or replace them.
 class QuadrupedWorld final : public Subdiagram {

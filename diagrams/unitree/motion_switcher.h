@@ -19,12 +19,10 @@ struct MotionSwitcherParams {
 /// The motion switcher of a simulated robot: a built-in mode runs until a client releases it. It answers the
 /// requests 1001, which names the mode, and 1003, which releases it, and refuses others. It affects no other
 /// block, because a robot on DDS follows commands at any time.
-///
-///     scratch active  whether the built-in mode runs
 class MotionSwitcher final : public LeafSystem<MotionSwitcherParams> {
  public:
   explicit MotionSwitcher(const MotionSwitcherParams& params = {});
-  Scratch<bool> active{this, "active", true};
+  Scratch<bool> active{this, "active", true};  ///< the built-in mode runs
   Publish answer{this, "answer", Sampled{params.rate}, Uses(active), &MotionSwitcher::Answer};
 
  private:

@@ -41,11 +41,7 @@ UnitreeCommand DampedJoints(const QuadrupedDescription& robot);
 /// foot forces of the world's sensors; torques and inertial unit are those one period of `command_rate`
 /// before. A client that asks for the built-in mode, or to release it, gets an answer. The attitude, which
 /// the robots estimate, is the true one. Battery, temperatures, the remote and the 8 motors that the robots
-/// do not have are zero.
-///
-///     ports in  joints, measured_torque, inertial, foot_forces, state  of a QuadrupedWorld
-///     ports out torque    [N m], sampled
-///               checksum  of the state's message
+/// do not have are zero. `checksum` is that of the state's message.
 class UnitreeServer final : public Subdiagram {
  public:
   using Params = UnitreeServerParams;

@@ -26,17 +26,10 @@ struct UnitreeWorldParams {
 /// It takes the robot's state from "rt/lowstate" and sends the command to "rt/lowcmd", both at `rate`. The
 /// built-in mode of the robot must have left before, see docs/robot.md.
 ///
-///     ports in   torque           torques, without gains [N m]; zero if not connected
-///                command          added to these torques; zeros if not connected
-///     ports out  state            attitude, angular velocity and joints; the robot does not measure its
-///                                 position and velocity, which are those of `initial` and 0
-///                ground_forces, foot_forces   magnitudes that the feet measure, upwards [N]
-///                external_torque, added_wrench   zero, for they are not measured
-///                joints, measured_torque, inertial
-///                heartbeat        time of the last state; 0 before the first [s]
-///                checksum         of the message that is sent
-///                goal             kStop while L2 and B of the remote are pressed, as in the maker's
-///                                 controller, else kWalk
+/// `command` is added to `torque`. The robot does not measure its position and velocity, which are those of
+/// `initial` and 0, and its feet measure magnitudes, upwards; `external_torque` and `added_wrench` are zero.
+/// `heartbeat` is the time of the last state, 0 before the first, and `checksum` that of the message that is
+/// sent. `goal` is kStop while L2 and B of the remote are pressed, as in the maker's controller, else kWalk.
 class UnitreeWorld final : public Subdiagram {
  public:
   using Params = UnitreeWorldParams;

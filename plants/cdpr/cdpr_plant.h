@@ -28,28 +28,11 @@ struct CdprPlantParams {
 
 /// A cable-driven parallel robot: a rigid platform, 2 or more elastic cables, one winch each, and springs.
 ///
-///     ports in   command       commanded tension of each winch [N]; negative values count as 0
-///                payload       point mass on the platform (optional)
-///                wrench        external wrench about the CoM (optional)
-///                faults        winches that stick, cables that are broken, see cable_fault.h (optional)
-///                added_forces  generalised forces on added joints [N m, N] (optional)
-///                added_position_references, added_speed_references
-///                              of the drives of added joints, see AttachedBody (optional; NaN: those of the
-///                              drive's own parameters) [rad, m; rad/s, m/s]
-///     ports out  platform      pose (unit quaternion) and velocity
-///                euler         roll, pitch, yaw [rad]
-///                acceleration  of the CoM [m/s^2], angular [rad/s^2]
-///                cables        length, rate, tension, rest length
-///                energy        kinetic, potential, elastic [J]
-///                geometry      for drawing
-///                added_positions, added_speeds
-///                              coordinates and speeds of added joints [rad, m; rad/s, m/s]
-///                added_wrench  wrench of the additions on the platform, about its CoM
-///     states     platform_state
-///                rest_length    l0, paid out [m]
-///                motor_tension  T_m, motor's tension at the drum [N]
-///                reel_speed     of the drum in torque mode, dl0/dt on the start's radius; else unused [m/s]
-///                added_q, added_u, added_z  of the additions
+/// Only `command` must be connected; negative commands count as 0. NaN as the reference of a drive of an
+/// added joint stands for that of the drive's own parameters, see AttachedBody. `wrench` acts about the CoM,
+/// and `acceleration` is that of the CoM. `added_wrench` is that of the additions on the platform about its
+/// CoM. `motor_tension` is T_m at the drum, and `reel_speed` dl0/dt on the radius at the start in torque
+/// mode, else unused.
 ///
 /// **Platform** (Morlando 2023, eqs. (3.7) and (3.8), there in terms of L):
 ///

@@ -36,10 +36,6 @@ struct WinchErrorsParams {
 /// with g normal with the gain's deviation, drawn at the start, and n standard normal, drawn at each tick.
 /// The plant models the motor's lag and the drum.
 ///
-///     ports in   command  [N], one per cable
-///                cables   the rates are used
-///     port out   tension  sampled [N]
-///
 /// @throws RunError during a run if an input does not have one entry per cable.
 class WinchErrors final : public LeafSystem<WinchErrorsParams> {
  public:

@@ -21,9 +21,6 @@ struct FallMonitorParams {
 /// Ends the run when a quadruped has fallen: B's origin is less than min_height above the ground vertically
 /// below it, or the trunk is tilted by more than max_tilt. A second monitor ends the run above max_height.
 /// The reason contains value and bound.
-///
-///     port in     state
-///     parameters  min_height [m], max_tilt [rad], max_height [m]
 class FallMonitor final : public LeafSystem<FallMonitorParams> {
  public:
   using LeafSystem::LeafSystem;

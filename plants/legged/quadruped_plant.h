@@ -49,26 +49,12 @@ struct LeggedEnergy {
 /// A quadruped on terrain: rigid bodies in Simbody (quadruped_body.h), compliant contacts with friction
 /// (foot_contact.h).
 ///
-///     ports in   torque           command to the joints' drives [N m]
-///                external         up to eight forces and torques on the robot; none if not connected
-///                locks            locked joints, see joint_lock.h; none if not connected
-///                added_forces     generalised forces on added joints [N m, N]; 0 if not connected
-///                added_position_references, added_speed_references
-///                                 of the drives of added joints, see AttachedBody; NaN or not connected:
-///                                 those of the drive's own parameters [rad, m; rad/s, m/s]
-///     ports out  state            pose and velocity of the trunk, joint angles and speeds
-///                acceleration     of B's origin and of the joints, for an IMU
-///                foot_forces      ground force on each foot [N]
-///                foot_depths      penetration of each foot [m]
-///                foot_slips       tangential velocity of each foot's contact point [m/s]
-///                joint_torque     torques of the drives within their limits [N m]
-///                energy           kinetic, potential
-///                external_wrench  `external` plus the payload's weight, about the CoM without payload
-///                external_torque  torques of `external` on the joints [N m]
-///                geometry         shapes of robot, additions and terrain
-///                added_positions  coordinates of added joints [rad, m]
-///                added_speeds     speeds of added joints [rad/s, m/s]
-///                added_wrench     wrench of the additions on the robot, in W about the CoM without payload
+/// Only `torque` must be connected. `external` has up to eight forces and torques on the robot:
+/// `external_torque` are their torques on the joints, and `external_wrench`, with the payload's weight, is
+/// their wrench about the CoM without payload. `added_wrench` is that of the additions about the same point,
+/// in W. NaN as the reference of a drive of an added joint stands for that of the drive's own parameters,
+/// see AttachedBody. `acceleration` is that of B's origin and of the joints, `joint_torque` the torque of
+/// the drives within their limits, and `foot_slips` the tangential velocity of each foot's contact point.
 ///
 /// **Additions.** The function `extend` adds bodies, joints, forces, constraints and contacts to the robot in
 /// Simbody; robot_multibody.h is the guide and quadruped_multibody.h names the bodies,

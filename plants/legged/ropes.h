@@ -20,11 +20,7 @@ struct RopesParams {
 /// HeldLag before `command` is the response of such a winch. The ropes have no mass and no elasticity, and
 /// touch nothing between their ends; docs/cdpr_cables.md describes the cables of a cable robot, which have.
 ///
-///     ports in   robot     state of the robot
-///                command   tensions, one for each rope [N]
-///     ports out  tension   of each rope [N]
-///                force     resultant on the trunk: force and torque about B's origin
-///                geometry  lines coloured by tension
+/// `force` is the resultant on the trunk about B's origin, and the colours in `geometry` show the tensions.
 ///
 /// Throws RunError if an anchor and its attachment coincide.
 class Ropes final : public LeafSystem<RopesParams> {

@@ -30,12 +30,9 @@ struct TerrainMapperParams {
 };
 
 /// An elevation map as a robot's depth cameras would yield it: the true heights with a random error of each
-/// cell, which does not change while the robot walks past.
-///
-///     ports in   state  true state of the robot
-///                told   state that the controller reads; the map moves and turns with its error, since
-///                       cameras measure relative to the robot
-///     port out   map    around the robot; sampled
+/// cell, which does not change while the robot walks past. The map lies around the robot and moves and turns
+/// with the error of `told`, the state that the controller reads, since cameras measure relative to the
+/// robot.
 class TerrainMapper final : public LeafSystem<TerrainMapperParams> {
  public:
   explicit TerrainMapper(const TerrainMapperParams& params);

@@ -120,14 +120,8 @@ struct PersonMotion {
 /// With an `acceleration` above 0, u changes at most at that rate, in steps at the ticks, whatever the
 /// intent.
 ///
-///     ports in   leash     force on the hand is tension * direction
-///     ports out  person    position, velocity, hand
-///                intent    sampled
-///                velocity  u, limited by `acceleration`; sampled
-///                geometry  a body, its path over ground
-///     parameters mass [kg], damping [N s/m], stiffness [N/m], felt_tension [N], acceleration [m/s^2]
-///                phases    list of PersonPhase
-///                goal      destination that overrides the phases, with a deceleration in the last second
+/// The force on the hand is tension * direction of `leash`, `velocity` is u, and `goal` overrides the phases,
+/// with a deceleration in the last second.
 ///
 /// The person is a point and exerts no force on a robot that runs into it; tenon-guide-dog reports such
 /// collisions with the upright capsule of kRadius and kHeight that is drawn.

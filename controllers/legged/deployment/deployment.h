@@ -173,15 +173,9 @@ struct DeploymentStatus {
 /// The supervisor between a walking controller and the drives of a robot: it stands up, lets the controller
 /// walk, lies down, and damps the joints if something is wrong.
 ///
-///     ports in   goal       of the operator; to walk if not connected. kStop counts beside `goals`, too
-///                torque     of the walking controller [N m]
-///                joints     measured
-///                state      that the controller reads
-///                heartbeat  the robot's time of the last state that arrived [s]; not watched if not
-///                           connected
-///     parameter  limits     DeploymentLimits
-///     ports out  status     sampled; the walking controller must stand unless its mode is kWalk
-///                command    sampled
+/// Without `goal` it is to walk; kStop counts beside `goals`, too. `heartbeat`, the robot's time of the last
+/// state that arrived, is not watched if it is not connected. The walking controller must stand unless the
+/// mode of `status` is kWalk.
 ///
 /// **Modes** change by the rows of DeploymentTransitions. Joint PD has the gains of MakeJointPd; its
 /// reference moves from the angles at the change of mode to the posture within `rise_time`. The stiffness

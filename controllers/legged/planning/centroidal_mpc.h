@@ -168,18 +168,8 @@ class CentroidalWalkSolver {
 /// over the next `num_steps` steps of the horizon (0.6 s), and outputs the motion of CoM and trunk at its
 /// beginning. It takes the place of TrunkPlanner, and of the CoM planner's own motion.
 ///
-///     ports in   body          reference of the CoM planner, whose height it keeps
-///                path          commanded path with its twist
-///                schedule      contacts of the gait
-///                state         of the robot
-///                ground        below the robot
-///                wrench        estimated external wrench; zero if not connected
-///                known_wrench  such as that of ropes; zero if not connected
-///     parameter  weights       CentroidalMpcWeights
-///     ports out  plan          sampled
-///                reference     of CoM and trunk, sampled
-///                footholds     of the swinging feet, for SwingPlanner
-///                diagnostics   of the solves
+/// `body` gives the height, `path` the commanded path with its twist, `wrench` is the estimated one, and
+/// `known_wrench` such as that of ropes. `footholds` are those of the swinging feet, for SwingPlanner.
 ///
 /// **Problem.** CentroidalWalkProblem, with the contacts of the schedule at the ends of its steps. Friction
 /// cones, as pyramids of four sides inside them, the largest forces along their edges, the reach of a foot

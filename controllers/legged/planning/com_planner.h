@@ -47,16 +47,7 @@ struct ComPlannerParams {
 };
 
 /// Plans the motion of CoM and trunk (Morlando 2023, section 2.4.1), anew at each footstep of the schedule.
-///
-///     ports in   schedule     contact states and timing of the gait
-///                command      velocities and height; the gait is not used
-///                ground       below the robot
-///     parameters zmp          ZmpPlanParams, from the next plan on
-///                blend        [s], from the next plan on
-///     ports out  plan         sampled
-///                reference    CoM position, velocity, acceleration; attitude with its rates; sampled
-///                path         the commanded path and its twist, for the footholds; sampled
-///                diagnostics  of the optimisation
+/// The gait of `command` is not used, and a change of a parameter takes effect with the next plan.
 ///
 /// **Path.** At each footstep the commanded path is continued from its present point with the commanded
 /// velocities. Footholds are planned at the nominal place below the robot in the middle of each stance.

@@ -104,16 +104,9 @@ struct ContactEvents {
 ContactState NextContactState(ContactState state, const ContactEvents& events);
 
 /// Determines the contact states of the feet (Morlando 2023, section 2.4.1) from a gait clock and measured
-/// forces.
-///
-///     ports in   command      gait; the velocities are not used
-///                foot_forces  measured ground forces, whose norm is compared with touchdown_force [N]
-///                timing       of the next step, see Pacer; that of `gaits` without steps or if not connected
-///                clock_rate   speed of the gait clock while feet swing, see StepTimingAdapter; 1 if not
-///                connected
-///     parameters gaits        GaitTable; a change takes effect when a gait starts
-///                touchdown_force, early_touchdown_phase, late_wait, search_after
-///     ports out  schedule     sampled
+/// forces. The norm of a force is compared with touchdown_force. `timing` is that of the next step, see
+/// Pacer; that of `gaits` without steps or if not connected. A change of `gaits` takes effect when a gait
+/// starts.
 ///
 /// A step of the gait is a stance of all feet, followed by the swing of one group (GaitTiming). A foot that
 /// lands early stands from then on, and the step is not shortened. A foot that has not landed at the end of

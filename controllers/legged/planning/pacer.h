@@ -38,10 +38,6 @@ struct PacerParams {
 
 /// Adapts a commanded walk to what the feet can follow, and the timing of the gait to the speed.
 ///
-///     ports in   command  a WalkCommand; it may jump
-///     ports out  paced    the command within the limits below; sampled
-///                timing   of the gait of `paced` at its speed; sampled
-///
 /// **Timing.** With the hip height h, the speed v of the fastest foot's hip, and the Froude number Fr = v^2 /
 /// (g h), animals of all sizes have the stride v T = c h Fr^0.3, c = 2.3 (Alexander 1984, The gaits of
 /// bipedal and quadrupedal animals). The cycle T is the shorter of this one and that of the table. In each

@@ -29,11 +29,6 @@ struct StepTimingAdapterParams {
 /// Lets swing feet land early while the trunk falls (after Khadiv et al., Step timing adjustment, Humanoids
 /// 2016).
 ///
-///     ports in   state       state of the robot
-///                body        reference of the CoM planner
-///     parameter  timing      StepTiming
-///     ports out  clock_rate  speed of the gait clock of a FootScheduler while feet swing; sampled
-///
 /// Two feet exert no moment about the line between them, so a push that they resist rolls the trunk about it
 /// until a swing foot lands. With the angle e from the z axis of the reference to that of the trunk, and the
 /// angular velocity w across the reference's z axis, relative to that of the reference, the predicted tilt is

@@ -22,21 +22,9 @@ struct SwingPlannerParams {
 
 /// Plans footholds and the motion of the feet in the air (Morlando 2023, section 2.4.1).
 ///
-///     ports in   schedule     contact states, and phases of the swing feet
-///                path         commanded path of the CoM planner, with its twist
-///                body         reference of the CoM planner, for the velocity error
-///                state        state of the robot
-///                ground       ground plane below the robot
-///                foot_forces  measured ground forces in W [N]; no reflex if not connected
-///                wrench       estimated external wrench, for wrench_shift; zero if not connected
-///                known_wrench wrench of ropes, which displaces the nominal stance; zero if not connected
-///                planned      footholds of CentroidalMpc, instead of those below; none if not connected
-///                map          heights of the ground; none if not connected
-///                clock_rate   speed of the gait clock while feet swing, see FootScheduler; 1 if not
-///                connected
-///     parameter  step         StepProperties
-///     ports out  feet         position, velocity, acceleration of all feet; sampled
-///                footholds    next foothold of a swing foot, present one of a stance foot [m]; sampled
+/// `body` counts with its velocity, `wrench` is the estimated one for wrench_shift, and `planned` has
+/// footholds of CentroidalMpc that replace those below. Without `foot_forces` there is no reflex.
+/// `footholds` are the next one of a swing foot and the present one of a stance foot.
 ///
 /// **Foothold.** The foothold is chosen at lift-off and updated horizontally at every tick until
 /// retarget_phase. It is the nominal place below the path in the middle of the coming stance, plus k (v -

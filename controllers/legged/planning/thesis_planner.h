@@ -32,12 +32,6 @@ struct ThesisPlan {
 /// ComPlanner. Every plan begins at the measured position, velocity and acceleration of the CoM and at the
 /// measured attitude, and ends at rest.
 ///
-///     ports in   schedule, command, ground   as those of ComPlanner
-///                state                       of the robot
-///                foot_forces, wrench         measured ground forces [N] and estimated external wrench
-///     parameters zmp                         ZmpPlanParams; blend: duration of the motion into a stand [s]
-///     ports out  plan, reference, path, diagnostics   as those of ComPlanner
-///
 /// **Stance.** When a step begins, all feet stand. A cubic in time moves the CoM to the centre of their
 /// support polygon, at rest, at the end of the stance. **Swing.** When the feet lift off, a spline of cubics
 /// (ZmpSpline) is planned over the next `horizon` steps and the stance that follows. It minimises the

@@ -33,18 +33,8 @@ struct DriveProgress {
 };
 
 /// Overrides a planned walk: passes on the commands of a schedule, and while `active` is set, commands that
-/// follow its Parameters within acceleration limits.
-///
-///     ports in    planned   a WalkCommand; standing if not connected
-///                 request   while it is active, its velocity counts as if `active` were set and `stands`
-///                 not;
-///                           not active if not connected
-///     port out    command   sampled
-///     parameters  active    if set, the parameters below override `planned`
-///                 velocity  forward, left [m/s], yaw rate [rad/s]
-///                 gait      gait while moving
-///                 stands    stand, once the robot has slowed down
-///                 height    height of the CoM above the nominal one [m]
+/// follow its Parameters within acceleration limits. An active `request` counts as if `active` were set, with
+/// its velocity and without `stands`. Without `planned` the plan is to stand.
 ///
 /// Accelerations are limited by the params; forward and left velocities change along a straight line. The
 /// height h follows the commanded height h* by

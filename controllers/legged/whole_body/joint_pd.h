@@ -34,11 +34,8 @@ Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity);
 ///
 ///     tau = K_p (q_ref - q) - K_d qd + StandingTorque,   kept within the torque limits of the joints.
 ///
-///     ports in  joints     measured angles and speeds
-///               reference  q_ref [rad]; the nominal stance if not connected
-///     port out  torque     [N m], sampled
-///
-/// `stiffness` and `damping` are Parameters: a run can change them.
+/// Without `reference`, q_ref is the nominal stance. `stiffness` and `damping` are Parameters: a run can
+/// change them.
 class JointPd final : public LeafSystem<JointPdParams> {
  public:
   explicit JointPd(const JointPdParams& params);
