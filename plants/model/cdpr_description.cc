@@ -1,9 +1,14 @@
 #include <tenon/plants/model/cdpr_description.h>
+#include <tenon/plants/model/platform_springs.h>
 #include <tenon/plants/model/rigid_inertia.h>
+#include <tenon/plants/model/swivel_pulley.h>
+#include <tenon/plants/model/vectors.h>
 
+#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 #include <set>
 
 namespace tenon {
@@ -169,6 +174,70 @@ void CdprDescription::Validate() const {
       throw ParameterError(
           fmt::format("winch.differential.pairs: [{}, {}] names cable {}, but there are {}; give 0 to {}", i,
                       j, std::max(i, j), num_cables(), num_cables() - 1));
+}
+
+Eigen::Matrix<double, 6, 1> CalcSpringWrench(const std::vector<SpringDescription>& springs,
+                                             const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
+                                             Eigen::Matrix<double, 6, 6>* jacobian) {
+  Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
+  if (jacobian) jacobian->setZero();
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const auto& [anchor_W, attachment_B, k, rest_length] = springs[i];
+    const Eigen::Vector3d arm = R_WB * attachment_B, span = anchor_W - p_WB - arm;
+    const double length = span.norm();
+    if (length == 0 && rest_length > 0)
+      throw RunError(fmt::format(
+          "springs.{} has no direction: its attachment is at its anchor ({:.4g}, {:.4g}, {:.4g}) m; keep the "
+          "platform away from it, or give rest_length_m 0",
+          i, anchor_W.x(), anchor_W.y(), anchor_W.z()));
+    const double compression = rest_length > 0 ? k * rest_length / length : 0;  // k l0 / l
+    const Eigen::Vector3d force = (k - compression) * span;
+    wrench.head<3>() += force;
+    wrench.tail<3>() += arm.cross(force);
+    if (!jacobian) continue;
+    // If the attachment moves by d, the force changes by -stiffness d.
+    Eigen::Matrix3d stiffness = (k - compression) * Eigen::Matrix3d::Identity();
+    if (compression > 0) stiffness += compression / (length * length) * span * span.transpose();
+    const Eigen::Matrix3d cross = CrossMatrix(arm), by_turn = stiffness * cross;
+    jacobian->topLeftCorner<3, 3>() -= stiffness;
+    jacobian->bottomLeftCorner<3, 3>() -= cross * stiffness;
+    jacobian->topRightCorner<3, 3>() += by_turn;
+    jacobian->bottomRightCorner<3, 3>() += cross * by_turn + CrossMatrix(force) * cross;
+  }
+  return wrench;
+}
+
+double CalcSpringEnergy(const std::vector<SpringDescription>& springs, const Eigen::Vector3d& p_WB,
+                        const Eigen::Matrix3d& R_WB) {
+  double energy = 0;
+  for (const SpringDescription& spring : springs)
+    energy += spring.stiffness / 2 *
+              std::pow((spring.anchor_W - p_WB - R_WB * spring.attachment_B).norm() - spring.rest_length, 2);
+  return energy;
+}
+
+double WrapOf(double x, double z) {
+  const double angle = std::atan2(x, z);
+  return angle < -std::numbers::pi / 2 ? angle + 2 * std::numbers::pi : angle;
+}
+
+PulleyContact LeaveStraight(double radius, double x, double z) {
+  const double free_length = std::sqrt((x - radius) * (x - radius) + z * z - radius * radius);
+  return {WrapOf(x - radius, z) + std::atan2(radius, free_length), free_length};
+}
+
+Vec<2> ExitPoint(double radius, double wrap) {
+  return {radius * (1 - std::cos(wrap)), radius * std::sin(wrap)};
+}
+
+StraightLead LeadStraight(double radius, const Vec<3>& span_W) {
+  const double x = std::hypot(span_W[0], span_W[1]);
+  const PulleyContact contact = LeaveStraight(radius, x, -span_W[2]);
+  const Vec<2> exit = ExitPoint(radius, contact.wrap);
+  const Vec<3> outwards = Vec<3>(-span_W[0], -span_W[1], 0) / x;
+  const Vec<3> away = std::sin(contact.wrap) * outwards + Vec<3>(0, 0, std::cos(contact.wrap));
+  return {contact, outwards, exit[0] * outwards + Vec<3>(0, 0, exit[1]), -away,
+          radius * contact.wrap + contact.free_length};
 }
 
 }  // namespace tenon

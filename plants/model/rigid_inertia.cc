@@ -1,3 +1,4 @@
+#include <tenon/plants/model/attached_body.h>
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 #include <tenon/systems/framework/types/errors.h>
@@ -55,6 +56,21 @@ void CheckInertia(const Eigen::Matrix3d& inertia) {
         "no rigid body has this inertia: its principal moments are {}, the largest above the sum of the "
         "other two; check the values and that they are about the CoM",
         moments));
+}
+
+void AttachedBody::Validate() const {
+  if (joint != AttachedJoint::kWeld && joint != AttachedJoint::kBall && !(axis.norm() > 0))
+    throw ParameterError("axis has the length 0: give the direction of the pin or slider");
+  if ((radius > 0) == (edges.minCoeff() > 0))
+    throw ParameterError(
+        fmt::format("edges_m and radius_m give the shape of '{}': set either the radius of a ball or three "
+                    "edges of a box",
+                    name));
+  const bool fixed = joint == AttachedJoint::kWeld || joint == AttachedJoint::kBall;
+  if (fixed && (rest != 0 || amplitude != 0))
+    throw ParameterError(
+        fmt::format("{} is given, but a {} joint has none: remove it, or choose a pin or slider",
+                    rest != 0 ? "rest" : "amplitude", EnumName(joint)));
 }
 
 }  // namespace tenon

@@ -2,14 +2,13 @@
 #include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/mesh_file.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <numbers>
-#include <sstream>
 
 namespace tenon::internal {
 namespace {
@@ -649,9 +648,7 @@ RobotLinks ReadLinks(const std::filesystem::path& path, const UrdfReading& readi
                      const QuadrupedDescription& robot) {
   QuadrupedDescription copy = robot;
   RobotLinks links = Reader(path, reading, &copy).Links();
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  links.urdf = text.str();
+  links.urdf = ReadText(path);
   return links;
 }
 

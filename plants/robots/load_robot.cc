@@ -255,4 +255,12 @@ std::vector<std::string> QuadrupedWarnings(const YamlFile& what) {
   return warnings;
 }
 
+CdprDescription LoadCdpr(const std::string& path) {
+  return YamlDocument::Load(path).Read<CdprDescription>();
+}
+
+CdprDescription LoadCdpr(const YamlFile& what) {
+  return LoadResource("robots", what, "cables").Read<CdprDescription>();
+}
+
 }  // namespace tenon

@@ -1,14 +1,57 @@
+#include <tenon/plants/surroundings/leash.h>
+#include <tenon/plants/surroundings/obstacle_detector.h>
 #include <tenon/plants/surroundings/person.h>
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 namespace tenon {
 namespace {
 
+constexpr double kDrawnRadius = 0.01;  // [m]
+
+}  // namespace
+
+LeashState Leash::CalcLeash(const LeggedState& robot, const PersonState& person, double nominal_length,
+                            double stiffness, double dissipation) const {
+  const Eigen::Vector3d arm = robot.R_WB() * params.attachment_B;
+  const Eigen::Vector3d along = robot.p_WB + arm - person.hand_W;
+  LeashState leash;
+  leash.length = along.norm();
+  if (leash.length > 0) leash.direction_W = along / leash.length;
+  const double elongation = leash.length - nominal_length;
+  const double rate = leash.direction_W.dot(robot.v_W + robot.w_W.cross(arm) - person.v_W);
+  if (params.handle)
+    leash.tension = stiffness * (elongation + params.damping_time * rate);
+  else if (elongation > 0)
+    leash.tension = stiffness * elongation * std::max(0.0, 1 + dissipation * rate);
+  return leash;
+}
+
+ExternalForce Leash::CalcForce(const LeashState& leash) const {
+  ExternalForce force;
+  force.p_B = params.attachment_B;
+  force.force_W = -leash.tension * leash.direction_W;
+  return force;
+}
+
+Geometry Leash::MakeGeometry() {
+  return {Shape::Segment(ShapeRole::kLine, "leash", kDrawnRadius, "N")};
+}
+
+void Leash::CalcGeometry(const PersonState& person, const LeashState& leash, Geometry* geometry) const {
+  Shape& rod = (*geometry)[0];
+  rod.p_W = person.hand_W;
+  rod.vector_W = leash.length * leash.direction_W;
+  rod.value = leash.tension;
+}
+
+namespace {
+
 // Dimensions of the drawn head [m].
 constexpr double kHeadRadius = 0.12, kHeadHeight = 1.6;
 constexpr double kArrival = 1;  // duration of the deceleration at a destination [s]
-enum Index { kBody, kHead, kPath };
+enum PersonShape { kBodyShape, kHeadShape, kPathShape };
 
 void CheckPhase(std::size_t i, const PersonPhase& phase) {
   Demand(phase.speed >= std::abs(phase.speed_amplitude),
@@ -107,9 +150,36 @@ Geometry Person::MakeGeometry() {
 }
 
 void Person::CalcGeometry(const PersonMotion& motion, Geometry* geometry) const {
-  (*geometry)[kBody].p_W << motion.x, kHeight / 2;
-  (*geometry)[kHead].p_W << motion.x, kHeadHeight;
-  (*geometry)[kPath].p_W << motion.x, 0;
+  (*geometry)[kBodyShape].p_W << motion.x, kHeight / 2;
+  (*geometry)[kHeadShape].p_W << motion.x, kHeadHeight;
+  (*geometry)[kPathShape].p_W << motion.x, 0;
+}
+
+bool ObstacleDetector::CalcObstacle(const LeggedState& state, double range, double half_width) const {
+  const Eigen::Vector2d heading = state.R_WB().col(0).head<2>().normalized();
+  for (const Obstacle& obstacle : params.obstacles) {
+    const Eigen::Vector2d to = obstacle.centre - state.p_WB.head<2>();
+    const double ahead = heading.dot(to), aside = heading[0] * to[1] - heading[1] * to[0];
+    if (ahead > 0 && ahead - obstacle.radius < range && std::abs(aside) < half_width + obstacle.radius)
+      return true;
+  }
+  return false;
+}
+
+bool ObstacleDetector::CalcInSight(const LeggedState& state, double range, double half_width,
+                                   bool& saw) const {
+  return saw = CalcObstacle(state, saw ? range + params.margin : range, half_width);
+}
+
+Geometry ObstacleDetector::MakeGeometry(const ObstacleDetectorParams& params) {
+  Geometry shapes;
+  for (std::size_t i = 0; i < params.obstacles.size(); ++i) {
+    const Obstacle& obstacle = params.obstacles[i];
+    shapes.push_back(Shape::Cylinder(ShapeRole::kFixture, "obstacle " + std::to_string(i), obstacle.radius,
+                                     Obstacle::kHeight));
+    shapes.back().p_W << obstacle.centre, Obstacle::kHeight / 2;
+  }
+  return shapes;
 }
 
 }  // namespace tenon

@@ -1,9 +1,24 @@
+#include <tenon/plants/cdpr/gusts.h>
 #include <tenon/plants/cdpr/hanging_load.h>
+#include <tenon/plants/cdpr/payload_schedule.h>
+#include <tenon/plants/cdpr/platform_pull.h>
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
+#include <numbers>
+
 namespace tenon {
+
+PlatformWrench Gusts::CalcWrench(double time) const {
+  PlatformWrench wrench;
+  for (const Gust& gust : params.gusts) {
+    const double phase = (time - gust.start) / gust.duration;
+    if (phase >= 0 && phase < 1)
+      wrench.force_W += (1 - std::cos(2 * std::numbers::pi * phase)) / 2 * gust.force_W;
+  }
+  return wrench;
+}
 
 void HangingLoadParams::Validate() const {
   const auto check = [](const char* name, double value, const char* unit) {
@@ -54,6 +69,43 @@ void HangingLoad::CalcGeometry(const PlatformState& platform, const HangingLoadS
   line.value = rope.force_W.norm();
 }
 
+void PayloadScheduleParams::Validate() const {
+  Demand(release_s >= attach_s,
+         fmt::format("release_s = {} must not be before attach_s = {}", release_s, attach_s));
+}
+
+Payload PayloadSchedule::CalcPayload(double time, const Payload& load, double attach, double release) const {
+  return time >= attach && time < release ? load : Payload{};
+}
+
+void PlatformPullParams::Validate() const {
+  Demand(std::isfinite(stiffness) && stiffness >= 0 && std::isfinite(damping) && damping >= 0 &&
+             std::isfinite(max_force) && max_force >= 0,
+         fmt::format("a pull of {} N/m, {} N s/m and {} N at most: none may be negative", stiffness, damping,
+                     max_force));
+}
+
+Vec<3> PlatformPull::Force(const PlatformState& platform, const PlatformGrip& grip) const {
+  if (!grip.on) return Vec<3>::Zero();
+  const Eigen::Vector3d arm = platform.R_WB() * grip.p_B;
+  const Eigen::Vector3d velocity = platform.v_W + platform.w_W.cross(arm);
+  const Eigen::Vector3d force =
+      params.stiffness * (grip.target_W - platform.p_WB - arm) - params.damping * velocity;
+  const double size = force.norm();
+  return size > params.max_force ? params.max_force / size * force : force;
+}
+
+PlatformWrench PlatformPull::CalcWrench(const PlatformState& platform, const PlatformWrench& others,
+                                        const PlatformGrip& grip) const {
+  PlatformWrench wrench = others;
+  if (!grip.on) return wrench;
+  const Vec<3> force = Force(platform, grip);
+  wrench.force_W += force;
+  wrench.torque_W += (platform.R_WB() * grip.p_B).cross(force);
+  return wrench;
+}
+
 }  // namespace tenon
 
 TENON_DEFINE_SIGNAL(tenon::HangingLoadState);
+TENON_DEFINE_SIGNAL(tenon::PlatformGrip);
