@@ -1,9 +1,11 @@
+#include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_world.h>
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/sensors/shank_forces.h>
 #include <tenon/systems/primitives/late.h>
 
 namespace tenon {
+
 namespace {
 
 ImuParams OnRobot(ImuParams imu, const QuadrupedDescription& robot) {
@@ -114,6 +116,16 @@ void QuadrupedWorld::ConnectDrives(const QuadrupedHardwareParams& hardware) {
     in = &delay.u;
   }
   Connect(torque, *in);
+}
+
+QuadrupedStandParams MakeQuadrupedStand(const QuadrupedDescription& robot) {
+  return {.world = MakeQuadrupedWorld(robot), .pd = MakeJointPd(robot)};
+}
+
+QuadrupedStand::QuadrupedStand(const QuadrupedStandParams& params)
+    : pd(Add<JointPd>("pd", params.pd)), world(Add<QuadrupedWorld>("world", params.world)) {
+  Connect(pd.torque, world.torque);
+  Connect(world.joints, pd.joints);
 }
 
 }  // namespace tenon
