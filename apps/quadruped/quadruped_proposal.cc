@@ -1,7 +1,7 @@
 #include <tenon/apps/quadruped/quadruped_proposal.h>
 #include <tenon/plants/legged/quadruped_clearance.h>
 #include <tenon/plants/robots/mesh_file.h>
-#include <tenon/systems/yaml/internal/yaml_writer.h>
+#include <tenon/systems/yaml/internal/yaml_tree.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 
 #include <fmt/format.h>

@@ -205,8 +205,7 @@ void CampaignReport::Write(const std::filesystem::path& file) const {
   for (const Pick& pick : picks)
     data["picks"].push_back(
         {{"run", pick.index}, {"why", pick.why}, {"command", pick.command}, {"link", pick.link}});
-  internal::WritePage(file, title, data.dump(-1, ' ', false, Json::error_handler_t::replace),
-                      internal::PageKind::kCampaign);
+  internal::WritePage(file, title, internal::Dump(data), internal::PageKind::kCampaign);
 }
 
 }  // namespace tenon

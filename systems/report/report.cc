@@ -154,19 +154,13 @@ void Report::Write(const std::filesystem::path& file) const {
   Json data{{"format", internal::kPageFormat},
             {"title", params_.title},
             {"description", params_.description},
-            {"plots", Json::array()},
+            {"plots", internal::PlotsJson(plots)},
             {"runs", Json::array()}};
-  for (const Plot& plot : plots) {
-    data["plots"].push_back({{"title", plot.title},
-                             {"group", plot.group},
-                             {"signals", plot.signals},
-                             {"references", plot.references}});
-  }
   for (const auto& [name, run] : variants_) {
     data["runs"].push_back(run->ToJson(plots, variants_.size()));
     data["runs"].back()["name"] = name;
   }
-  internal::WritePage(file, params_.title, data.dump(-1, ' ', false, Json::error_handler_t::replace));
+  internal::WritePage(file, params_.title, internal::Dump(data));
 }
 
 }  // namespace tenon

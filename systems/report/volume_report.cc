@@ -56,8 +56,7 @@ void VolumeReport::Write(const std::filesystem::path& file) const {
       {"title", title}, {"description", description}, {"figures", Json::array()}, {"maps", Json::array()}};
   for (const auto& [name, value] : figures) data["figures"].push_back({name, internal::JsonOrNull(value)});
   for (const Map& map : maps) data["maps"].push_back(MapJson(map));
-  internal::WritePage(file, title, data.dump(-1, ' ', false, Json::error_handler_t::replace),
-                      internal::PageKind::kVolume);
+  internal::WritePage(file, title, internal::Dump(data), internal::PageKind::kVolume);
 }
 
 }  // namespace tenon

@@ -18,6 +18,20 @@ std::string Excerpt(std::string_view text);
 /// escaped as `\x1b` and bytes that are not UTF-8 as `\xff`.
 std::string Printable(std::string_view message);
 
+/// Calls `take` with each part of a text between separators. A text without separators is one part.
+void Split(std::string_view text, char separator, const auto& take) {
+  for (std::size_t end; (end = text.find(separator)) != text.npos; text.remove_prefix(end + 1))
+    take(text.substr(0, end));
+  take(text);
+}
+
+/// Removes blanks, tabs and line ends at both ends.
+inline std::string_view Trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  return begin == text.npos ? "" : text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
+}
+
 /// Returns the name with the smallest edit distance to `wanted`, for "did you mean"; empty without names.
 std::string NearestName(std::string_view wanted, const std::vector<std::string>& names);
 

@@ -1,12 +1,10 @@
 #include <tenon/systems/files/input_file.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/mesh_paths.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <sstream>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 namespace tenon {
 
@@ -33,14 +31,10 @@ std::vector<fs::path> PackageFolders(const fs::path& urdf) {
 /// The name of a ROS package in its package.xml, which may differ from that of its directory; empty if the
 /// directory is no package.
 std::string NameOfPackage(const fs::path& directory) {
-  std::ifstream in = OpenInput(directory / "package.xml");
-  const std::string text(std::istreambuf_iterator<char>(in), {});
+  const std::string text = ReadText(directory / "package.xml");
   const std::size_t begin = text.find("<name>"), end = text.find("</name>");
   if (begin == text.npos || end == text.npos || end < begin) return "";
-  constexpr std::string_view kBlanks = " \t\r\n";
-  const std::string name = text.substr(begin + 6, end - begin - 6);
-  const std::size_t first = name.find_first_not_of(kBlanks);
-  return first == name.npos ? "" : name.substr(first, name.find_last_not_of(kBlanks) - first + 1);
+  return std::string(internal::Trimmed(std::string_view(text).substr(begin + 6, end - begin - 6)));
 }
 
 fs::path WithoutFirst(const fs::path& path) {

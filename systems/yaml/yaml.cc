@@ -2,7 +2,6 @@
 #include <tenon/systems/framework/block/distribution.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/internal/yaml_node.h>
-#include <tenon/systems/yaml/internal/yaml_writer.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <fmt/format.h>

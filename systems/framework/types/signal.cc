@@ -1,4 +1,5 @@
 #include <tenon/systems/framework/types/signal.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/core.h>
 
@@ -15,17 +16,11 @@ namespace {
 
 /// The `index`-th entry of a comma-separated list, trimmed; empty if there is none.
 std::string ListEntry(const std::string& list, std::size_t index) {
-  std::size_t begin = 0;
-  for (; index > 0; --index) {
-    begin = list.find(',', begin);
-    if (begin == std::string::npos) return "";
-    ++begin;
-  }
-  const std::size_t end = std::min(list.find(',', begin), list.size());
-  const std::size_t first = list.find_first_not_of(' ', begin);
-  if (first == std::string::npos || first >= end) return "";
-  const std::size_t last = list.find_last_not_of(' ', end - 1);
-  return list.substr(first, last - first + 1);
+  std::string_view entry;
+  Split(list, ',', [&](std::string_view each) {
+    if (index-- == 0) entry = each;
+  });
+  return std::string(Trimmed(entry));
 }
 
 /// Name of a matrix element: from the spec, else x, y, z for three rows, else its index.

@@ -1,6 +1,5 @@
 #include <tenon/systems/live/internal/live_messages.h>
 #include <tenon/systems/report/internal/page.h>
-#include <tenon/systems/report/internal/report_json.h>
 
 #include <charconv>
 
@@ -27,16 +26,6 @@ Json Bounds(const std::array<double, 2>& range) {
 }
 Json Point(const Vec<3>& p) {
   return {p[0], p[1], p[2]};
-}
-
-Json PlotsJson(const std::vector<Plot>& plots) {
-  Json list = Json::array();
-  for (const Plot& plot : plots)
-    list.push_back({{"title", plot.title},
-                    {"group", plot.group},
-                    {"signals", plot.signals},
-                    {"references", plot.references}});
-  return list;
 }
 
 Json ControlsJson(const LiveControls& controls) {
@@ -90,10 +79,6 @@ Json ParameterJson(const ParameterSource& parameter, Context& context) {
 
 }  // namespace
 
-std::string Dump(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 std::string PageData(const LiveView& view, const std::string& token) {
   Json run{{"verdict", ""}, {"good", nullptr}, {"figures", Json::array()}, {"name", ""}};
   return Dump({{"format", kPageFormat},
@@ -121,17 +106,15 @@ Json ParameterValue(const ParameterSource& parameter, Context& context) {
 
 Json Hello(const LiveView& view, const Geometry& shapes, Context& context,
            const std::vector<const ParameterSource*>& parameters, double history) {
-  Json bands = Json::array(), limits = Json::array(), tunable = Json::array();
+  Json bands = Json::array(), tunable = Json::array();
   for (const Band& band : view.bands)
     bands.push_back({{"signal", band.signal}, {"names", band.names}, {"intervals", Json::array()}});
-  for (const auto& [signal, range] : view.limits)
-    limits.push_back({{"signal", signal}, {"limits", LimitsJson(range)}});
   for (const ParameterSource* parameter : parameters) tunable.push_back(ParameterJson(*parameter, context));
   return {{"run",
            {{"name", ""},
             {"shapes", ShapesJson(shapes)},
             {"bands", std::move(bands)},
-            {"limits", std::move(limits)},
+            {"limits", LimitsJson(view.limits)},
             {"plots", PlotsJson(view.plots)},
             {"figures", Json::array()}}},
           {"description", view.description},

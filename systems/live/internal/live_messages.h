@@ -1,15 +1,11 @@
 #pragma once
 
 #include <tenon/systems/live/live_server.h>
-
-#include <nlohmann/json.hpp>
+#include <tenon/systems/report/internal/report_json.h>
 
 namespace tenon::internal {
 
 using Json = nlohmann::ordered_json;
-
-/// Writes JSON as text; replaces bytes that are not UTF-8.
-std::string Dump(const Json& json);
 
 /// Returns the data of the page for report.js: a report without samples, and the token of the run.
 std::string PageData(const LiveView& view, const std::string& token);

@@ -1,4 +1,5 @@
 #include <tenon/systems/network/internal/json.h>
+#include <tenon/systems/text/text.h>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -12,16 +13,6 @@ namespace {
 
 /// Space for the longest number, "-2.2250738585072014e-308" [characters].
 constexpr std::size_t kLongestNumber = 32;
-
-std::vector<std::string> Split(const std::string& name) {
-  std::vector<std::string> parts;
-  std::size_t begin = 0;
-  for (std::size_t dot; (dot = name.find('.', begin)) != std::string::npos; begin = dot + 1) {
-    parts.push_back(name.substr(begin, dot - begin));
-  }
-  parts.push_back(name.substr(begin));
-  return parts;
-}
 
 /// Compares the sizes of matrices and lists with recorded ones and records them.
 class ShapeVisitor final : public ValueVisitor {
@@ -133,7 +124,8 @@ void JsonWriter::Prepare(const std::string& name, const TypeInfo& type, const vo
   std::vector<std::string> open;  // names of the enclosing objects
   std::size_t size = pieces_[0].size();
   for (const std::string& key : JsonKeys(name, type, value, spec)) {
-    std::vector<std::string> parts = Split(key);
+    std::vector<std::string> parts;
+    Split(key, '.', [&](std::string_view part) { parts.emplace_back(part); });
     const std::string last = parts.back();
     parts.pop_back();
     std::size_t common = 0;

@@ -6,6 +6,11 @@
 
 namespace tenon::internal {
 
+/// Writes JSON as text; replaces bytes that are not UTF-8.
+inline std::string Dump(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 /// Converts a value to JSON, null if it is empty.
 template <class T>
 nlohmann::ordered_json JsonOrNull(const std::optional<T>& value) {
@@ -15,6 +20,23 @@ nlohmann::ordered_json JsonOrNull(const std::optional<T>& value) {
 /// Converts limits to [low, high], with null for a missing bound.
 inline nlohmann::ordered_json LimitsJson(const Limits& limits) {
   return {JsonOrNull(limits.low), JsonOrNull(limits.high)};
+}
+
+inline nlohmann::ordered_json LimitsJson(const std::vector<SignalLimits>& limits) {
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& [signal, range] : limits)
+    list.push_back({{"signal", signal}, {"limits", LimitsJson(range)}});
+  return list;
+}
+
+inline nlohmann::ordered_json PlotsJson(const std::vector<Plot>& plots) {
+  auto list = nlohmann::ordered_json::array();
+  for (const Plot& plot : plots)
+    list.push_back({{"title", plot.title},
+                    {"group", plot.group},
+                    {"signals", plot.signals},
+                    {"references", plot.references}});
+  return list;
 }
 
 /// Converts the constant properties of shapes to the format that the scripts of the pages read.

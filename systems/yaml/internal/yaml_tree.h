@@ -51,6 +51,9 @@ YamlTree ParseYamlTree(const std::string& text, const YamlPlaceOf& place_of, boo
 /// Writes a value on one line in flow style.
 std::string FlowText(const YamlTree& tree);
 
+/// Writes a text as a scalar, quoted unless every YAML reader takes it for this text.
+std::string YamlScalar(const std::string& text);
+
 /// Returns the index that a key denotes in a list; empty if it is not a number or too large.
 std::optional<std::size_t> IndexIn(const YamlTree& list, std::string_view key);
 

@@ -1,5 +1,5 @@
 #include <tenon/systems/framework/block/rate.h>
-#include <tenon/systems/yaml/internal/yaml_writer.h>
+#include <tenon/systems/yaml/internal/yaml_tree.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <fmt/format.h>
@@ -171,6 +171,8 @@ class Writer {
 
 }  // namespace
 
+/// Writes block-style YAML with lists in flow style and the shortest numbers that read back exactly. Throws
+/// ParameterError for a value that could not be read back.
 std::string WriteYaml(const TypeInfo& type, const void* value) {
   Writer writer;
   writer.Write(type, value);

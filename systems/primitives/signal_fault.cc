@@ -1,4 +1,4 @@
-#include <tenon/systems/primitives/internal/fault_elements.h>
+#include <tenon/systems/primitives/signal_fault.h>
 
 #include <fmt/format.h>
 
