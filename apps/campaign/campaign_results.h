@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/campaign/campaign_schedule.h>
+#include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/apps/common/scenario_app.h>
 
 namespace tenon::apps {

@@ -51,26 +51,6 @@ CampaignRow BeginRow(std::size_t run, const RunSetup& setup) {
   return row;
 }
 
-}  // namespace
-
-CampaignRunner::Prepared CampaignRunner::Prepare(std::size_t run) const {
-  const RunSetup setup = plan_.Setup(run);
-  Prepared prepared{.scenario = scenarios_.at(setup.scenario), .row = BeginRow(run, setup)};
-  for (const auto& [key, value] : setup.settings) prepared.scenario.Set(key, value);
-  // Sorted by name, because scenarios of one campaign can have different orders of keys.
-  auto drawn = DrawScenario(prepared.scenario, setup.seed);
-  std::ranges::sort(drawn);
-  for (const auto& [key, value] : drawn)
-    if (Cell(prepared.row, key).empty()) prepared.row.emplace_back(key, fmt::format("{}", value));
-  return prepared;
-}
-
-CampaignRow CampaignRunner::Begin(std::size_t run) const {
-  return BeginRow(run, plan_.Setup(run));
-}
-
-namespace {
-
 /// Returns the row of a run that could not begin.
 CampaignResult Failed(CampaignRow row, const std::string& reason) {
   row.emplace_back("finished", "false");
@@ -98,6 +78,22 @@ CampaignResult Judged(CampaignRow row, const Summary& summary) {
 }
 
 }  // namespace
+
+CampaignRunner::Prepared CampaignRunner::Prepare(std::size_t run) const {
+  const RunSetup setup = plan_.Setup(run);
+  Prepared prepared{.scenario = scenarios_.at(setup.scenario), .row = BeginRow(run, setup)};
+  for (const auto& [key, value] : setup.settings) prepared.scenario.Set(key, value);
+  // Sorted by name, because scenarios of one campaign can have different orders of keys.
+  auto drawn = DrawScenario(prepared.scenario, setup.seed);
+  std::ranges::sort(drawn);
+  for (const auto& [key, value] : drawn)
+    if (Cell(prepared.row, key).empty()) prepared.row.emplace_back(key, fmt::format("{}", value));
+  return prepared;
+}
+
+CampaignRow CampaignRunner::Begin(std::size_t run) const {
+  return BeginRow(run, plan_.Setup(run));
+}
 
 std::optional<CampaignResult> CampaignRunner::Run(std::size_t run) const {
   std::optional<CampaignResult> result;

@@ -87,32 +87,6 @@ std::string LineOf(const CampaignRow& row, const std::vector<std::string>& colum
   return Line(cells);
 }
 
-}  // namespace
-
-std::string_view Cell(const CampaignRow& row, std::string_view column) {
-  for (const auto& [name, text] : row)
-    if (name == column) return text;
-  return {};
-}
-
-bool DependsOnMachine(std::string_view column) {
-  return column == "tenon" || std::ranges::any_of(std::array{"wall", "qp_time", "mpc_time", "real_time"},
-                                                  [&](const char* part) { return column.starts_with(part); });
-}
-
-std::uint64_t HashOfResults(const CampaignRow& row) {
-  std::uint64_t sum = 0;
-  for (const auto& [column, text] : row) {
-    if (DependsOnMachine(column)) continue;
-    internal::Fnv1a hash;
-    hash.Add(column + '\n' + text);
-    sum += hash.value();
-  }
-  return sum;
-}
-
-namespace {
-
 /// Reads the lines of a table in order or at given offsets.
 class Lines {
  public:
@@ -192,6 +166,28 @@ void VisitRows(const std::filesystem::path& file, std::size_t runs,
 }
 
 }  // namespace
+
+std::string_view Cell(const CampaignRow& row, std::string_view column) {
+  for (const auto& [name, text] : row)
+    if (name == column) return text;
+  return {};
+}
+
+bool DependsOnMachine(std::string_view column) {
+  return column == "tenon" || std::ranges::any_of(std::array{"wall", "qp_time", "mpc_time", "real_time"},
+                                                  [&](const char* part) { return column.starts_with(part); });
+}
+
+std::uint64_t HashOfResults(const CampaignRow& row) {
+  std::uint64_t sum = 0;
+  for (const auto& [column, text] : row) {
+    if (DependsOnMachine(column)) continue;
+    internal::Fnv1a hash;
+    hash.Add(column + '\n' + text);
+    sum += hash.value();
+  }
+  return sum;
+}
 
 void CampaignTable::Read(const std::filesystem::path& file, std::size_t runs,
                          const std::function<void(std::size_t, const CampaignRow&)>& visit) {

@@ -1,14 +1,18 @@
 #include <tenon/apps/cdpr/cdpr_scenario.h>
-#include <tenon/apps/cdpr/path_file.h>
 #include <tenon/controllers/cdpr/tension_distribution.h>
 #include <tenon/diagrams/cdpr/cdpr_profile.h>
 #include <tenon/plants/attached_bodies.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/signals/euler.h>
+#include <tenon/systems/files/input_file.h>
+#include <tenon/systems/framework/types/errors.h>
+#include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
+#include <cmath>
 #include <numbers>
 
 namespace tenon::apps {
@@ -376,6 +380,60 @@ SimulatorOptions MakeSimulatorOptions(const CdprScenario& scenario) {
   SimulatorOptions options = scenario.integrator.Options();
   options.seed = scenario.seed;
   return options;
+}
+
+namespace {
+
+constexpr const char* kPositions = "t,x,y,z";
+constexpr const char* kPoses = "t,x,y,z,roll,pitch,yaw";
+
+std::vector<std::string_view> Cells(std::string_view line) {
+  std::vector<std::string_view> cells;
+  internal::Split(line, ',', [&](std::string_view cell) { cells.push_back(internal::Trimmed(cell)); });
+  return cells;
+}
+
+}  // namespace
+
+PathTable ReadPathFile(const std::string& file) {
+  std::ifstream in = OpenInput(file);
+  if (!in.is_open())
+    throw ParameterError(fmt::format("{}: cannot be read: give the path of a CSV file", file));
+  PathTable table;
+  std::string line;
+  int number = 1;
+  const auto refuse = [&](const std::string& what) {
+    throw ParameterError(fmt::format("{}:{}: {}", file, number, what));
+  };
+  std::getline(in, line);
+  if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // a byte-order mark
+  const std::string header = fmt::format("{}", fmt::join(Cells(line), ","));
+  if (header != kPositions && header != kPoses)
+    refuse(fmt::format("the columns are '{}': give '{}' or '{}', in s, m and rad", internal::Excerpt(header),
+                       kPositions, kPoses));
+  const std::size_t columns = header == kPoses ? 7 : 4;
+
+  while (std::getline(in, line)) {
+    ++number;
+    if (internal::Trimmed(line).empty()) continue;
+    std::vector<double> row;
+    for (const std::string_view cell : Cells(line)) {
+      const auto value = internal::NumberIn<double>(cell);
+      if (!value || !std::isfinite(*value))
+        refuse(fmt::format("'{}' is not a finite number", internal::Excerpt(std::string(cell))));
+      row.push_back(*value);
+    }
+    if (row.size() != columns)
+      refuse(fmt::format("{} values, but the header names {} columns", row.size(), columns));
+    if (!table.times.empty() && row[0] <= table.times.back())
+      refuse(fmt::format("t = {} s does not come after the {} s of the row before: times must increase",
+                         row[0], table.times.back()));
+    table.times.push_back(row[0]);
+    table.points.emplace_back(row[1], row[2], row[3]);
+    if (columns == 7) table.attitudes.emplace_back(row[4], row[5], row[6]);
+  }
+  if (table.times.size() < 2) refuse(fmt::format("{} points: a path needs two or more", table.times.size()));
+  return table;
 }
 
 }  // namespace tenon::apps

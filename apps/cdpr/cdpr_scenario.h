@@ -8,6 +8,11 @@
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/model/attached_body.h>
 
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
 namespace tenon::apps {
 
 /// The sensors of a cable robot, but for the noise of pose sensor and inertial unit, which is the scenario's
@@ -309,5 +314,18 @@ PathVerdict MakePathVerdict(const CdprScenario& scenario, bool live);
 /// with reel damping b pays out at dl/dt under the tension T if the motor's tension is T - b dl/dt. So
 /// tensions must exist that hold the platform at rest and are higher than the smallest tension by b dl/dt.
 std::string PayOutNote(const EquilibriumPath& equilibria);
+
+/// The points of a path with their times.
+struct PathTable {
+  std::vector<double> times;               ///< [s]
+  std::vector<Eigen::Vector3d> points;     ///< positions of the CoM in W [m]
+  std::vector<Eigen::Vector3d> attitudes;  ///< roll, pitch, yaw [rad]; none, or one per point
+};
+
+/// Reads a path from a CSV file: a header, `t,x,y,z` or `t,x,y,z,roll,pitch,yaw`, then a row per point, in s,
+/// m and rad. Throws ParameterError with file and line if the header has other columns, a row has too few or
+/// too many values, a value is not a finite number, the times do not increase, or there are fewer than two
+/// rows.
+PathTable ReadPathFile(const std::string& file);
 
 }  // namespace tenon::apps

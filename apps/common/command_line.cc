@@ -51,6 +51,14 @@ CLI::Validator Validator(OptionRange range) {
   }
 }
 
+/// Opens the standard descriptors that are closed on /dev/null. Otherwise a file of the run would get such a
+/// descriptor, and messages would be written into it.
+void OpenStandardDescriptors() {
+  int opened = 0;
+  while (opened >= 0 && opened <= STDERR_FILENO) opened = ::open("/dev/null", O_RDWR);
+  if (opened >= 0) ::close(opened);
+}
+
 }  // namespace
 
 CommandLine::CommandLine(const std::string& description, const std::string& name)
@@ -153,18 +161,6 @@ RunOptions OptionsOf(const CommonArguments& arguments) {
 
 static constexpr const char* kNoMemory =
     "out of memory before the run began: reduce large robots, lists or horizons in the scenario";
-
-namespace {
-
-/// Opens the standard descriptors that are closed on /dev/null. Otherwise a file of the run would get such a
-/// descriptor, and messages would be written into it.
-void OpenStandardDescriptors() {
-  int opened = 0;
-  while (opened >= 0 && opened <= STDERR_FILENO) opened = ::open("/dev/null", O_RDWR);
-  if (opened >= 0) ::close(opened);
-}
-
-}  // namespace
 
 int RunMain(CommandLine& line, int argc, char** argv, const std::function<int()>& body) {
   CLI::App& app = *line.app_;
@@ -303,6 +299,29 @@ bool PrintsInstead(const CommonArguments& arguments, const ScenarioApp& app) {
     PrintKeys(keys);
   }
   return arguments.list || arguments.keys;
+}
+
+FieldList AppScenario::With(FieldList own) {
+  own.insert(own.begin(),
+             {{"duration_s", &AppScenario::duration_s}, {"log_rate_hz", &AppScenario::log_rate_hz}});
+  return CommonScenario::With(own);
+}
+
+int RunApp(const ScenarioApp& app, int argc, char** argv) {
+  CommandLine line(app.description, ProgramName(argv));
+  CommonArguments arguments;
+  AddCommonArguments(line, arguments);
+  AddLiveArguments(line, arguments);
+  AddFigureArgument(line, app, arguments);
+  return RunMain(line, argc, argv, [&]() -> int {
+    if (const auto code = RunInstead(arguments, app)) return *code;
+    return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {
+      const YamlDocument document = LoadScenario(now, app.name);
+      if (app.warnings)
+        for (const std::string& warning : app.warnings(document)) Say(fmt::format("warning: {}\n", warning));
+      return PrintResult(app.run(document, now.duration, options).summary, options);
+    });
+  });
 }
 
 }  // namespace tenon::apps

@@ -1,5 +1,5 @@
 #include <tenon/apps/common/figure_list.h>
-#include <tenon/apps/common/report_pictures.h>
+#include <tenon/apps/common/tenon_report.h>
 #include <tenon/systems/report/internal/browser.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/resources.h>

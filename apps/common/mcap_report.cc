@@ -1,5 +1,5 @@
-#include <tenon/apps/common/mcap_report.h>
 #include <tenon/apps/common/run_scenario.h>
+#include <tenon/apps/common/tenon_report.h>
 #include <tenon/systems/ros2/mcap.h>
 #include <tenon/systems/text/text.h>
 

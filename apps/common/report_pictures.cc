@@ -1,6 +1,7 @@
-#include <tenon/apps/common/report_pictures.h>
 #include <tenon/apps/common/run_scenario.h>
+#include <tenon/apps/common/tenon_report.h>
 #include <tenon/systems/report/internal/browser.h>
+#include <tenon/systems/report/internal/run_log.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>
@@ -55,16 +56,7 @@ void CheckOptions(const ReportPictures& pictures) {
 
 /// Returns the bytes of a data: URL in base64.
 std::string BytesOf(const std::string& url) {
-  std::string bytes;
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (std::size_t i = url.find(',') + 1; i < url.size() && url[i] != '='; ++i) {
-    static constexpr std::string_view kDigits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    bits = bits << 6 | static_cast<std::uint32_t>(kDigits.find(url[i]));
-    if ((count += 6) >= 8) bytes.push_back(static_cast<char>(bits >> (count -= 8)));
-  }
-  return bytes;
+  return internal::DecodeBase64(url.substr(url.find(',') + 1));
 }
 
 /// Returns a file name with the number of the picture and letters, digits and underscores of its title.

@@ -51,19 +51,6 @@ YamlDocument LoadExtended(const std::string& file, const std::string& app,
   }
 }
 
-}  // namespace
-
-std::vector<std::pair<std::string, std::string>> ListScenarios(const std::string& app) {
-  std::vector<std::pair<std::string, std::string>> scenarios;
-  for (const std::string& name : ListResources("scenarios")) {
-    const YamlDocument document = LoadExtended(FindResource("scenarios", name), app);
-    if (document.Text("app") == app) scenarios.emplace_back(name, document.Text("description"));
-  }
-  return scenarios;
-}
-
-namespace {
-
 /// Returns the path of a scenario. Finds scenarios of other apps, too, which the caller refuses.
 fs::path FindScenario(const std::string& name, const std::string& app) {
   if (IsResourcePath(name)) return name;
@@ -76,45 +63,6 @@ fs::path FindScenario(const std::string& name, const std::string& app) {
                     app.empty() ? "this program" : app));
   return FindResource("scenarios", name, names);
 }
-
-}  // namespace
-
-void ApplySettings(const std::vector<std::string>& settings, YamlDocument* document) {
-  for (const std::string& setting : settings) {
-    const std::size_t equals = setting.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      throw ParameterError(
-          fmt::format("--set {}: write key=value, as in --set duration_s=5", internal::Excerpt(setting)));
-    }
-    document->Set(setting.substr(0, equals), setting.substr(equals + 1));
-  }
-}
-
-YamlDocument LoadScenario(const std::string& name, const std::vector<std::string>& settings,
-                          const std::string& app, std::vector<std::string>* files) {
-  YamlDocument document = LoadExtended(FindScenario(name, app), app, files);
-  ApplySettings(settings, &document);
-  if (const std::string other = document.Text("app"); !app.empty() && !other.empty() && other != app) {
-    throw ParameterError(fmt::format("{0}: '{1}' is not a scenario of {2}; run {3} {1}",
-                                     document.PlaceOf("app"), internal::Excerpt(name), app,
-                                     internal::Excerpt(other)));
-  }
-  return document;
-}
-
-std::vector<std::pair<std::string, double>> DrawScenario(YamlDocument& scenario,
-                                                         std::optional<std::uint64_t> seed) {
-  if (seed) {
-    scenario.Set("seed", fmt::format("{}", *seed));
-  } else {
-    // The default seed is 1. An invalid seed is refused when the scenario is read.
-    const std::string text = scenario.Text("seed");
-    seed = internal::NumberIn<std::uint64_t>(internal::WithoutPlus(text)).value_or(1);
-  }
-  return scenario.Draw(*seed);
-}
-
-namespace {
 
 /// Visits all files that a value names, with their dotted keys.
 void ForEachFile(const internal::TypeInfo& type, void* value, const std::string& key,
@@ -150,6 +98,50 @@ void ForEachFile(const internal::TypeInfo& type, void* value, const std::string&
 }
 
 }  // namespace
+
+std::vector<std::pair<std::string, std::string>> ListScenarios(const std::string& app) {
+  std::vector<std::pair<std::string, std::string>> scenarios;
+  for (const std::string& name : ListResources("scenarios")) {
+    const YamlDocument document = LoadExtended(FindResource("scenarios", name), app);
+    if (document.Text("app") == app) scenarios.emplace_back(name, document.Text("description"));
+  }
+  return scenarios;
+}
+
+void ApplySettings(const std::vector<std::string>& settings, YamlDocument* document) {
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw ParameterError(
+          fmt::format("--set {}: write key=value, as in --set duration_s=5", internal::Excerpt(setting)));
+    }
+    document->Set(setting.substr(0, equals), setting.substr(equals + 1));
+  }
+}
+
+YamlDocument LoadScenario(const std::string& name, const std::vector<std::string>& settings,
+                          const std::string& app, std::vector<std::string>* files) {
+  YamlDocument document = LoadExtended(FindScenario(name, app), app, files);
+  ApplySettings(settings, &document);
+  if (const std::string other = document.Text("app"); !app.empty() && !other.empty() && other != app) {
+    throw ParameterError(fmt::format("{0}: '{1}' is not a scenario of {2}; run {3} {1}",
+                                     document.PlaceOf("app"), internal::Excerpt(name), app,
+                                     internal::Excerpt(other)));
+  }
+  return document;
+}
+
+std::vector<std::pair<std::string, double>> DrawScenario(YamlDocument& scenario,
+                                                         std::optional<std::uint64_t> seed) {
+  if (seed) {
+    scenario.Set("seed", fmt::format("{}", *seed));
+  } else {
+    // The default seed is 1. An invalid seed is refused when the scenario is read.
+    const std::string text = scenario.Text("seed");
+    seed = internal::NumberIn<std::uint64_t>(internal::WithoutPlus(text)).value_or(1);
+  }
+  return scenario.Draw(*seed);
+}
 
 void ScenarioFiles::Take(const internal::TypeInfo& type, void* scenario) {
   ForEachFile(type, scenario, "", [this](const std::string& key, YamlFile& file) { Take(key, file); });

@@ -15,60 +15,33 @@ namespace {
 using internal::TypeInfo;
 using Kind = TypeInfo::Kind;
 
-/// Formats a value as in a scenario.
-std::string Shown(const TypeInfo& type, const void* value);
-
-std::string ShownItems(const TypeInfo& item, const void* first, std::size_t count) {
-  std::vector<std::string> texts;
-  for (std::size_t i = 0; i < count; ++i)
-    texts.push_back(Shown(item, static_cast<const std::byte*>(first) + i * item.size));
-  return fmt::format("[{}]", fmt::join(texts, ", "));
-}
-
-std::string ShownMatrix(const TypeInfo& type, const void* value) {
-  const auto* numbers = static_cast<const double*>(type.data(const_cast<void*>(value)));
-  std::vector<std::string> rows;
-  for (int r = 0; r < type.rows; ++r) {
-    std::vector<double> row;
-    for (int c = 0; c < type.cols; ++c) row.push_back(numbers[c * type.rows + r]);
-    rows.push_back(type.cols == 1 ? fmt::format("{}", row[0]) : fmt::format("[{}]", fmt::join(row, ", ")));
-  }
-  return fmt::format("[{}]", fmt::join(rows, ", "));
-}
-
+/// Formats a value as in a scenario, but texts without quotes and maps without their contents.
 std::string Shown(const TypeInfo& type, const void* value) {
   std::size_t count = 0, one = 0;
-  if (type.kind == Kind::kList || type.kind == Kind::kOptional) type.shape(value, &count, &one);
   switch (type.kind) {
-    case Kind::kNumber: {
-      if (type.scalar == internal::ScalarKind::kDouble)
-        return fmt::format("{}", *static_cast<const double*>(value));
-      const long long number = LoadInteger(type.scalar, value);
-      if (type.scalar == internal::ScalarKind::kBool) return number != 0 ? "true" : "false";
+    case Kind::kNumber:
       for (const internal::NamedValue& named : type.names)
-        if (named.value == number) return named.name;
-      return fmt::format("{}", number);
-    }
+        if (named.value == LoadInteger(type.scalar, value)) return named.name;
+      break;
     case Kind::kText:
       return *static_cast<const std::string*>(value);
-    case Kind::kMatrix:
-      return ShownMatrix(type, value);
-    case Kind::kArray:
-      return ShownItems(type.item(), value, type.count);
-    case Kind::kList:
-      return ShownItems(type.item(), type.data(const_cast<void*>(value)), count);
     case Kind::kOptional:
+      type.shape(value, &count, &one);
       return count > 0 ? Shown(type.item(), type.data(const_cast<void*>(value))) : "none";
     case Kind::kMap:
       return "{}";
-    case Kind::kOpaque:
-      if (*type.id == typeid(YamlFile)) return static_cast<const YamlFile*>(value)->text;
-      if (*type.id == typeid(Rate)) return fmt::format("{}", static_cast<const Rate*>(value)->hz());
-      return "";
     case Kind::kStruct:
       return "";
+    case Kind::kOpaque:
+      if (*type.id == typeid(YamlFile)) return static_cast<const YamlFile*>(value)->text;
+      if (*type.id != typeid(Rate)) return "";
+      break;
+    default:
+      break;
   }
-  return "";
+  std::string text = internal::WriteYaml(type, value);
+  text.pop_back();  // the end of the line
+  return text;
 }
 
 std::string TypeText(const TypeInfo& type) {

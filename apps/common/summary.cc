@@ -28,6 +28,56 @@ std::vector<std::pair<std::string, std::string>> Shown(const Summary& summary) {
   return figures;
 }
 
+std::optional<double> NumberIn(const nlohmann::ordered_json& object, const char* key) {
+  if (!object.contains(key)) return std::nullopt;
+  return object[key].get<double>();
+}
+
+/// Returns null without a value, and the name of a value that is no number, which JSON does not have.
+nlohmann::ordered_json FigureJson(std::optional<double> value) {
+  if (!value || std::isfinite(*value)) return internal::JsonOrNull(value);
+  return std::isnan(*value) ? "NaN" : *value > 0 ? "Infinity" : "-Infinity";
+}
+
+void WriteJson(const nlohmann::ordered_json& values, const fs::path& file) {
+  WriteFile(file, values.dump(2) + '\n');
+}
+
+/// Flattens nested figures to dotted keys: foot_error_max_m.front_left.
+std::vector<std::pair<std::string, nlohmann::ordered_json>> Flatten(const nlohmann::ordered_json& values) {
+  std::vector<std::pair<std::string, nlohmann::ordered_json>> flat;
+  for (const auto& [key, value] : values.items()) {
+    if (!value.is_object()) {
+      flat.emplace_back(key, value);
+      continue;
+    }
+    for (auto& [name, item] : Flatten(value)) flat.emplace_back(key + "." + name, std::move(item));
+  }
+  return flat;
+}
+
+/// Adds the limits to the text of a figure, with enough digits to distinguish them from its value.
+void ShowLimits(double number, const Limits& limits, FigureText* figure) {
+  constexpr int kDigits = 4;
+  std::string low, high;
+  const auto add = [&](const std::optional<double>& limit, std::string& text) {
+    if (!limit) return;
+    const auto [shown, beside] = Beside(number, *limit, kDigits);
+    std::string& value = figure->values.front().second;
+    if (shown.size() > value.size()) value = shown;
+    text = beside;
+  };
+  add(limits.low, low);
+  add(limits.high, high);
+  if (limits.low && limits.high) {
+    figure->limit = fmt::format("   (from {} to {})", low, high);
+  } else if (limits.low) {
+    figure->limit = fmt::format("   (at least {})", low);
+  } else if (limits.high) {
+    figure->limit = fmt::format("   (at most {})", high);
+  }
+}
+
 }  // namespace
 
 Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutcome& outcome)
@@ -50,21 +100,6 @@ Summary::Summary(const std::string& case_name, std::uint64_t seed, const RunOutc
 }
 
 Summary::Summary(std::unique_ptr<Json> json, int exit_code) : json_(std::move(json)), exit_code_(exit_code) {}
-
-namespace {
-
-std::optional<double> NumberIn(const nlohmann::ordered_json& object, const char* key) {
-  if (!object.contains(key)) return std::nullopt;
-  return object[key].get<double>();
-}
-
-/// Returns null without a value, and the name of a value that is no number, which JSON does not have.
-nlohmann::ordered_json FigureJson(std::optional<double> value) {
-  if (!value || std::isfinite(*value)) return internal::JsonOrNull(value);
-  return std::isnan(*value) ? "NaN" : *value > 0 ? "Infinity" : "-Infinity";
-}
-
-}  // namespace
 
 Summary Summary::Load(const fs::path& file, int exit_code) {
   std::ifstream in = OpenInput(file);
@@ -171,49 +206,6 @@ void Summary::EndedBy(const std::string& reason, int exit_code) {
   json_->values["end_reason"] = reason;
   exit_code_ = exit_code;
 }
-
-namespace {
-
-void WriteJson(const nlohmann::ordered_json& values, const fs::path& file) {
-  WriteFile(file, values.dump(2) + '\n');
-}
-
-/// Flattens nested figures to dotted keys: foot_error_max_m.front_left.
-std::vector<std::pair<std::string, nlohmann::ordered_json>> Flatten(const nlohmann::ordered_json& values) {
-  std::vector<std::pair<std::string, nlohmann::ordered_json>> flat;
-  for (const auto& [key, value] : values.items()) {
-    if (!value.is_object()) {
-      flat.emplace_back(key, value);
-      continue;
-    }
-    for (auto& [name, item] : Flatten(value)) flat.emplace_back(key + "." + name, std::move(item));
-  }
-  return flat;
-}
-
-/// Adds the limits to the text of a figure, with enough digits to distinguish them from its value.
-void ShowLimits(double number, const Limits& limits, FigureText* figure) {
-  constexpr int kDigits = 4;
-  std::string low, high;
-  const auto add = [&](const std::optional<double>& limit, std::string& text) {
-    if (!limit) return;
-    const auto [shown, beside] = Beside(number, *limit, kDigits);
-    std::string& value = figure->values.front().second;
-    if (shown.size() > value.size()) value = shown;
-    text = beside;
-  };
-  add(limits.low, low);
-  add(limits.high, high);
-  if (limits.low && limits.high) {
-    figure->limit = fmt::format("   (from {} to {})", low, high);
-  } else if (limits.low) {
-    figure->limit = fmt::format("   (at least {})", low);
-  } else if (limits.high) {
-    figure->limit = fmt::format("   (at most {})", high);
-  }
-}
-
-}  // namespace
 
 std::vector<std::pair<std::string, std::string>> Summary::Flat() const {
   std::vector<std::pair<std::string, std::string>> flat;

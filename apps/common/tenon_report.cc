@@ -1,8 +1,7 @@
 // tenon-report: writes one report of several existing runs, or pictures of one report.
 
 #include <tenon/apps/common/command_line.h>
-#include <tenon/apps/common/mcap_report.h>
-#include <tenon/apps/common/report_pictures.h>
+#include <tenon/apps/common/tenon_report.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
 #include <tenon/apps/common/faults.h>
-#include <tenon/apps/guide_dog/collision_figures.h>
 #include <tenon/apps/guide_dog/guide_dog_app.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
 #include <tenon/apps/quadruped/limit_figures.h>

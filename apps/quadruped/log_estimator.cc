@@ -1,5 +1,5 @@
-#include <tenon/apps/quadruped/estimate_figures.h>
 #include <tenon/apps/quadruped/log_estimator.h>
+#include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/io/external_input.h>
 

@@ -1,4 +1,3 @@
-#include <tenon/apps/quadruped/held_mass.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/plants/attached_bodies.h>
 #include <tenon/plants/robots/load_robot.h>

@@ -1,5 +1,9 @@
+#include <tenon/apps/quadruped/legged_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
+#include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/plants/attached_bodies.h>
+#include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
 
@@ -63,6 +67,149 @@ void QuadrupedScenario::Validate() const {
 double Duration(const QuadrupedScenario& scenario) {
   if (scenario.duration_s) return *scenario.duration_s;
   return scenario.walk ? EndOfWalk(*scenario.walk) + 1 : 10;
+}
+
+void LiveScenario::Validate() const {
+  const auto range = [](const char* key, const Vec<2>& limits) {
+    Demand(limits.allFinite() && limits[0] <= 0 && limits[1] >= 0,
+           fmt::format("{} = [{}, {}] must contain 0: give the least value, then the largest one", key,
+                       limits[0], limits[1]));
+  };
+  range("forward_m_per_s", forward_m_per_s);
+  range("sideways_m_per_s", sideways_m_per_s);
+  range("yaw_rad_per_s", yaw_rad_per_s);
+}
+
+FieldList LeggedScenario::Fields() {
+  using S = LeggedScenario;
+  return With({{"robot", &S::robot},
+               Field("duration_s", &S::duration_s).Positive(),
+               {"profile", &S::profile},
+               {"terrain", &S::terrain},
+               {"forces", &S::forces},
+               {"faults", &S::faults},
+               {"hardware", &S::hardware},
+               {"sensors", &S::sensors},
+               {"fall", &S::fall},
+               {"live", &S::live},
+               {"limit_speed", &S::limit_speed},
+               {"dynamics", &S::dynamics},
+               {"integrator", &S::integrator},
+               {"scale_forces", &S::scale_forces},
+               {"custom", &S::custom}});
+}
+
+PathVerdict MakePathVerdict(const WalkScenario& walk, bool live) {
+  if (live) return {};
+  const WalkSchedule::Extent extent = WalkSchedule(walk.path).extent();
+  if (extent.length == 0 && extent.turn == 0) return {};
+  return {walk.path_tolerance, extent.length};
+}
+
+double EndOfWalk(const WalkScenario& walk) {
+  return Blame("walk.path", [&] { return WalkSchedule(walk.path).end_time(); });
+}
+
+SimulatorOptions MakeSimulatorOptions(const LeggedScenario& scenario, const QuadrupedPlant& plant) {
+  if (!LoadPlace(scenario.robot).empty())
+    throw KeyError("robot.link",
+                   "only a run of tenon-quadruped drives a robot: remove this key to simulate it");
+  SimulatorOptions options = scenario.integrator.Options(plant);
+  options.seed = scenario.seed;
+  return options;
+}
+
+std::string Describe(const LeggedScenario& scenario, double duration) {
+  return fmt::format("{}, {:.4g} s, seed {}", ResourceName(scenario.robot), duration, scenario.seed);
+}
+
+FieldList DriveRatings::Fields() {
+  using S = DriveRatings;
+  FieldList fields = DriveErrorsParams::Fields();
+  fields.insert(fields.end(), {Field("rotor_acceleration_rad_per_s2", &S::rotor_acceleration).Positive(),
+                               Field("friction_ratio", &S::friction_ratio).Between(0, 1),
+                               Field("damping_ratio", &S::damping_ratio).Between(0, 1),
+                               Field("bandwidth_hz", &S::bandwidth).Between(0.1, 1e6),
+                               {"limit_speed", &S::limit_speed}});
+  return fields;
+}
+
+FieldList QuadrupedHardware::Fields() {
+  using S = QuadrupedHardware;
+  return {{"description", &S::description},
+          {"drives", &S::drives},
+          {"link", &S::link},
+          {"calculation", &S::calculation},
+          {"sensors", &S::sensors}};
+}
+
+QuadrupedHardware LoadHardware(const YamlFile& file, const Scale& scale, const SensorChanges& sensors) {
+  YamlDocument document = LoadResource("hardware/legged", file);
+  document.Change("sensors", sensors);
+  return document.Read<QuadrupedHardware>(&scale);
+}
+
+/// All drives are equal. Ratios are relative to the mean of the joints' limits.
+static void SetDrives(const DriveRatings& drives, Rate rate, QuadrupedWorldParams& world) {
+  double torque = 0, speed = 0;
+  for (int j = 0; j < kNumJoints; ++j) {
+    torque += world.plant.robot.joint(j).torque_limit / kNumJoints;
+    speed += world.plant.robot.joint(j).speed_limit / kNumJoints;
+  }
+  DriveProperties& properties = world.plant.robot.drive;
+  if (drives.rotor_acceleration) properties.rotor_inertia = torque / *drives.rotor_acceleration;
+  if (drives.friction_ratio) properties.friction = torque * *drives.friction_ratio;
+  if (drives.damping_ratio) properties.damping = torque * *drives.damping_ratio / speed;
+  if (drives.limit_speed) world.plant.limit_speed = true;
+  if (drives.gain_deviation > 0 || drives.ripple > 0) {
+    world.hardware.drive_errors = drives;
+    world.hardware.drive_errors->rate = rate;
+  }
+  if (drives.bandwidth)
+    world.hardware.drive_lag = {
+        .time_constant = LagOfBandwidth(*drives.bandwidth), .rate = rate, .unit = "N m"};
+}
+
+void SetHardware(const QuadrupedHardware& hardware, Rate rate, QuadrupedWorldParams& world,
+                 SlowOptions* mpc) {
+  if (hardware.calculation.any() && mpc == nullptr)
+    throw ParameterError("calculation has no effect without predictive control: give walk.mpc, or remove it");
+  if (mpc != nullptr) *mpc = hardware.calculation;
+  static_cast<QuadrupedSensors&>(world) = hardware.sensors;
+  SetDrives(hardware.drives, rate, world);
+  if (hardware.link.delay > 0) {
+    world.hardware.command_delay = hardware.link;
+    world.hardware.command_delay->rate = rate;
+    world.hardware.command_delay->Validate();
+  }
+}
+
+ContactAidedNoise BelievedNoise(const QuadrupedSensors& sensors) {
+  ContactAidedNoise noise;
+  noise.specific_force = std::max(sensors.imu.specific_force_noise.maxCoeff(), 1e-3);
+  noise.angular_velocity = std::max(sensors.imu.angular_velocity_noise.maxCoeff(), 1e-4);
+  noise.encoder = std::max(
+      std::hypot(sensors.encoders.angle.absolute, sensors.encoders.Resolution() / std::sqrt(12)), 1e-5);
+  return noise;
+}
+
+HeldMass HeldByTwoLegs(const QuadrupedDescription& robot) {
+  const Vec<kNumJoints> torque = 2 * StandingTorque(robot, kGravity);  // a foot carries half of the weight
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  HeldMass held{.mass = kAny, .load = kAny};
+  for (int j = 0; j < kNumJoints; ++j) {
+    const double mass = robot.mass() * robot.joint(j).torque_limit / std::abs(torque[j]);
+    if (mass < held.mass) held = {mass, std::max(0.0, mass - robot.mass()), j, std::abs(torque[j])};
+  }
+  return held;
+}
+
+std::string CannotHold(const QuadrupedDescription& robot, const HeldMass& held) {
+  const JointDescription& joint = robot.joint(held.joint);
+  return fmt::format(
+      "in a trot, two legs hold the robot, for which joint '{}' needs {:.3g} N m in the nominal stance, but "
+      "its limit is {:.3g} N m: the robot may fall",
+      joint.name, held.torque, joint.torque_limit);
 }
 
 }  // namespace tenon::apps

@@ -2,9 +2,9 @@
 
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/apps/quadruped/held_mass.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/apps/quadruped/quadruped_proposal.h>
+#include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/robots/mesh_file.h>
 #include <tenon/systems/files/input_file.h>

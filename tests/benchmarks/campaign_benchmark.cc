@@ -9,7 +9,7 @@
 //                      runs_per_s; working, the part of the time in which a rank has a run; busy, the part
 //                      of the time in which rank 0 works
 
-#include <tenon/apps/campaign/campaign_mpi.h>
+#include <tenon/apps/campaign/campaign_desk.h>
 #include <tenon/apps/quadruped/quadruped_app.h>
 #include <tenon/tests/testing/temporary_path.h>
 

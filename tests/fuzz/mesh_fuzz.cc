@@ -2,10 +2,7 @@
 
 #include <tenon/plants/robots/mesh_file.h>
 #include <tenon/tests/fuzz/refusals.h>
-#include <tenon/tests/fuzz/scratch.h>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const tenon::fuzz::Scratch kScratch;
-  const std::string file = kScratch.Write("mesh", {reinterpret_cast<const char*>(data), size});
-  return tenon::fuzz::Try(file, [&] { tenon::ReadMesh(file); });
+  return tenon::fuzz::TryFile("mesh", data, size, [](const std::string& file) { tenon::ReadMesh(file); });
 }

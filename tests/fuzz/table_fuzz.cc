@@ -2,12 +2,9 @@
 
 #include <tenon/apps/campaign/campaign_table.h>
 #include <tenon/tests/fuzz/refusals.h>
-#include <tenon/tests/fuzz/scratch.h>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const tenon::fuzz::Scratch kScratch;
-  const std::string file = kScratch.Write("runs.csv", {reinterpret_cast<const char*>(data), size});
-  return tenon::fuzz::Try(file, [&] {
+  return tenon::fuzz::TryFile("runs.csv", data, size, [](const std::string& file) {
     using tenon::apps::CampaignTable;
     CampaignTable::Read(file, 10, [](std::size_t, const tenon::apps::CampaignRow&) {});
     CampaignTable(file, CampaignTable::Start::kResume).Finish([](std::size_t run) { return run < 10; });

@@ -4,7 +4,6 @@
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/tests/fuzz/refusals.h>
-#include <tenon/tests/fuzz/scratch.h>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const tenon::fuzz::Scratch kScratch;

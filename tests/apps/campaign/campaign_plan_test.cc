@@ -1,4 +1,4 @@
-#include <tenon/apps/campaign/campaign_schedule.h>
+#include <tenon/apps/campaign/campaign_plan.h>
 #include <tenon/tests/testing/block_test.h>
 
 #include <set>

@@ -1,4 +1,4 @@
-#include <tenon/apps/quadruped/quadruped_hardware.h>
+#include <tenon/apps/quadruped/legged_scenario.h>
 #include <tenon/tests/plants/model/quadruped_test_robot.h>
 #include <tenon/tests/testing/block_test.h>
 

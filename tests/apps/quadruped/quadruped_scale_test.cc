@@ -1,4 +1,3 @@
-#include <tenon/apps/quadruped/held_mass.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 
 #include <fmt/core.h>
@@ -7,9 +6,7 @@
 
 namespace tenon::apps::quadruped_scale_test {
 
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using ::testing::ElementsAre, ::testing::HasSubstr, ::testing::IsEmpty;
 
 QuadrupedScenario Load(const char* name, std::vector<std::string> settings) {
   return LoadScenario(name, settings, "tenon-quadruped").Read<QuadrupedScenario>();
