@@ -8,7 +8,7 @@
 namespace tenon::every_app_test {
 
 namespace fs = std::filesystem;
-using test::Read, ::testing::AllOf, ::testing::ContainsRegex, ::testing::HasSubstr, ::testing::StartsWith;
+using ::testing::AllOf, ::testing::ContainsRegex, ::testing::HasSubstr, ::testing::StartsWith;
 
 struct App {
   std::string name, path;
@@ -91,11 +91,11 @@ TEST_P(EveryAppTest, WritesSummarySignalsScenarioReportAndGraph) {
                                HasSubstr("\"simulated_s\": 0.3")));
   EXPECT_THAT(Signals(), AllOf(HasSubstr("time [s],"), HasSubstr("\n0.3,")));
   for (const std::string& signal : signals) EXPECT_THAT(Signals(), HasSubstr(signal));
-  for (const std::string& key : keys) EXPECT_THAT(Read(out / "scenario.yaml"), HasSubstr(key));
-  for (const std::string& block : blocks) EXPECT_THAT(Read(out / "graph.dot"), HasSubstr(block));
+  for (const std::string& key : keys) EXPECT_THAT(ReadText(out / "scenario.yaml"), HasSubstr(key));
+  for (const std::string& block : blocks) EXPECT_THAT(ReadText(out / "graph.dot"), HasSubstr(block));
   EXPECT_THAT(Summary(), HasSubstr(std::string("\"tenon\": \"") + Version()));
-  EXPECT_THAT(Read(out / "scenario.yaml"), StartsWith(std::string("# Tenon ") + Version() + "\n"));
-  EXPECT_THAT(Read(out / "report.html").substr(0, 500),
+  EXPECT_THAT(ReadText(out / "scenario.yaml"), StartsWith(std::string("# Tenon ") + Version() + "\n"));
+  EXPECT_THAT(ReadText(out / "report.html").substr(0, 500),
               AllOf(HasSubstr(Version()), HasSubstr("<title>" + scenario + ": "), HasSubstr(description)));
   EXPECT_LT(fs::file_size(out / "report.html"), 2e6);
   const std::size_t beside = Summary().find("\"limits\"");
@@ -110,7 +110,7 @@ TEST_P(EveryAppTest, RepeatsARunFromItsWrittenScenario) {
   const std::string first = Signals();
   const std::string scenario = (out / "scenario.yaml").string();
   EXPECT_EQ(test::RunCommand(app + " " + scenario + Out() + "/again").exit_code, 0);
-  EXPECT_TRUE(Read(out / "again" / "signals.csv") == first);  // EXPECT_EQ would print both files
+  EXPECT_TRUE(ReadText(out / "again" / "signals.csv") == first);  // EXPECT_EQ would print both files
 }
 
 TEST_P(EveryAppTest, ListsScenariosWithTheirDescriptions) {
@@ -171,7 +171,7 @@ TEST_P(PathTest, ARobotThatLeavesItsPathIsNotFinished) {
   EXPECT_THAT(Summary(),
               AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"fell\": false"),
                     HasSubstr("\"followed\": false"), ContainsRegex("\"end_reason\": *\"[^\"]*path")));
-  EXPECT_THAT(Read(out / "report.html"), HasSubstr("but the path was not followed"));
+  EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("but the path was not followed"));
   if (without_path.empty()) return;
   Run(without_path);
   EXPECT_THAT(Summary(), HasSubstr("\"followed\": null"));

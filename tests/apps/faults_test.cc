@@ -7,7 +7,7 @@
 
 namespace tenon::faults_test {
 
-using test::Column, test::Read, test::Result, test::RunCommand, ::testing::AnyOf, ::testing::Contains,
+using test::Column, test::Result, test::RunCommand, ::testing::AnyOf, ::testing::Contains,
     ::testing::HasSubstr;
 
 const std::string kQuadruped = TENON_QUADRUPED, kGuideDog = TENON_GUIDE_DOG, kCdpr = TENON_CDPR;
@@ -51,7 +51,7 @@ struct FaultsTest : test::AppTest, ::testing::WithParamInterface<FaultyCase> {
     EXPECT_EQ(summary.at("finished").get<bool>(), exit_code == 0);
     EXPECT_NE(summary.at("end_reason"), "");
     EXPECT_EQ(summary.at("end_reason") == "end of the run", exit_code == 0) << summary.at("end_reason");
-    EXPECT_THAT(Read(out / "report.html"), HasSubstr("</html>"));
+    EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("</html>"));
     ExpectWholeRows(exit_code == 0 ? 0.2 : summary.at("simulated_s").get<double>());
     return summary;
   }
@@ -222,7 +222,7 @@ TEST_F(FaultTest, IsRepeatedFromTheWrittenScenario) {
       "{at: torque, kind: lost, probability: 0.3, start_s: 0.05}, "
       "{at: joint, kind: stuck, elements: [front_right_abduction]}");
   const std::string signals = Signals();
-  const std::string scenario = Write("again.yaml", Read(out / "scenario.yaml"));
+  const std::string scenario = Write("again.yaml", ReadText(out / "scenario.yaml"));
   EXPECT_EQ(RunCommand(kQuadruped + " " + scenario + Out()).exit_code, exit_code);
   EXPECT_EQ(Signals(), signals);
 }

@@ -29,7 +29,7 @@ struct ResultsTest : test::AppTest {
   }
 
   fs::path page() const { return out / "page.md"; }
-  std::string Page() const { return test::Read(page()); }
+  std::string Page() const { return ReadText(page()); }
 
   std::string text;
 };
@@ -40,10 +40,10 @@ TEST_F(ResultsTest, RunsACampaignAndResumes) {
   EXPECT_THAT(Page(),
               AllOf(HasSubstr("cores, a trial with fewer seeds or shorter runs.*"),
                     HasSubstr("| C3-blocks | rough | yes |"), HasSubstr("| A1 | 20 N sin(t) along x")));
-  const std::string runs = test::Read(out / "hardware_guide_dog/runs.csv");
+  const std::string runs = ReadText(out / "hardware_guide_dog/runs.csv");
   ASSERT_EQ(RunResults(few), 0) << text;
   // The wall times show that nothing ran again.
-  EXPECT_EQ(test::Read(out / "hardware_guide_dog/runs.csv"), runs);
+  EXPECT_EQ(ReadText(out / "hardware_guide_dog/runs.csv"), runs);
 }
 
 TEST_F(ResultsTest, JudgesFinishedCampaigns) {
@@ -163,7 +163,7 @@ esac
     exit_code = result.exit_code;
     return result.text;
   }
-  std::string PageOfTree() const { return test::Read(out / "docs/results.md"); }
+  std::string PageOfTree() const { return ReadText(out / "docs/results.md"); }
 
   std::string stamp;
   int exit_code = 0;
@@ -180,7 +180,7 @@ TEST_F(StaleResultsTest, ATableIsDueOnceItsSourcesChange) {
 
   for (const auto& [file, changed] : {std::pair{"controllers/legged/gain.cc", "double gain = 3;\n"},
                                       {"apps/scenarios/flat.yaml", "speed: 4\n"}}) {
-    const std::string before = test::Read(out / file);
+    const std::string before = ReadText(out / file);
     Write(file, changed);
     EXPECT_THAT(Run("tools/results --due"), HasSubstr("due")) << file;
     Write(file, before);

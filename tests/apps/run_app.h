@@ -27,13 +27,6 @@ inline Result RunCommand(const std::string& command) {
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), text};
 }
 
-/// The text of a file; empty if there is no such file.
-inline std::string Read(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
-
 /// The column of signals.csv with this name in the first row.
 inline std::vector<double> Column(const std::filesystem::path& out, const std::string& name) {
   std::ifstream file(out / "signals.csv");
@@ -65,8 +58,8 @@ struct AppTest : ::testing::Test {
     EXPECT_EQ(result.exit_code, exit_code) << arguments << ": " << result.text;
     return result.text;
   }
-  std::string Summary() const { return Read(out / "summary.json"); }
-  std::string Signals() const { return Read(out / "signals.csv"); }
+  std::string Summary() const { return ReadText(out / "summary.json"); }
+  std::string Signals() const { return ReadText(out / "signals.csv"); }
   /// Writes a file in `out` and returns its path.
   std::string Write(const std::string& name, const std::string& text) const {
     std::filesystem::create_directories((out / name).parent_path());

@@ -25,7 +25,7 @@ TEST(ThesisFiguresTest, AreAllFiguresOfResults) {
     if (i != 29) numbers.insert("2." + std::to_string(i));
   for (int i = 3; i <= 9; ++i) numbers.insert("3." + std::to_string(i));
   std::set<std::string> found;
-  const std::string page = test::Read(fs::path(TENON_DOCS) / "thesis_figures.md");
+  const std::string page = ReadText(fs::path(TENON_DOCS) / "thesis_figures.md");
   for (const auto& figure : Figures()) {
     EXPECT_TRUE(found.insert(figure.number).second) << figure.number << " appears twice";
     EXPECT_FALSE(figure.plots.empty() && figure.pictures_s.empty()) << figure.number;
@@ -66,7 +66,7 @@ TEST_P(EveryFigureTest, RunsForASecondAndSavesItsPlots) {
   if (fs::exists(out / "figure"))
     for (const auto& file : fs::directory_iterator(out / "figure"))
       drawings +=
-          file.path().extension() == ".svg" && test::Read(file.path()).find("<path") != std::string::npos;
+          file.path().extension() == ".svg" && ReadText(file.path()).find("<path") != std::string::npos;
   EXPECT_EQ(drawings, figure.plots.size());
   for (std::size_t i = 1; i <= figure.pictures_s.size(); ++i)
     EXPECT_GT(fs::file_size(out / ("picture_" + std::to_string(i) + ".png")), 10'000);

@@ -1,20 +1,17 @@
 // The programs that pages show are those that ship in docs/examples, where they are compiled and run.
 
+#include <tenon/systems/files/input_file.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <sstream>
-#include <string>
 #include <vector>
 
 namespace tenon::docs::examples_test {
 
 std::string Read(const std::string& file) {
-  std::ostringstream text;
-  text << std::ifstream(std::filesystem::path(TENON_SOURCE_DIR) / file).rdbuf();
-  return text.str();
+  return ReadText(std::filesystem::path(TENON_SOURCE_DIR) / file);
 }
 
 TEST(ExamplesTest, TheProgramOfTheReadmeShips) {
@@ -95,6 +92,15 @@ TEST(ExamplesTest, TheErrorsOfTheGuideToMembersAreThoseOfItsMistakes) {
   const auto errors = Between(Read("docs/block_members.md"), "gives\n  `", "`\n");
   EXPECT_GE(errors.size(), 17U);
   for (const std::string& error : errors) EXPECT_THAT(mistakes, ::testing::HasSubstr(error));
+}
+
+// All files that repeat the version of CMakeLists.txt agree with it.
+TEST(VersionTest, IsOneEverywhere) {
+  const std::string version = TENON_VERSION;
+  EXPECT_THAT(Read("CITATION.cff"), ::testing::HasSubstr("\nversion: " + version + "\n"));
+  EXPECT_THAT(Read("CHANGELOG.md"), ::testing::HasSubstr("\n## " + version + "\n"));
+  EXPECT_THAT(Read("README.md"),
+              ::testing::HasSubstr("`libtenon" + version.substr(0, version.rfind('.')) + "`"));
 }
 
 }  // namespace tenon::docs::examples_test

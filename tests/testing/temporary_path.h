@@ -1,12 +1,11 @@
 #pragma once
 
+#include <tenon/systems/files/input_file.h>
+
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
-#include <string>
 
 namespace tenon::test {
 
@@ -17,13 +16,6 @@ inline std::filesystem::path TemporaryPath(std::string name) {
   auto path = std::filesystem::temp_directory_path() / (std::to_string(getpid()) + "_" + name);
   std::filesystem::remove_all(path);
   return path;
-}
-
-/// The content of a file; "" if it cannot be read.
-inline std::string FileText(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
 }
 
 }  // namespace tenon::test

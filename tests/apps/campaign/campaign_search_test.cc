@@ -70,7 +70,7 @@ struct CampaignSearchTest : ::testing::Test {
   }
   fs::path Out(const std::string& out) const { return directory_ / out; }
   nlohmann::json Json(const std::string& out) const {
-    return nlohmann::json::parse(test::FileText(Out(out) / "summary.json"));
+    return nlohmann::json::parse(ReadText(Out(out) / "summary.json"));
   }
 
   fs::path directory_ = test::TemporaryPath("campaign_search");
@@ -89,7 +89,7 @@ TEST_F(CampaignSearchTest, FindsTheMinimumOfKnownFunctions) {
   EXPECT_NEAR(summary["first"]["cost"], std::pow(std::log(1000. / 300), 2) + 0.25 + 1.5e-3, 1e-9);
   EXPECT_LE(summary["evaluations"], 60);
   EXPECT_THAT(printed_, HasSubstr("cost"));
-  EXPECT_THAT(test::FileText(Out("out") / "report.html"), HasSubstr("stiffness"));
+  EXPECT_THAT(ReadText(Out("out") / "report.html"), HasSubstr("stiffness"));
 }
 
 TEST_F(CampaignSearchTest, KeepsTheBoundsOfFigures) {
@@ -120,7 +120,7 @@ TEST_F(CampaignSearchTest, ContinuesWithTheSameResult) {
   for (int i = 10; i < 100; ++i) fs::remove(Out("part") / "evaluations" / (std::to_string(i) + ".csv"));
   EXPECT_EQ(Search(kBowl, "part", true), kRan);
   EXPECT_EQ(runs_made, all - 2 * 10);
-  EXPECT_EQ(test::FileText(Out("part") / "search.csv"), test::FileText(Out("whole") / "search.csv"));
+  EXPECT_EQ(ReadText(Out("part") / "search.csv"), ReadText(Out("whole") / "search.csv"));
   EXPECT_EQ(Json("part"), Json("whole"));
 
   fs::copy_file(Out("whole") / "evaluations" / "1.csv", Out("part") / "evaluations" / "0.csv",

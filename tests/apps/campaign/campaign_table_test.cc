@@ -15,11 +15,7 @@ CampaignRow Row(int run, const std::string& error, const std::string& mpc = "") 
 
 struct CampaignTableTest : ::testing::Test {
   ~CampaignTableTest() override { fs::remove(file); }
-  std::string Text() const {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-  }
+  std::string Text() const { return ReadText(file); }
   const fs::path file = test::TemporaryPath("tenon_campaign_table.csv");
 };
 

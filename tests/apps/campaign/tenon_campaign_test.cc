@@ -14,7 +14,7 @@ const std::string kApp = TENON_CAMPAIGN;
 
 /// A table without the columns of measured times.
 std::string Comparable(const fs::path& table) {
-  std::istringstream in(Read(table));
+  std::istringstream in(ReadText(table));
   std::string line, cell, text;
   std::vector<bool> kept;
   while (std::getline(in, line)) {
@@ -32,7 +32,7 @@ std::string Comparable(const fs::path& table) {
 
 /// The rows of a table by their runs.
 std::map<int, std::string> Rows(const fs::path& table) {
-  std::istringstream in(Read(table));
+  std::istringstream in(ReadText(table));
   std::string line;
   std::getline(in, line);
   std::map<int, std::string> rows;
@@ -61,7 +61,7 @@ TEST_F(TenonCampaignTest, WritesARowForEachRunAndAReport) {
   const std::string text = Run(Walks(3) + To("c") + " --jobs 1");
   EXPECT_THAT(text, AllOf(HasSubstr("6 of 6 survived"), HasSubstr("random_forces.0.upper_N=35: 3 of 3"),
                           HasSubstr("--replay")));
-  const std::string table = Read(out / "c/runs.csv");
+  const std::string table = ReadText(out / "c/runs.csv");
   EXPECT_EQ(table.find("run,seed,random_forces.0.upper_N,case,finished,"), 0U);
   EXPECT_EQ(table.substr(table.find('\n') - 10, 10), "end_reason");
   const auto rows = Rows(out / "c/runs.csv");
@@ -70,9 +70,9 @@ TEST_F(TenonCampaignTest, WritesARowForEachRunAndAReport) {
   EXPECT_EQ(rows.at(5).find("5,103,35,A4,true,false,0.05,"), 0U);
   EXPECT_THAT(table, HasSubstr(",tenon,"));
   EXPECT_THAT(rows.at(0), HasSubstr(std::string(",") + Version()));
-  EXPECT_THAT(Read(out / "c/summary.json"), AllOf(HasSubstr("\"runs\": 6"), HasSubstr("\"survived\": 6"),
-                                                  HasSubstr(std::string("\"tenon\": \"") + Version())));
-  EXPECT_THAT(Read(out / "c/report.html"), HasSubstr("\"figures\":[\"simulated_s\""));
+  EXPECT_THAT(ReadText(out / "c/summary.json"), AllOf(HasSubstr("\"runs\": 6"), HasSubstr("\"survived\": 6"),
+                                                      HasSubstr(std::string("\"tenon\": \"") + Version())));
+  EXPECT_THAT(ReadText(out / "c/report.html"), HasSubstr("\"figures\":[\"simulated_s\""));
 }
 
 // The result of a run depends only on its index.
@@ -137,7 +137,7 @@ TEST_F(TenonCampaignTest, RunsEveryAppAndScenariosWithDistributions) {
   const std::string file = File("app: tenon-quadruped\nscenario: " + (out / "random.yaml").string() +
                                 "\nduration_s: 0.05\nseeds: {count: 2}\n");
   Run(file + To("c"));
-  const std::string table = Read(out / "c/runs.csv");
+  const std::string table = ReadText(out / "c/runs.csv");
   EXPECT_EQ(table.find("run,seed,payload.mass_kg,case,"), 0U);
   const auto rows = Rows(out / "c/runs.csv");
   EXPECT_NE(rows.at(0).substr(4, 8), rows.at(1).substr(4, 8));
@@ -146,12 +146,13 @@ TEST_F(TenonCampaignTest, RunsEveryAppAndScenariosWithDistributions) {
 TEST_F(TenonCampaignTest, ARunIsRepeatedWithItsFiles) {
   const std::string file = Walks(2);
   Run(file + To("c"));
-  EXPECT_THAT(Read(out / "c/report.html"), Not(HasSubstr("run_3/report.html")));
+  EXPECT_THAT(ReadText(out / "c/report.html"), Not(HasSubstr("run_3/report.html")));
   EXPECT_THAT(Run(file + To("c") + " --replay 3"), Not(HasSubstr("warning")));
   for (const std::string name : {"report.html", "signals.csv", "summary.json", "scenario.yaml"})
     EXPECT_TRUE(fs::exists(out / "c/run_3" / name)) << name;
-  EXPECT_THAT(Read(out / "c/run_3/scenario.yaml"), AllOf(HasSubstr("upper_N: 35"), HasSubstr("seed: 102")));
-  EXPECT_THAT(Read(out / "c/report.html"), HasSubstr("run_3/report.html"));
+  EXPECT_THAT(ReadText(out / "c/run_3/scenario.yaml"),
+              AllOf(HasSubstr("upper_N: 35"), HasSubstr("seed: 102")));
+  EXPECT_THAT(ReadText(out / "c/report.html"), HasSubstr("run_3/report.html"));
   EXPECT_THAT(Run(file + To("c") + " --replay 4", 2), HasSubstr("0 to 3"));
   const Result taken =
       RunCommand("flock " + (out / "c").string() + " " + kApp + " " + file + To("c") + " --replay 3");
@@ -175,7 +176,7 @@ TEST_F(TenonCampaignTest, EstimatesAndFindsLimitsTheSameWithAnyNumberOfThreads) 
   EXPECT_THAT(text, HasSubstr("forces.0.factor: survives "));
   Run(file + To("two") + " --jobs 2");
   EXPECT_EQ(Table("two"), Table("one"));
-  EXPECT_EQ(Read(out / "two/summary.json"), Read(out / "one/summary.json"));
+  EXPECT_EQ(ReadText(out / "two/summary.json"), ReadText(out / "one/summary.json"));
 
   const std::string estimate = File(head + "estimate: survival\ninterval_width: 0.3\n");
   EXPECT_THAT(Run(estimate + To("e1") + " --jobs 1"), HasSubstr("9 of 9 survived"));
@@ -192,7 +193,7 @@ TEST_F(TenonCampaignTest, HalfAnEstimateIsNoResult) {
   const std::string merge = "--merge " + (out / "whole").string() + To("merged");
   EXPECT_THAT(Run(merge), HasSubstr("9 of 9 survived"));
   fs::remove(out / "whole/report.html");  // like a campaign that was stopped
-  const std::string table = Read(out / "whole/runs.csv");
+  const std::string table = ReadText(out / "whole/runs.csv");
   std::size_t end = 0;
   for (int line = 0; line < 5; ++line) end = table.find('\n', end) + 1;
   std::ofstream(out / "whole/runs.csv") << table.substr(0, end);
@@ -213,8 +214,9 @@ TEST_F(TenonCampaignTest, JudgesQuantilesOfAllRuns) {
   EXPECT_THAT(text, AllOf(HasSubstr("slip_max_m at most 1 for 50 % of the runs: open, "),
                           HasSubstr("slip_max_m at most 0 for 50 % of the runs: missed, "),
                           HasSubstr("warning: goals: no run has a figure 'height_min_m'")));
-  EXPECT_THAT(Read(out / "c/summary.json"), AllOf(HasSubstr("\"at_most\": 1"), HasSubstr("\"high\": null"),
-                                                  HasSubstr("\"verdict\": \"missed\"")));
+  EXPECT_THAT(
+      ReadText(out / "c/summary.json"),
+      AllOf(HasSubstr("\"at_most\": 1"), HasSubstr("\"high\": null"), HasSubstr("\"verdict\": \"missed\"")));
   const std::string wrong = "app: tenon-quadruped\nscenario: A4\ngoals: [{figure: slip_max_m}]\n";
   EXPECT_THAT(Run(File(wrong) + To("d"), 2), AllOf(HasSubstr("goals"), HasSubstr("slip_max_m")));
 }
@@ -229,22 +231,22 @@ TEST_F(TenonCampaignTest, AFigureMayBeWhatVaries) {
   Run("--merge " + part + "1 " + part + "2" + To("a"));
   Run("--merge " + part + "2 " + part + "1" + To("b"));
   EXPECT_EQ(Table("a"), Table("b"));
-  EXPECT_EQ(Read(out / "a/runs.csv").find("run,seed,controller,robot,case,finished,"), 0U);
-  EXPECT_THAT(Read(out / "a/summary.json"), HasSubstr("'nobody'"));
-  EXPECT_THAT(Read(out / "a/report.html"), HasSubstr("\"tracking_error_rms_m\""));
+  EXPECT_EQ(ReadText(out / "a/runs.csv").find("run,seed,controller,robot,case,finished,"), 0U);
+  EXPECT_THAT(ReadText(out / "a/summary.json"), HasSubstr("'nobody'"));
+  EXPECT_THAT(ReadText(out / "a/report.html"), HasSubstr("\"tracking_error_rms_m\""));
 }
 
 TEST_F(TenonCampaignTest, ARefusedStartLeavesTheOldRows) {
   const std::string file = Walks(1), place = (out / "c").string();
   Run(file + To("c"));
-  const std::string table = Read(out / "c/runs.csv"), report = Read(out / "c/report.html");
+  const std::string table = ReadText(out / "c/runs.csv"), report = ReadText(out / "c/report.html");
   EXPECT_THAT(Run("--merge " + place + To("c"), 2), HasSubstr("--out"));
   EXPECT_THAT(Run("--merge " + place + " " + (out / "none").string() + To("d"), 2), HasSubstr("no campaign"));
   EXPECT_FALSE(fs::exists(out / "d"));
   EXPECT_THAT(Run(Walks(3) + To("c") + " --resume", 2), HasSubstr("another campaign"));
   EXPECT_THAT(Run(Walks(3) + To("c") + " --replay 1", 2), HasSubstr("choose another --out"));
-  EXPECT_EQ(Read(out / "c/runs.csv"), table);
-  EXPECT_EQ(Read(out / "c/report.html"), report);
+  EXPECT_EQ(ReadText(out / "c/runs.csv"), table);
+  EXPECT_EQ(ReadText(out / "c/report.html"), report);
 }
 
 TEST_F(TenonCampaignTest, APartMayBeEmpty) {
@@ -254,7 +256,7 @@ TEST_F(TenonCampaignTest, APartMayBeEmpty) {
     Run(file + To("part" + i) + " --shard " + i + "/3");
     merge += " " + (out / ("part" + i)).string();
   }
-  EXPECT_EQ(Read(out / "part3/runs.csv"), "");
+  EXPECT_EQ(ReadText(out / "part3/runs.csv"), "");
   EXPECT_THAT(Run(merge + To("all")), HasSubstr("2 of 2 survived"));
   Run(file + To("part3") + " --shard 3/3 --resume");
 }
@@ -263,11 +265,11 @@ TEST_F(TenonCampaignTest, ATableWithRunsIsNeverOverwritten) {
   const std::string file = Walks(1);
   Run(file + To("c"));
   Run(file + To("c") + " --replay 0");
-  const std::string table = Read(out / "c/runs.csv");
+  const std::string table = ReadText(out / "c/runs.csv");
   for (const std::string& again : {file, Walks(2)})
     EXPECT_THAT(Run(again + To("c"), 2),
                 AllOf(HasSubstr("c/runs.csv"), HasSubstr("--resume"), HasSubstr((out / "c_2").string())));
-  EXPECT_EQ(Read(out / "c/runs.csv"), table);
+  EXPECT_EQ(ReadText(out / "c/runs.csv"), table);
   EXPECT_TRUE(fs::exists(out / "c/run_0/report.html"));
   // A merge may be repeated, but loses no run.
   for (const std::string i : {"1", "2"}) Run(Walks(1) + To("part" + i) + " --shard " + i + "/2");

@@ -13,16 +13,8 @@
 namespace tenon::tenon_cdpr_test {
 
 namespace fs = std::filesystem;
-using test::Column;
-using test::Read;
-using test::Result;
-using test::RunCommand;
-using ::testing::AllOf;
-using ::testing::ContainsRegex;
-using ::testing::Each;
-using ::testing::Gt;
-using ::testing::HasSubstr;
-using ::testing::Not;
+using test::Column, test::Result, test::RunCommand, ::testing::AllOf, ::testing::ContainsRegex,
+    ::testing::Each, ::testing::Gt, ::testing::HasSubstr, ::testing::Not;
 
 class TenonCdprTest : public test::AppTest {
  protected:
@@ -33,9 +25,10 @@ TEST_F(TenonCdprTest, ComparesTheControllers) {
   Run("D1 --compare --duration 0.3");
   for (const std::string controller : {"mpc_equilibrium", "mpc_zero", "pd"}) {
     EXPECT_THAT(Summary(), HasSubstr("\"" + controller + "\": {"));
-    EXPECT_THAT(Read(out / controller / "signals.csv"), HasSubstr("loop.command.0 [N]"));
-    EXPECT_THAT(Read(out / controller / "scenario.yaml"), HasSubstr(controller));
-    EXPECT_THAT(Read(out / controller / "summary.json"), HasSubstr("\"controller\": \"" + controller + "\""));
+    EXPECT_THAT(ReadText(out / controller / "signals.csv"), HasSubstr("loop.command.0 [N]"));
+    EXPECT_THAT(ReadText(out / controller / "scenario.yaml"), HasSubstr(controller));
+    EXPECT_THAT(ReadText(out / controller / "summary.json"),
+                HasSubstr("\"controller\": \"" + controller + "\""));
   }
   EXPECT_THAT(Summary(), HasSubstr("\"mpc_fallbacks\": 0.0"));
 }
@@ -64,7 +57,7 @@ TEST_F(TenonCdprTest, FliesARobotOfTwelveCables) {
   for (const std::string controller : {"mpc_equilibrium", "pd"}) {
     Run("circle_6 --duration 1 --set robot=" + robot + " --controller " + controller);
     EXPECT_THAT(Column(out, "loop.plant.cables.tension.11 [N]"), Each(Gt(0)));
-    EXPECT_THAT(Read(out / "report.html"), HasSubstr("cable 11"));
+    EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("cable 11"));
   }
 }
 
@@ -120,7 +113,7 @@ TEST_F(TenonCdprTest, FliesWithASwingingArm) {
   EXPECT_NEAR(angle.front(), 0.5, 1e-9);
   EXPECT_GT(*std::ranges::max_element(angle), 0.7);
   EXPECT_NEAR(Column(out, "loop.plant.added_wrench.force_W.z [N]").back(), -1.3 * 9.81, 2);
-  EXPECT_THAT(Read(out / "report.html"), HasSubstr("upper_arm"));
+  EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("upper_arm"));
 }
 
 TEST_F(TenonCdprTest, FliesWithAKnownArm) {
@@ -164,7 +157,7 @@ TEST_F(TenonCdprTest, FliesWithTheHardwareOfARobot) {
     const std::vector<double> ideal = Column(out, "loop.command.0 [N]");
     Run(run + " --set hardware=standard");
     EXPECT_NE(Column(out, "loop.command.0 [N]"), ideal);
-    EXPECT_THAT(Read(out / "scenario.yaml"), HasSubstr("hardware: standard"));
+    EXPECT_THAT(ReadText(out / "scenario.yaml"), HasSubstr("hardware: standard"));
   }
   ExpectSettingsRefused("D1", {"load.bandwidth_rad_per_s=300", "hardware=perfect"});
   const auto hardware = [](const std::string& text) {
@@ -257,7 +250,7 @@ TEST_F(TenonCdprTest, ARunThatNoRobotPerformsIsNotFinished) {
        }) {
     Run(flight, 3);
     EXPECT_THAT(Summary(), AllOf(HasSubstr("\"finished\": false"), HasSubstr(reason)));
-    EXPECT_NE(Read(out / "report.html").find("but " + reason), std::string::npos);
+    EXPECT_NE(ReadText(out / "report.html").find("but " + reason), std::string::npos);
   }
 }
 

@@ -9,9 +9,7 @@
 namespace tenon::tenon_cdpr_workspace_test {
 
 namespace fs = std::filesystem;
-using test::Read;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
+using ::testing::AllOf, ::testing::HasSubstr;
 using Json = nlohmann::json;
 
 class TenonCdprWorkspaceTest : public test::AppTest {
@@ -54,8 +52,8 @@ TEST_F(TenonCdprWorkspaceTest, WritesFiguresCellsAndReport) {
     volume += dx * dy * dz;
   }
   EXPECT_NEAR(volume, summary["box_volume_m3"].get<double>(), 1e-3 * volume);
-  EXPECT_THAT(Read(out / "attitudes.csv"), HasSubstr("x [rad]"));
-  EXPECT_THAT(Read(out / "report.html").substr(0, 500), HasSubstr("<title>cogiro: workspace"));
+  EXPECT_THAT(ReadText(out / "attitudes.csv"), HasSubstr("x [rad]"));
+  EXPECT_THAT(ReadText(out / "report.html").substr(0, 500), HasSubstr("<title>cogiro: workspace"));
 }
 
 TEST_F(TenonCdprWorkspaceTest, TakesAFileAndSettings) {
@@ -76,7 +74,7 @@ TEST_F(TenonCdprWorkspaceTest, HasEquilibriaOfFourCablesAndWrenchClosureOfEight)
   EXPECT_GT(four["equilibrium_share"].get<double>(), 0.4);
   EXPECT_LT(four["equilibrium_share"].get<double>(), 1);
   EXPECT_GT(four["equilibrium_stiffness_min_N_per_m"].get<double>(), 0);
-  EXPECT_THAT(Read(out / "cells.csv"),
+  EXPECT_THAT(ReadText(out / "cells.csv"),
               AllOf(HasSubstr("tilt [rad]"), HasSubstr("holds,"), HasSubstr("fails,")));
   Run("cogiro --low -1 -1 1 --high 1 1 2 --cell 0.5 --turn 0.2");
   EXPECT_EQ(Figures()["closure_volume_possible_m3"], 0);  // all its cables come from above

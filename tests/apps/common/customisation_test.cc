@@ -27,8 +27,8 @@ namespace controller {
 }
 #undef main
 
-using apps::CdprApp, apps::GuideDogApp, apps::Outputs, apps::QuadrupedApp, apps::Tally, test::Read,
-    ::testing::AllOf, ::testing::HasSubstr, ::testing::StartsWith;
+using apps::CdprApp, apps::GuideDogApp, apps::Outputs, apps::QuadrupedApp, apps::Tally, ::testing::AllOf,
+    ::testing::HasSubstr, ::testing::StartsWith;
 
 struct Keys {
   double gain_per_s = 30;
@@ -55,7 +55,7 @@ struct CustomisationTest : test::AppTest {
     return code;
   }
   nlohmann::json SummaryOf(const std::string& name) const {
-    return nlohmann::json::parse(Read(out / name / "summary.json"));
+    return nlohmann::json::parse(ReadText(out / name / "summary.json"));
   }
   mutable std::string text_;  // stdout and stderr of the last run
 };
@@ -75,7 +75,7 @@ TEST_F(CustomisationTest, TheShippedObserverThroughTheHookGivesTheSameRun) {
   });
   ASSERT_EQ(RunIn("same", same, kShort), 0) << text_;
   ASSERT_EQ(RunIn("shipped", QuadrupedApp(), kShort), 0) << text_;
-  EXPECT_EQ(Read(out / "same/signals.csv"), Read(out / "shipped/signals.csv"));
+  EXPECT_EQ(ReadText(out / "same/signals.csv"), ReadText(out / "shipped/signals.csv"));
   EXPECT_EQ(SummaryOf("same")["com_error_max_m"], SummaryOf("shipped")["com_error_max_m"]);
 }
 
@@ -101,14 +101,14 @@ TEST_F(CustomisationTest, HasKeysSignalsPlotsAndFiguresOfItsOwn) {
   EXPECT_NEAR(SummaryOf("run")["guess_max_N"], 4, 1e-9);
   EXPECT_NEAR(SummaryOf("run")["guess_late_min_N"], 2, 1e-9);
   EXPECT_NEAR(test::Column(out / "run", "guess.output [N]").back(), 4, 1e-9);
-  EXPECT_THAT(Read(out / "run/report.html"),
+  EXPECT_THAT(ReadText(out / "run/report.html"),
               AllOf(HasSubstr("\"title\":\"the guess\""), HasSubstr("\"name\":\"the guess\"")));
-  EXPECT_THAT(Read(out / "run/scenario.yaml"), HasSubstr("gain_per_s: 40"));
+  EXPECT_THAT(ReadText(out / "run/scenario.yaml"), HasSubstr("gain_per_s: 40"));
   // The written scenario repeats the run, and has the defaults of the customisation filled in.
   ASSERT_EQ(RunIn("again", AppOfGain(), {(out / "run/scenario.yaml").string(), "--duration", "0.1"}), 0);
-  EXPECT_EQ(Read(out / "again/signals.csv"), Read(out / "run/signals.csv"));
+  EXPECT_EQ(ReadText(out / "again/signals.csv"), ReadText(out / "run/signals.csv"));
   ASSERT_EQ(RunIn("default", AppOfGain(), kShort), 0) << text_;
-  EXPECT_THAT(Read(out / "default/scenario.yaml"), HasSubstr("gain_per_s: 30"));
+  EXPECT_THAT(ReadText(out / "default/scenario.yaml"), HasSubstr("gain_per_s: 30"));
 }
 
 TEST_F(CustomisationTest, ListsAndChecksItsKeys) {
@@ -148,13 +148,13 @@ TEST_F(CustomisationTest, IsComparedWithTheShippedOnes) {
   EXPECT_EQ(summary["none"]["observer"], "none");
   EXPECT_FALSE(summary["none"].contains("guess_max_N"));
   EXPECT_TRUE(summary["mine"].contains("guess_max_N"));
-  EXPECT_THAT(Read(out / "all/summary.json"), StartsWith("{\n  \"mine\"")) << "the page opens with it";
+  EXPECT_THAT(ReadText(out / "all/summary.json"), StartsWith("{\n  \"mine\"")) << "the page opens with it";
   ASSERT_EQ(RunIn("cables", CdprApp().Customise([](DiagramBuilder&, CdprLoop&) {}),
                   {"D1", "--duration", "0.02", "--compare"}),
             0)
       << text_;
   EXPECT_TRUE(SummaryOf("cables").contains("mine"));
-  EXPECT_THAT(Read(out / "cables/summary.json"), StartsWith("{\n  \"mine\""));
+  EXPECT_THAT(ReadText(out / "cables/summary.json"), StartsWith("{\n  \"mine\""));
 }
 
 TEST_F(CustomisationTest, ReplacesTheSupervisorOfAGuideDogAndTheControllerOfACableRobot) {
@@ -171,9 +171,9 @@ TEST_F(CustomisationTest, ReplacesTheSupervisorOfAGuideDogAndTheControllerOfACab
   const std::vector<std::string> pd{"D1", "--duration", "0.1", "--set", "controller=pd"};
   ASSERT_EQ(RunIn("cables", cables, pd), 0) << text_;
   ASSERT_EQ(RunIn("shipped", CdprApp(), pd), 0) << text_;
-  EXPECT_EQ(Read(out / "cables/signals.csv"), Read(out / "shipped/signals.csv"));
+  EXPECT_EQ(ReadText(out / "cables/signals.csv"), ReadText(out / "shipped/signals.csv"));
   ASSERT_EQ(RunIn("cables", cables, With(pd, {"--set", "custom.gain_per_s=60"})), 0) << text_;
-  EXPECT_NE(Read(out / "cables/signals.csv"), Read(out / "shipped/signals.csv"));
+  EXPECT_NE(ReadText(out / "cables/signals.csv"), ReadText(out / "shipped/signals.csv"));
 }
 
 /// A shipped example, the shipped app that it extends, and a fault at each place that its blocks read.
@@ -244,15 +244,15 @@ TEST_P(ExampleTest, MeetsAllFaultsAloneAndLive) {
                    With(For(AllFaults(), "0.05"), {"--replay", (out / "live/live.jsonl").string()})),
             0)
       << text_;
-  EXPECT_EQ(Read(out / "live/signals.csv"), Read(out / "replay/signals.csv"));
+  EXPECT_EQ(ReadText(out / "live/signals.csv"), ReadText(out / "replay/signals.csv"));
   for (std::size_t i = 0; i < AllFaults().size(); ++i)
     EXPECT_EQ(test::Column(out / "live", "fault_" + std::to_string(i) + ".acting").back(), 1) << i;
   // Nothing of the example acts on the shipped blocks.
   const std::vector<std::string> run = For({}, "0.02");
   ASSERT_EQ(CallIn("shipped", example.shipped, run), 0) << text_;
   ASSERT_EQ(CallIn("as_shipped", example.main, With(run, {"--set", "custom.blocks=shipped"})), 0) << text_;
-  EXPECT_EQ(Read(out / "shipped/signals.csv"), Read(out / "as_shipped/signals.csv"));
-  EXPECT_THAT(Read(out / "as_shipped/scenario.yaml"), HasSubstr("blocks: shipped"));
+  EXPECT_EQ(ReadText(out / "shipped/signals.csv"), ReadText(out / "as_shipped/signals.csv"));
+  EXPECT_THAT(ReadText(out / "as_shipped/scenario.yaml"), HasSubstr("blocks: shipped"));
 }
 INSTANTIATE_TEST_SUITE_P(Examples, ExampleTest, ::testing::ValuesIn(Examples()),
                          [](const auto& info) { return std::string(info.param.name); });
@@ -277,7 +277,7 @@ TEST_P(ExampleTest, IsComparedByACampaign) {
   }
   const test::Result result = run("custom.blocks: {list: [shipped, mine]}");
   ASSERT_EQ(result.exit_code, 0) << result.text;
-  const std::string table = Read(out / "runs/runs.csv");
+  const std::string table = ReadText(out / "runs/runs.csv");
   EXPECT_THAT(table,
               AllOf(HasSubstr("custom.blocks"), HasSubstr("\n0,1,shipped,"), HasSubstr("\n1,1,mine,")));
   if (example.main == observer::Main)
@@ -290,14 +290,14 @@ class LongExampleTest : public ExampleTest {};
 TEST_P(LongExampleTest, MeetsEachFault) {
   const Example& example = GetParam();
   CallIn("none", example.main, For({}, "0.3"));
-  const std::string undisturbed = Read(out / "none/signals.csv");
+  const std::string undisturbed = ReadText(out / "none/signals.csv");
   for (const std::string& place : example.places) {
     for (const char* kind :
          {"drop_out", "stuck", "loss, size: 0.5", "late, samples: 20", "lost, probability: 0.9"}) {
       const std::string fault = "at: " + place + ", kind: " + kind;
       const int code = CallIn("run", example.main, For({fault}, "0.3"));
       EXPECT_THAT(code, ::testing::AnyOf(0, 3, 4)) << fault << text_;
-      EXPECT_NE(Read(out / "run/signals.csv"), undisturbed) << fault;
+      EXPECT_NE(ReadText(out / "run/signals.csv"), undisturbed) << fault;
     }
   }
 }
@@ -376,7 +376,7 @@ TEST_F(CustomisationTest, LimitsOfAPlantWithUnknownParametersAreNotJudged) {
   EXPECT_THAT(text_, ::testing::Not(HasSubstr("not judged"))) << "it is said once";
   // Nor is it known which body a shape on the live page is.
   ASSERT_EQ(RunIn("live", app, With(kShort, {"--live", "--graph", (out / "live.dot").string()})), 0) << text_;
-  EXPECT_THAT(Read(out / "live.dot"),
+  EXPECT_THAT(ReadText(out / "live.dot"),
               AllOf(HasSubstr("live_pull"), ::testing::Not(HasSubstr("live_forces"))));
 }
 
@@ -418,12 +418,12 @@ TEST_F(CustomisationTest, FiguresAndLimitsAreThoseOfThePlantThatRuns) {
     ASSERT_EQ(RunIn("shipped", shipped, With(run, {"--set", body})), 0) << text_;
     EXPECT_EQ(figures("mine"), figures("shipped"));
     EXPECT_TRUE(figures("mine").dump().find("clearance_min_m") != std::string::npos);
-    EXPECT_EQ(Read(out / "mine/signals.csv"), Read(out / "shipped/signals.csv"));
+    EXPECT_EQ(ReadText(out / "mine/signals.csv"), ReadText(out / "shipped/signals.csv"));
     ASSERT_EQ(RunIn("live", mine, With(run, {"--live"})), 0) << text_;
   };
   compare(walk, QuadrupedApp(), kShort);
   ASSERT_EQ(RunIn("dog", dog, {"C1", "--duration", "0.05", "--set", "walk.judged_from_s=0"}), 0) << text_;
-  EXPECT_THAT(Read(out / "dog/signals.csv"), HasSubstr("added_wrench"));
+  EXPECT_THAT(ReadText(out / "dog/signals.csv"), HasSubstr("added_wrench"));
   compare(fly, CdprApp(), {"D1", "--duration", "0.05"});
 }
 

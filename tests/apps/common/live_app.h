@@ -42,7 +42,7 @@ struct LiveAppTest : AppTest {
                                      (out / "again").string());
     EXPECT_EQ(replay.exit_code, 0) << replay.text;
     EXPECT_FALSE(Signals().empty());
-    EXPECT_EQ(Signals(), Read(out / "again" / "signals.csv"));
+    EXPECT_EQ(Signals(), ReadText(out / "again" / "signals.csv"));
   }
 
   std::string address;

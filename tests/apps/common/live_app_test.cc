@@ -74,7 +74,7 @@ TEST_F(LiveQuadrupedTest, GoesBackAndBranches) {
   Command(R"({"command":"resume"})");
   EXPECT_EQ(End(), 0);
   ExpectSameReplay(TENON_QUADRUPED " stand");
-  EXPECT_EQ(Read(out / "live.jsonl").find("\"live_load.mass\":[4.0]"), std::string::npos);
+  EXPECT_EQ(ReadText(out / "live.jsonl").find("\"live_load.mass\":[4.0]"), std::string::npos);
 }
 
 TEST_F(LiveQuadrupedTest, SavesAScenarioWithTheTunedParameters) {
@@ -98,7 +98,7 @@ TEST_F(LiveQuadrupedTest, AResetWritesTheRunOfTheNewSeed) {
   EXPECT_TRUE(Command(R"({"command":"reset","seed":5})").contains("ok"));
   EXPECT_EQ(End(), 0);
   EXPECT_THAT(Summary(), HasSubstr("\"seed\": 5"));
-  EXPECT_THAT(Read(out / "live.jsonl"), HasSubstr("\"seed\":5"));
+  EXPECT_THAT(ReadText(out / "live.jsonl"), HasSubstr("\"seed\":5"));
 }
 
 // The connections of the page get only a part of the descriptors that the process may open.
@@ -117,7 +117,7 @@ TEST_F(LiveQuadrupedTest, IdleConnectionsDoNotTakeTheDescriptorsOfFiles) {
   EXPECT_TRUE(Command(R"({"command":"rate","value":null})").contains("ok"));
   EXPECT_EQ(End(), 0);
   EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
-  EXPECT_THAT(Read(out / "report.html"), HasSubstr("</html>"));
+  EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("</html>"));
   for (const int socket : idle) ::close(socket);
 }
 

@@ -5,7 +5,7 @@
 namespace tenon::own_app_test {
 
 namespace fs = std::filesystem;
-using test::Read, test::Result, test::RunCommand, ::testing::AllOf, ::testing::HasSubstr, ::testing::Not;
+using test::Result, test::RunCommand, ::testing::AllOf, ::testing::HasSubstr, ::testing::Not;
 
 const std::string kCampaign = TENON_CAMPAIGN, kExample = TENON_APP_EXAMPLE;
 
@@ -18,8 +18,8 @@ TEST_F(OwnAppTest, WritesTheFilesOfAllApps) {
               AllOf(HasSubstr("error_end_m"), HasSubstr((out / "report.html").string() + "\n")));
   EXPECT_THAT(Summary(), AllOf(HasSubstr("\"case\": \"step\""), HasSubstr("\"seed\": 5"),
                                HasSubstr("\"error_end_m\": ")));
-  EXPECT_THAT(Read(out / "scenario.yaml"), AllOf(HasSubstr("mass_kg: 3"), HasSubstr("goal_m: 0.2")));
-  EXPECT_THAT(Read(out / "report.html").substr(0, 500), HasSubstr("<title>step: a step of 0.2 m"));
+  EXPECT_THAT(ReadText(out / "scenario.yaml"), AllOf(HasSubstr("mass_kg: 3"), HasSubstr("goal_m: 0.2")));
+  EXPECT_THAT(ReadText(out / "report.html").substr(0, 500), HasSubstr("<title>step: a step of 0.2 m"));
   // m x'' + d x' + k x = k 0.2 with m 3, d 6, k 10 from 1 s on is at 10 s within exp(-9) of its goal.
   EXPECT_NEAR(test::Column(out, "cart.x.position [m]").back(), 0.2, 2e-4);
 }
@@ -40,7 +40,7 @@ TEST_F(OwnAppTest, LogsThePortsThatAScenarioNames) {
   Run(file);
   EXPECT_EQ(test::Column(out, "cart.force [N]"), test::Column(out, "pd.u [N]"));
   EXPECT_EQ(test::Column(out, "pd.ref [m]"), test::Column(out, "ref.output [m]"));
-  EXPECT_THAT(Read(out / "report.html"), HasSubstr("\"pd.ref\""));
+  EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("\"pd.ref\""));
   const std::string wrong =
       Write("wrong.yaml", "extends: log.yaml\nreport:\n  plots:\n    - title: a\n      signals: [pd.reff]\n");
   EXPECT_THAT(Run(wrong, 2),
@@ -52,7 +52,7 @@ TEST_F(OwnAppTest, LogsThePortsThatAScenarioNames) {
 
 // A campaign runs the program in one process per run and reads its figures.
 TEST_F(OwnAppTest, IsRunByCampaigns) {
-  Write("step.yaml", Read(kExample + "/step.yaml"));
+  Write("step.yaml", ReadText(kExample + "/step.yaml"));
   const auto campaign = [&](const std::string& text) {
     const std::string file = Write("masses.yaml", "app: " + app + "\nscenario: step.yaml\n" + text);
     fs::remove(out / "runs/runs.csv");  // a table is never overwritten
@@ -61,25 +61,25 @@ TEST_F(OwnAppTest, IsRunByCampaigns) {
   const Result result = campaign("vary: {mass_kg: {grid: [1, 4]}}\nduration_s: 2\n");
   ASSERT_EQ(result.exit_code, 0) << result.text;
   EXPECT_THAT(result.text, HasSubstr("2 of 2 survived"));
-  const std::string table = Read(out / "runs/runs.csv");
+  const std::string table = ReadText(out / "runs/runs.csv");
   EXPECT_THAT(table, AllOf(HasSubstr("run,seed,mass_kg,case,finished"), HasSubstr("error_end_m"),
                            HasSubstr("\n1,1,4,step,true,false,2,")));
   // The copy of the campaign has absolute paths.
-  EXPECT_THAT(Read(out / "runs/campaign.yaml"), HasSubstr((out / "step.yaml").string()));
+  EXPECT_THAT(ReadText(out / "runs/campaign.yaml"), HasSubstr((out / "step.yaml").string()));
   const Result refused = campaign("vary: {mass_kg: {list: [heavy]}}\n");
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.text, AllOf(HasSubstr("masses.yaml: "), HasSubstr("mass_kg: ")));
   const Result slow = campaign("duration_s: 1e6\nwall_limit_s: 0.5\n");
   EXPECT_THAT(slow.text, HasSubstr("0 of 1 survived"));
-  EXPECT_THAT(Read(out / "runs/runs.csv"), HasSubstr("took longer than 0.5 s"));
-  EXPECT_THAT(Read(out / "runs/runs.csv"), Not(HasSubstr("step,true")));
+  EXPECT_THAT(ReadText(out / "runs/runs.csv"), HasSubstr("took longer than 0.5 s"));
+  EXPECT_THAT(ReadText(out / "runs/runs.csv"), Not(HasSubstr("step,true")));
   fs::remove(out / "step.yaml");
   EXPECT_THAT(campaign("").text, HasSubstr("masses.yaml:2:11: scenario"));
 }
 
 // Ctrl-C in a terminal sends SIGINT to the campaign and to the program that it runs.
 TEST_F(OwnAppTest, CtrlCEndsAReplayInGoodOrder) {
-  Write("step.yaml", Read(kExample + "/step.yaml"));
+  Write("step.yaml", ReadText(kExample + "/step.yaml"));
   const std::string file = Write("long.yaml", "app: " + app + "\nscenario: step.yaml\nduration_s: 1e6\n");
   const std::string runs = (out / "runs").string();
   const Result result = RunCommand("bash -c 'set -m; " + kCampaign + " " + file + " --replay 0 --out " +
@@ -87,8 +87,8 @@ TEST_F(OwnAppTest, CtrlCEndsAReplayInGoodOrder) {
                                    "/run_0/signals.csv || echo 0) -gt 12 ]; do kill -0 $run || exit 99; "
                                    "sleep 0.02; done 2>/dev/null; kill -INT -- -$run; wait $run'");
   EXPECT_EQ(result.exit_code, 130) << result.text;
-  EXPECT_THAT(Read(out / "runs/run_0/summary.json"), HasSubstr("\"end_reason\": \"interrupted\""));
-  EXPECT_THAT(Read(out / "runs/run_0/report.html"), HasSubstr("</html>"));
+  EXPECT_THAT(ReadText(out / "runs/run_0/summary.json"), HasSubstr("\"end_reason\": \"interrupted\""));
+  EXPECT_THAT(ReadText(out / "runs/run_0/report.html"), HasSubstr("</html>"));
 }
 
 /// Campaigns of a shell script that stands for a user's app.
@@ -102,7 +102,7 @@ struct ScriptAppTest : OwnAppTest {
     if (options.empty()) fs::remove(out / "runs/runs.csv");  // a table is never overwritten
     return RunCommand("timeout 60 " + kCampaign + " " + file + options + " --out " + (out / "runs").string());
   }
-  std::string Table() const { return Read(out / "runs/runs.csv"); }
+  std::string Table() const { return ReadText(out / "runs/runs.csv"); }
 };
 
 TEST_F(ScriptAppTest, CampaignsSayWhatProgramsDoWrong) {
@@ -209,10 +209,10 @@ TEST_F(ScriptAppTest, FiguresWithoutANumberAreCounted) {
       "seeds: {count: 4}\n");
   EXPECT_THAT(result.text, HasSubstr("x has no number in 2 of 4 runs (1 null, 1 NaN)"));
   EXPECT_THAT(Table(), AllOf(HasSubstr("\n0,1,a,true,null\n"), HasSubstr("\n1,2,a,true,NaN\n")));
-  const std::string summary = Read(out / "runs/summary.json");
+  const std::string summary = ReadText(out / "runs/summary.json");
   EXPECT_THAT(summary.substr(summary.find("without_number")),
               AllOf(HasSubstr("\"null\": 1"), HasSubstr("\"nan\": 1")));
-  EXPECT_THAT(Read(out / "runs/report.html"),
+  EXPECT_THAT(ReadText(out / "runs/report.html"),
               AllOf(HasSubstr("\"missing\":[2]"), HasSubstr("\"medians\":[3.5]")));
 }
 
@@ -274,7 +274,7 @@ TEST_F(OwnAppTest, MessagesDoNotReachTheSignalsIfDescriptorsAreClosed) {
 // The help shows the option with several values.
 TEST_F(OwnAppTest, OneOptionMaySetSeveralKeys) {
   Run("--set mass_kg=3 goal_m=0.1 " + kExample + "/step.yaml --set seed=5 --duration 0.1");
-  EXPECT_THAT(Read(out / "scenario.yaml"),
+  EXPECT_THAT(ReadText(out / "scenario.yaml"),
               AllOf(HasSubstr("mass_kg: 3"), HasSubstr("goal_m: 0.1"), HasSubstr("seed: 5")));
 }
 
@@ -284,12 +284,12 @@ TEST_F(OwnAppTest, HelpToAFullDiskIsExitCode5) {
 }
 
 TEST_F(OwnAppTest, ARunDoesNotOverwriteItsScenario) {
-  const std::string text = Read(kExample + "/step.yaml");
+  const std::string text = ReadText(kExample + "/step.yaml");
   Write("scenario.yaml", text);
   EXPECT_THAT(Run((out / "scenario.yaml").string(), 2), HasSubstr("choose another --out"));
   Write("mine.yaml", "extends: ./scenario.yaml\nseed: 3\n");
   EXPECT_THAT(Run((out / "mine.yaml").string(), 2), HasSubstr("choose another --out"));
-  EXPECT_EQ(Read(out / "scenario.yaml"), text);
+  EXPECT_EQ(ReadText(out / "scenario.yaml"), text);
 }
 
 // A link in an output directory may lead to files of the user.
@@ -298,7 +298,7 @@ TEST_F(OwnAppTest, FilesBehindLinksAreNotRemoved) {
   Write("summary.json", R"({"x": {"end_reason": ""}})");
   fs::create_directory_symlink(out / "mine", out / "x");
   Run(kExample + "/step.yaml --duration 0.1");
-  EXPECT_EQ(Read(out / "mine/scenario.yaml"), "mine");
+  EXPECT_EQ(ReadText(out / "mine/scenario.yaml"), "mine");
 }
 
 TEST_F(ScriptAppTest, ReplaysBehindLinksAreNotRemoved) {
@@ -306,7 +306,7 @@ TEST_F(ScriptAppTest, ReplaysBehindLinksAreNotRemoved) {
   fs::create_directories(out / "runs");
   fs::create_directory_symlink(out / "mine", out / "runs/run_0");
   Campaign("mkdir -p $3\necho '{\"case\": \"a\", \"finished\": true}' >$3/summary.json\n");
-  EXPECT_EQ(Read(out / "mine/scenario.yaml"), "mine");
+  EXPECT_EQ(ReadText(out / "mine/scenario.yaml"), "mine");
 }
 
 /// Starts a campaign of a program that does not end, and sends a signal to the campaign.

@@ -26,12 +26,6 @@ struct Scenario {
   }
 };
 
-std::string ReadText(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
-
 /// A user's directory: robots that do not ship, and scenarios that extend each other across directories.
 struct ScenarioFileTest : ::testing::Test {
   ScenarioFileTest() {

@@ -42,7 +42,7 @@ TEST_F(TenonReportTest, PutsRunsSideBySide) {
   EXPECT_EQ(browser.Evaluate("tenonReport.replay.runs.map((run) => run.actors.length > 5)"),
             Json({true, true}));
   // Each run keeps its figures and its signals.
-  const Json summary = Json::parse(test::Read(out / "hang" / "summary.json"));
+  const Json summary = Json::parse(ReadText(out / "hang" / "summary.json"));
   EXPECT_EQ(browser.Evaluate("tenonReport.runs[1].figures.find((f) => f.name === 'tension_max_N').value"),
             summary["tension_max_N"]);
   const auto logged = test::Column(out / "circle", "loop.plant.cables.tension.2 [N]");
@@ -82,7 +82,7 @@ TEST_F(TenonReportTest, DrawsPicturesOfTwoSeconds) {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(frames)) {
     names.push_back(entry.path().filename());
-    const std::string png = test::Read(entry.path());
+    const std::string png = ReadText(entry.path());
     EXPECT_EQ(png.substr(1, 3), "PNG");
     EXPECT_EQ(png.substr(16, 8), std::string("\0\0\x01\x40\0\0\0\xF0", 8)) << "320 x 240";
   }
@@ -91,7 +91,7 @@ TEST_F(TenonReportTest, DrawsPicturesOfTwoSeconds) {
   const fs::path plots = out / "plots";
   const Result drawn = RunApp(run + " --svg " + plots.string());
   ASSERT_EQ(drawn.exit_code, 0) << drawn.text;
-  const std::string plot = test::Read(plots / "01_position_of_the_platform.svg");
+  const std::string plot = ReadText(plots / "01_position_of_the_platform.svg");
   EXPECT_THAT(plot, AllOf(HasSubstr("position of the platform [m]"), HasSubstr("time [s]"),
                           HasSubstr("width=\"600\"")));
   EXPECT_EQ(std::distance(fs::directory_iterator(plots), {}), 5) << "D1 has five plots";
@@ -101,7 +101,7 @@ TEST_F(TenonReportTest, DrawsPicturesOfTwoSeconds) {
   for (const char* ending : {".svg", ".png"}) {
     const fs::path frame = out / ("frame" + std::string(ending));
     ASSERT_EQ(RunApp(small + "--frame 1.5 " + frame.string()).exit_code, 0);
-    EXPECT_THAT(test::Read(frame), HasSubstr(frame.extension() == ".png" ? "PNG" : ", 1.500 s</title>"));
+    EXPECT_THAT(ReadText(frame), HasSubstr(frame.extension() == ".png" ? "PNG" : ", 1.500 s</title>"));
   }
 
   const fs::path stopped = out / "stopped" / "run.webm";

@@ -4,9 +4,7 @@
 
 namespace tenon::tenon_guide_dog_test {
 
-using test::Read;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
+using ::testing::AllOf, ::testing::HasSubstr;
 
 class TenonGuideDogTest : public test::AppTest {
  protected:
@@ -27,19 +25,19 @@ TEST_F(TenonGuideDogTest, FiguresAreOfTheTensionsThatAreScaled) {
 }
 
 TEST_F(TenonGuideDogTest, WarnsOfAMeshThatIsMissing) {
-  std::string urdf = Read(TENON_ROBOTS_DIR "/a1.urdf");
+  std::string urdf = ReadText(TENON_ROBOTS_DIR "/a1.urdf");
   const std::string link = "<link name=\"trunk\">";
   urdf.insert(urdf.find(link) + link.size(),
               "<visual><geometry><mesh filename=\"no.stl\"/></geometry></visual>");
   Write("a1.urdf", urdf);
-  const std::string robot = Write("a1.yaml", Read(TENON_ROBOTS_DIR "/a1.yaml"));
+  const std::string robot = Write("a1.yaml", ReadText(TENON_ROBOTS_DIR "/a1.yaml"));
   EXPECT_THAT(Run("C1 --duration 0.1 --set robot=" + robot),
               AllOf(HasSubstr("warning: "), HasSubstr("'no.stl'")));
 }
 
 TEST_F(TenonGuideDogTest, ReportShowsPersonAndObstacles) {
   Run("C3 --duration 0.1");
-  EXPECT_THAT(Read(out / "report.html"), AllOf(HasSubstr("path of the person"), HasSubstr("obstacle 0")));
+  EXPECT_THAT(ReadText(out / "report.html"), AllOf(HasSubstr("path of the person"), HasSubstr("obstacle 0")));
 }
 
 TEST_F(TenonGuideDogTest, WalksByTheEstimatedState) {

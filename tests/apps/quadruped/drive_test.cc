@@ -49,7 +49,7 @@ TEST_F(DriveTest, CtrlCDampsTheJointsAndThenReleasesThem) {
       const Sent kind = KindOf(commands.Tick()[commands->y]);
       if (std::exchange(last, commands[commands->taken].number) != last) heard.push_back(kind);
       if (!signalled && heard.size() > 20 && kind == Sent::kOther) {
-        kill(std::stoi(test::Read(out / "process")), SIGINT);
+        kill(std::stoi(ReadText(out / "process")), SIGINT);
         signalled = true;
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

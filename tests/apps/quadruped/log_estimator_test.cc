@@ -14,9 +14,7 @@
 namespace tenon::apps_log_estimator_test {
 
 using namespace ros2;
-using test::Column;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
+using test::Column, ::testing::AllOf, ::testing::HasSubstr;
 
 constexpr double kTilt = 0.1;  // of the standing robot about y [rad]
 
@@ -31,7 +29,7 @@ class LogEstimatorTest : public test::AppTest {
     return result.text;
   }
   nlohmann::json Figures() const {
-    return nlohmann::json::parse(test::Read(out / "estimate" / "summary.json"));
+    return nlohmann::json::parse(ReadText(out / "estimate" / "summary.json"));
   }
 
   /// A second of DogBot that stands at rest, tilted, without odometry, with the clock of a wall, joints in
@@ -172,7 +170,7 @@ TEST_F(LogEstimatorTest, DrivesAndLoadOfARunAreIdentified) {
       "'payload={mass_kg: 3, position_m: [0.05, 0.02, 0.1], edges_m: [0.2, 0.2, 0.1]}'");
   const test::Result result = test::RunCommand(app + " --identify " + out.string());
   ASSERT_EQ(result.exit_code, 0) << result.text;
-  const nlohmann::json figures = nlohmann::json::parse(test::Read(out / "identify" / "summary.json"));
+  const nlohmann::json figures = nlohmann::json::parse(ReadText(out / "identify" / "summary.json"));
   const auto expect = [&](const char* key, double truth) {
     EXPECT_NEAR(figures[key]["value"], truth, 0.05 * truth) << key;
     EXPECT_GT(figures[key]["deviation"], 0) << key;
@@ -202,7 +200,7 @@ TEST_F(LogEstimatorTest, WhatALogDoesNotDetermineIsSaid) {
   for (const char* key : {"rotor_inertia_kg_m2", "friction_N_m", "damping_N_m_s_per_rad", "payload_kg"})
     EXPECT_THAT(result.text, HasSubstr(std::string(key) + " is not determined"));
   EXPECT_THAT(result.text, HasSubstr("/joint_commands"));
-  EXPECT_THAT(test::Read(out / "identify/hardware.yaml"), ::testing::Not(HasSubstr("friction_ratio")));
+  EXPECT_THAT(ReadText(out / "identify/hardware.yaml"), ::testing::Not(HasSubstr("friction_ratio")));
 }
 
 }  // namespace tenon::apps_log_estimator_test

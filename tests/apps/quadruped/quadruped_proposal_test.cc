@@ -10,18 +10,12 @@
 
 namespace tenon::quadruped_proposal_test {
 
-using internal::LinkAxis;
-using ::testing::AllOf;
-using ::testing::Contains;
-using ::testing::HasSubstr;
-using ::testing::Not;
+using internal::LinkAxis, ::testing::AllOf, ::testing::Contains, ::testing::HasSubstr, ::testing::Not;
 
 namespace fs = std::filesystem;
 
 std::string ReadUrdf(const std::string& robot) {
-  std::stringstream text;
-  text << std::ifstream(std::string(TENON_ROBOTS_DIR) + "/" + robot + ".urdf").rdbuf();
-  return text.str();
+  return ReadText(std::string(TENON_ROBOTS_DIR) + "/" + robot + ".urdf");
 }
 std::string Replaced(const std::string& text, const std::string& from, const std::string& to) {
   const std::regex what(from);

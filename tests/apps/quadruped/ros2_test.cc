@@ -13,9 +13,7 @@
 namespace tenon::apps_ros2_test {
 
 using namespace ros2;
-using test::kOwnLink;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
+using test::kOwnLink, ::testing::AllOf, ::testing::HasSubstr;
 
 class AppsRos2Test : public test::AppTest {
  protected:

@@ -6,12 +6,7 @@
 namespace tenon::stopped_run_test {
 
 namespace fs = std::filesystem;
-using test::Read;
-using test::Result;
-using test::RunCommand;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
+using test::Result, test::RunCommand, ::testing::AllOf, ::testing::HasSubstr, ::testing::Not;
 
 class TenonStoppedRunTest : public test::AppTest {
  protected:
@@ -48,7 +43,7 @@ TEST_F(TenonStoppedRunTest, ASignalEndsItInGoodOrder) {
     EXPECT_THAT(result.text, HasSubstr("com_error_max_m"));
     EXPECT_THAT(Summary(), AllOf(HasSubstr("\"end_reason\": \"interrupted\""),
                                  HasSubstr("\"finished\": false"), HasSubstr("\"fell\": false")));
-    EXPECT_THAT(Read(out / "report.html"), HasSubstr("interrupted"));
+    EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("interrupted"));
     ExpectWholeRows();
   }
 }
@@ -61,14 +56,14 @@ TEST_F(TenonStoppedRunTest, AKilledRunLeavesWholeRowsAndNoOldFiles) {
   ExpectWholeRows(Last::kMayBeTorn);
   EXPECT_FALSE(fs::exists(out / "report.html"));
   EXPECT_FALSE(fs::exists(out / "summary.json"));
-  EXPECT_THAT(Read(out / "scenario.yaml"), HasSubstr("case: flat"));
+  EXPECT_THAT(ReadText(out / "scenario.yaml"), HasSubstr("case: flat"));
 }
 
 TEST_F(TenonStoppedRunTest, NothingOutsideOfItsDirectoryGoes) {
   Write("report.html", "of somebody else");
   Write("run/summary.json", R"({"..": {"end_reason": ""}})");
   EXPECT_EQ(RunCommand(app + " stand --duration 0.1 --out " + (out / "run").string()).exit_code, 0);
-  EXPECT_EQ(Read(out / "report.html"), "of somebody else");
+  EXPECT_EQ(ReadText(out / "report.html"), "of somebody else");
 }
 
 TEST_F(TenonStoppedRunTest, ADirectoryBelongsToOneRunAtATime) {
@@ -126,7 +121,7 @@ TEST_F(TenonStoppedRunTest, TheGraphIsDrawnWithoutAShell) {
   const Result result = RunCommand("cd " + out.string() + " && " + app + " stand --duration 0.1" + Out() +
                                    " --graph '" + crafted.string() + "'");
   EXPECT_EQ(result.exit_code, 0) << result.text;
-  EXPECT_THAT(Read(crafted), HasSubstr("<svg"));
+  EXPECT_THAT(ReadText(crafted), HasSubstr("<svg"));
   EXPECT_FALSE(fs::exists(out / "pwned"));
   const fs::path svg = out / "b.svg";
   for (int i = 0; i < 5; ++i) {
@@ -147,7 +142,7 @@ TEST_F(TenonStoppedRunTest, AGraphThatCannotBeWrittenLeavesTheOneBefore) {
                  " --graph " + (out / "graph.svg").string());
   EXPECT_EQ(result.exit_code, 5);
   EXPECT_THAT(result.text, AllOf(HasSubstr("graph.svg'"), HasSubstr("`dot`"), HasSubstr("disk")));
-  EXPECT_EQ(Read(out / "graph.svg"), "of before");
+  EXPECT_EQ(ReadText(out / "graph.svg"), "of before");
   for (const auto& entry : fs::directory_iterator(out))
     EXPECT_THAT(entry.path().string(), Not(HasSubstr(".part")));
 }

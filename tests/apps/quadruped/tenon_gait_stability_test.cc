@@ -6,8 +6,7 @@
 
 namespace tenon::tenon_gait_stability_test {
 
-using test::Result;
-using test::RunCommand;
+using test::Result, test::RunCommand;
 
 Result RunApp(const std::string& arguments) {
   return RunCommand(TENON_GAIT_STABILITY " " + arguments);

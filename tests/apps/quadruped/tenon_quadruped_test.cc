@@ -13,17 +13,8 @@
 namespace tenon::tenon_quadruped_test {
 
 namespace fs = std::filesystem;
-using test::Column;
-using test::Read;
-using test::Result;
-using test::RunCommand;
-using ::testing::AllOf;
-using ::testing::ContainsRegex;
-using ::testing::Each;
-using ::testing::EndsWith;
-using ::testing::HasSubstr;
-using ::testing::Lt;
-using ::testing::Not;
+using test::Column, test::Result, test::RunCommand, ::testing::AllOf, ::testing::ContainsRegex,
+    ::testing::Each, ::testing::EndsWith, ::testing::HasSubstr, ::testing::Lt, ::testing::Not;
 
 class TenonQuadrupedTest : public test::AppTest {
  protected:
@@ -34,7 +25,7 @@ class TenonQuadrupedTest : public test::AppTest {
   /// Repeats the last run, with changes, and returns the figures of `name`.
   nlohmann::json Replayed(const std::string& changes = "", const std::string& name = "") const {
     const Result result = RunCommand(app + " --replay " + out.string() + changes);
-    const std::string summary = Read(out / "replay" / name / "summary.json");
+    const std::string summary = ReadText(out / "replay" / name / "summary.json");
     EXPECT_FALSE(summary.empty()) << result.text;
     return nlohmann::json::parse(summary);
   }
@@ -77,9 +68,9 @@ TEST_F(TenonQuadrupedTest, IntegratesTheWorkAndTheRateOfTheTorques) {
 // locked.
 TEST_F(TenonQuadrupedTest, WalksWithAnArmThatMoves) {
   const std::string gains = ", stiffness_N_m_per_rad: 200, damping_N_m_s_per_rad: 10}\n";
-  Write("aliengo.urdf", test::WithArm(Read(TENON_ROBOTS_DIR "/aliengo.urdf")));
+  Write("aliengo.urdf", test::WithArm(ReadText(TENON_ROBOTS_DIR "/aliengo.urdf")));
   const std::string robot =
-      Write("aliengo.yaml", Read(TENON_ROBOTS_DIR "/aliengo.yaml") +
+      Write("aliengo.yaml", ReadText(TENON_ROBOTS_DIR "/aliengo.yaml") +
                                 "actuated_joints:\n"
                                 "  - {joint: arm_pitch" +
                                 gains + "  - {joint: arm_elbow" + gains +
@@ -156,7 +147,7 @@ TEST_F(TenonQuadrupedTest, ATerminalShowsWhichOfSeveralRunsIsGoing) {
 
 TEST_F(TenonQuadrupedTest, TakesGaitSpeedAndObserver) {
   Run("flat --gait pace --speed 0.1 --observer none --duration 0.1");
-  EXPECT_THAT(Read(out / "scenario.yaml"),
+  EXPECT_THAT(ReadText(out / "scenario.yaml"),
               AllOf(HasSubstr("gait: pace\n        forward_m_per_s: 0.1"), HasSubstr("observer: none")));
   ExpectRefused({{"stand --gait trot", "--gait"}, {"flat --gait canter", "gallop"}});
 }
@@ -191,14 +182,15 @@ TEST_F(TenonQuadrupedTest, ADrivenRunIsRepeatedWithEqualChecksums) {
               AllOf(HasSubstr("driving the robot"), HasSubstr("built-in mode")));
   EXPECT_THAT(Run(fmt::format("pushed --duration 0.3 --drive unitree:lo,{}", domain)),
               HasSubstr("driving the robot"));
-  EXPECT_THAT(Read(out / "scenario.yaml"), HasSubstr(fmt::format("unitree: \"lo,{}\"", domain)));
-  EXPECT_THAT(Read(out / "durations.csv"), HasSubstr("0,0\n0.01,")) << "predictive control in a thread";
+  EXPECT_THAT(ReadText(out / "scenario.yaml"), HasSubstr(fmt::format("unitree: \"lo,{}\"", domain)));
+  EXPECT_THAT(ReadText(out / "durations.csv"), HasSubstr("0,0\n0.01,")) << "predictive control in a thread";
   const nlohmann::json same = Replayed();
   EXPECT_EQ(same.at("messages_equal"), 151);
   EXPECT_EQ(same.at("messages_different"), 0);
   EXPECT_EQ(same.at("mode"), nlohmann::json::parse(Summary()).at("mode"));
   EXPECT_GT(Replayed(" --set deployment.initial=walk", "changed").at("messages_different"), 100);
-  EXPECT_EQ(nlohmann::json::parse(Read(out / "replay/recorded/summary.json")).at("messages_different"), 0);
+  EXPECT_EQ(nlohmann::json::parse(ReadText(out / "replay/recorded/summary.json")).at("messages_different"),
+            0);
   std::filesystem::resize_file(out / "wire.bin", std::filesystem::file_size(out / "wire.bin") - 5);
   EXPECT_EQ(Replayed().at("messages_equal"), 150) << "the last row is not whole";
   Write("wire.bin", "tenon wire 1: time\n");
@@ -268,7 +260,7 @@ TEST_F(TenonQuadrupedTest, LandsOnItsFeetAndWalks) {
 
 TEST_F(TenonQuadrupedTest, WalksByPredictiveControl) {
   Run("pushed --duration 1");
-  EXPECT_THAT(Read(out / "signals.csv"), HasSubstr("loop.locomotion.body"));
+  EXPECT_THAT(ReadText(out / "signals.csv"), HasSubstr("loop.locomotion.body"));
   EXPECT_THAT(Summary(), AllOf(HasSubstr("\"mpc_time_median_us\": "), HasSubstr("\"mpc_failures\": 0")));
   const std::string slow = " --set 'hardware={file: ideal, calculation: {time_s: 0.004}}' --duration 0.1";
   Run("pushed" + slow);
@@ -286,7 +278,7 @@ TEST_F(TenonQuadrupedTest, RefusesMoreThan100Faults) {
 
 TEST_F(TenonQuadrupedTest, ScenariosExtendEachOther) {
   Run(Write("own.yaml", "extends: A4-noisy\ncase: own\nseed: 9\n") + " --duration 0.1");
-  EXPECT_THAT(Read(out / "scenario.yaml"),
+  EXPECT_THAT(ReadText(out / "scenario.yaml"),
               AllOf(HasSubstr("case: own"), HasSubstr("noise_ratio: 0.1"), HasSubstr("upper_N: 35")));
 }
 
@@ -294,12 +286,12 @@ TEST_F(TenonQuadrupedTest, ScenariosExtendEachOther) {
 // moved.
 TEST_F(TenonQuadrupedTest, WrittenScenarioHasTheRobotsUrdf) {
   const fs::path home = out.string() + "_home", robots = TENON_ROBOTS_DIR;
-  std::string robot = Read(robots / "dogbot.yaml");
+  std::string robot = ReadText(robots / "dogbot.yaml");
   Write("robots/dog.yaml", robot.replace(robot.find("dogbot.urdf"), 11, "bodies/dog.urdf"));
-  Write("robots/bodies/dog.urdf", Read(robots / "dogbot.urdf"));
+  Write("robots/bodies/dog.urdf", ReadText(robots / "dogbot.urdf"));
   Run(Write("own.yaml", "extends: stand\nrobot: robots/dog.yaml\nduration_s: 0.05\n") +
       " --set robot.foot_radius_m=0.03");
-  EXPECT_THAT(Read(out / "scenario.yaml"),
+  EXPECT_THAT(ReadText(out / "scenario.yaml"),
               AllOf(HasSubstr("files/robot.yaml"), HasSubstr("foot_radius_m: 0.03"), HasSubstr("format: 1")));
   EXPECT_THAT(Summary(), HasSubstr("dog.yaml, changed"));
   const std::string first = Signals();
@@ -314,7 +306,7 @@ TEST_F(TenonQuadrupedTest, WrittenScenarioHasTheRobotsUrdf) {
 TEST_F(TenonQuadrupedTest, PushesAreDrawnBySeed) {
   const auto pushes = [&](int seed) {
     Run("random_pushes --duration 0.05 --seed " + std::to_string(seed));
-    const std::string scenario = Read(out / "scenario.yaml");
+    const std::string scenario = ReadText(out / "scenario.yaml");
     return scenario.substr(scenario.find("forces:"), 600);
   };
   const std::string one = pushes(1);
@@ -362,7 +354,7 @@ TEST_F(TenonQuadrupedTest, SensorsHaveBiasNoiseAndRateOfTheirOwn) {
 TEST_F(TenonQuadrupedTest, AFallIsExitCode3AndSaysWhy) {
   Run("stand --duration 4 --set 'forces=[{force_N: [0, 400, 0], duration_s: 2}]'", 3);
   EXPECT_THAT(Summary(), AllOf(HasSubstr("\"fell\": true"), HasSubstr("the robot fell: its trunk is")));
-  EXPECT_THAT(Read(out / "report.html"), HasSubstr("the robot fell: its trunk is"));
+  EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("the robot fell: its trunk is"));
 }
 
 // Torques beyond the drives and bodies in the ground do not end a run: the verdict names them.
@@ -380,14 +372,14 @@ TEST_F(TenonQuadrupedTest, ARunThatNoRobotPerformsIsNotFinished) {
     Run(run, 3);
     EXPECT_THAT(Summary(),
                 AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"fell\": false"), HasSubstr(reason)));
-    EXPECT_NE(Read(out / "report.html").find("but " + reason), std::string::npos);
+    EXPECT_NE(ReadText(out / "report.html").find("but " + reason), std::string::npos);
   }
 }
 
 TEST_F(TenonQuadrupedTest, StandsOnASlopeUnderAPayloadAndASine) {
   Run("stand --duration 2 --set 'terrain={grade: [0.1, 0.1]}' --set payload.mass_kg=5 --set "
       "'forces=[{on: front_left, force_N: [20, 0, 0], duration_s: 2, frequency_rad_per_s: 1}]'");
-  EXPECT_THAT(Read(out / "report.html"), HasSubstr("slope"));
+  EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("slope"));
 }
 
 TEST_F(TenonQuadrupedTest, WalksByTheStateEstimator) {
@@ -403,7 +395,7 @@ TEST_F(TenonQuadrupedTest, WalksWithASlidingLoadAndWrongData) {
   const auto knees = [&] { return Column(out, "loop.world.plant.state.q.front_left_knee [rad]"); };
   Run("flat --duration 1.5 --set 'payload={mass_kg: 5, position_m: [0, 0, 0.12], slides: {friction: 0.2}}' "
       "--set 'walk.model_error={mass_ratio: 0.2, com_ratio: 0.05, inertia_ratio: 0.3, length_ratio: 0.02}'");
-  EXPECT_THAT(Read(out / "report.html"), HasSubstr("sliding load"));
+  EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("sliding load"));
   EXPECT_THAT(Summary(), HasSubstr("\"com_error_max_m\": 0.0"));
   const std::vector<double> with_errors = knees();
   Run("flat --duration 1.5");

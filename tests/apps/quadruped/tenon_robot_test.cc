@@ -3,8 +3,7 @@
 
 namespace tenon::test::tenon_robot_test {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
+using ::testing::AllOf, ::testing::HasSubstr;
 
 namespace fs = std::filesystem;
 
@@ -20,9 +19,9 @@ TEST_F(TenonRobotTest, MakesARobotWalk) {
       AllOf(HasSubstr("mass_kg                      12.78"), HasSubstr("trots                        yes"),
             HasSubstr("foot_radius_m is guessed"), HasSubstr((out / "stand/report.html").string() + "\n"),
             HasSubstr((out / "trot/report.html").string() + "\n")));
-  EXPECT_THAT(Read(out / "a1.yaml"), AllOf(HasSubstr("urdf: a1.urdf"), HasSubstr("front_left: FL_foot")));
-  EXPECT_EQ(Read(out / "a1.urdf"), Read(TENON_ROBOTS_DIR "/a1.urdf"));
-  EXPECT_THAT(Read(out / "a1.svg"), HasSubstr("<svg"));
+  EXPECT_THAT(ReadText(out / "a1.yaml"), AllOf(HasSubstr("urdf: a1.urdf"), HasSubstr("front_left: FL_foot")));
+  EXPECT_EQ(ReadText(out / "a1.urdf"), ReadText(TENON_ROBOTS_DIR "/a1.urdf"));
+  EXPECT_THAT(ReadText(out / "a1.svg"), HasSubstr("<svg"));
   EXPECT_TRUE(fs::exists(out / "stand/report.html"));
   EXPECT_TRUE(fs::exists(out / "trot/summary.json"));
 }
@@ -31,7 +30,7 @@ TEST_F(TenonRobotTest, MakesARobotWalk) {
 TEST_F(TenonRobotTest, CopiesOfTheUrdfFindItsMeshes) {
   const fs::path package = TemporaryPath("a1_description");
   WriteTetrahedron(package / "meshes/t.stl");
-  std::string urdf = Read(TENON_ROBOTS_DIR "/a1.urdf");
+  std::string urdf = ReadText(TENON_ROBOTS_DIR "/a1.urdf");
   const std::string link = "<link name=\"FL_calf\">";
   urdf.insert(urdf.find(link) + link.size(), "<visual><geometry><mesh filename=\"package://" +
                                                  package.filename().string() +
@@ -39,9 +38,9 @@ TEST_F(TenonRobotTest, CopiesOfTheUrdfFindItsMeshes) {
   std::ofstream(package / "a1.urdf") << urdf;
   Run((package / "a1.urdf").string());
   const std::string absolute = "\"file://" + fs::canonical(package / "meshes/t.stl").string() + "\"";
-  EXPECT_THAT(Read(out / "a1.urdf"), HasSubstr(absolute));
-  EXPECT_THAT(Read(out / "trot/files/robot.urdf"), HasSubstr(absolute));
-  EXPECT_THAT(Read(out / "trot/report.html"),
+  EXPECT_THAT(ReadText(out / "a1.urdf"), HasSubstr(absolute));
+  EXPECT_THAT(ReadText(out / "trot/files/robot.urdf"), HasSubstr(absolute));
+  EXPECT_THAT(ReadText(out / "trot/report.html"),
               HasSubstr(R"("kind":"mesh","role":"bodies","name":"link of FL_calf_joint")"));
   fs::remove_all(package);
 }
@@ -79,8 +78,9 @@ TEST_F(TenonRobotTest, WritesIntoNoDirectoryOfAnotherRun) {
 TEST_F(TenonRobotTest, ExpandsXacroWhereItIsInstalled) {
   const fs::path home = TemporaryPath("xacro_home");
   fs::create_directories(home);
-  const std::string urdf = Read(TENON_ROBOTS_DIR "/a1.urdf"),
-                    xacro = Read(TENON_ROBOTS_DIR "/a1.urdf").insert(urdf.find("</robot>"), "<xacro:leg/>");
+  const std::string urdf = ReadText(TENON_ROBOTS_DIR "/a1.urdf"),
+                    xacro =
+                        ReadText(TENON_ROBOTS_DIR "/a1.urdf").insert(urdf.find("</robot>"), "<xacro:leg/>");
   std::ofstream(home / "dog.urdf") << xacro;
   std::ofstream(home / "xacro") << "#!/bin/sh\n[ $2 = -o ] && sed 's|<xacro:leg/>||' \"$1\" > \"$3\"\n";
   fs::permissions(home / "xacro", fs::perms::owner_all);
@@ -89,8 +89,8 @@ TEST_F(TenonRobotTest, ExpandsXacroWhereItIsInstalled) {
   EXPECT_THAT(RunCommand(run).text, AllOf(HasSubstr("xacro file"), HasSubstr("dog_2.urdf")));
   EXPECT_THAT(RunCommand("env PATH=" + home.string() + ":$PATH " + run).text,
               HasSubstr("dog_expanded.urdf:"));
-  EXPECT_EQ(Read(home / "dog.urdf"), xacro);
-  EXPECT_EQ(Read(home / "dog_expanded.urdf"), urdf);
+  EXPECT_EQ(ReadText(home / "dog.urdf"), xacro);
+  EXPECT_EQ(ReadText(home / "dog_expanded.urdf"), urdf);
   fs::remove_all(home);
 }
 

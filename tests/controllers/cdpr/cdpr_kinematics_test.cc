@@ -12,9 +12,7 @@
 
 namespace tenon::cdpr_kinematics_test {
 
-using Eigen::AngleAxisd;
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
+using Eigen::AngleAxisd, Eigen::Matrix3d, Eigen::Vector3d;
 
 const Vector3d kPosition(0.4, -0.3, 1.7);
 const Vector3d kEuler(0.2, -0.3, 0.5);

@@ -8,8 +8,7 @@
 
 namespace tenon::cdpr_workspace_test {
 
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
+using Eigen::Matrix3d, Eigen::Vector3d;
 
 /// A point mass on cables from the corners of a polygon 4 m high, with tensions from 0 to 100 kN.
 CdprDescription PointMass(const std::vector<Eigen::Vector2d>& corners) {

@@ -9,8 +9,7 @@
 
 namespace tenon::inverse_geometrico_static_test {
 
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
+using Eigen::Matrix3d, Eigen::Vector3d;
 
 constexpr double kInfinity = INFINITY;
 

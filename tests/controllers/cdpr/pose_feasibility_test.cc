@@ -12,11 +12,7 @@
 
 namespace tenon::pose_feasibility_test {
 
-using Eigen::Matrix3d;
-using Eigen::MatrixXd;
-using Eigen::Vector2d;
-using Eigen::Vector3d;
-using Eigen::VectorXd;
+using Eigen::Matrix3d, Eigen::MatrixXd, Eigen::Vector2d, Eigen::Vector3d, Eigen::VectorXd;
 
 class Draws {
  public:

@@ -10,11 +10,7 @@
 
 namespace tenon::tension_distribution_test {
 
-using Eigen::Matrix3d;
-using Eigen::MatrixXd;
-using Eigen::Vector3d;
-using Eigen::VectorXd;
-using ::testing::HasSubstr;
+using Eigen::Matrix3d, Eigen::MatrixXd, Eigen::Vector3d, Eigen::VectorXd, ::testing::HasSubstr;
 
 constexpr double kInfinity = INFINITY;
 

@@ -5,8 +5,7 @@
 
 namespace tenon::dual_active_set_test {
 
-using test::IsOptimal;
-using test::OwnedQp;
+using test::IsOptimal, test::OwnedQp;
 
 double Uniform(std::mt19937& generator, double size = 1) {
   return std::uniform_real_distribution<double>(-size, size)(generator);

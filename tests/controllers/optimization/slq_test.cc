@@ -10,9 +10,7 @@
 
 namespace tenon::slq_test {
 
-using test::LinearProblem;
-using test::PendulumProblem;
-using test::SomeLinearProblem;
+using test::LinearProblem, test::PendulumProblem, test::SomeLinearProblem;
 
 const std::vector<double> kUneven{0.02, 0.02, 0.03, 0.05, 0.05, 0.08, 0.1, 0.1};
 

@@ -12,8 +12,7 @@
 namespace tenon::quadruped_messages_test {
 
 using namespace ros2;
-using Eigen::Isometry3d;
-using Eigen::Vector3d;
+using Eigen::Isometry3d, Eigen::Vector3d;
 
 Vector3d Of(const auto& v) {
   return {v.x, v.y, v.z};

@@ -5,8 +5,7 @@
 
 namespace tenon::quadruped_stand_test {
 
-using test::A1;
-using test::DogBot;
+using test::A1, test::DogBot;
 
 QuadrupedStandParams Params(const QuadrupedDescription& robot) {
   QuadrupedStandParams params;

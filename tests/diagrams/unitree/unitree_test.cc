@@ -13,8 +13,7 @@
 
 namespace tenon::unitree_test {
 
-using test::DdsPeer;
-using test::kOwnLink;
+using test::DdsPeer, test::kOwnLink;
 using LowCmd = unitree_go_msg_dds__LowCmd_;
 using LowState = unitree_go_msg_dds__LowState_;
 

@@ -5,8 +5,7 @@
 
 namespace tenon::cdpr_cables_test {
 
-using test::FourCableRobot;
-using test::Hanging;
+using test::FourCableRobot, test::Hanging;
 using Rig = TestRig<CdprPlant>;
 using test::RandomPlatform;
 

@@ -6,10 +6,7 @@
 
 namespace tenon::cdpr_monitor_test {
 
-using test::FourCableRobot;
-using test::Hanging;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
+using test::FourCableRobot, test::Hanging, ::testing::AllOf, ::testing::HasSubstr;
 using Kind = CableFaultKind;
 
 /// Holds four cables, 800 N at most, with 100 N each, 2 m above the floor.

@@ -10,9 +10,7 @@
 
 namespace tenon::cdpr_multibody_test {
 
-using test::Hanging;
-using test::RandomPlatform;
-using test::RandomVector;
+using test::Hanging, test::RandomPlatform, test::RandomVector;
 using Rig = TestRig<CdprPlant>;
 
 AttachedBody Ball(const std::string& name, AttachedJoint joint, double radius = 0.05) {

@@ -6,9 +6,7 @@
 
 namespace tenon::cdpr_plant_test {
 
-using test::FourCableRobot;
-using test::Hanging;
-using test::RandomPlatform;
+using test::FourCableRobot, test::Hanging, test::RandomPlatform;
 using Rig = TestRig<CdprPlant>;
 
 CableVector Same(double value, int n = 4) {

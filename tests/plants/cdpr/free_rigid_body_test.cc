@@ -6,8 +6,7 @@
 
 namespace tenon::free_rigid_body_test {
 
-using test::RandomPlatform;
-using test::RandomVector;
+using test::RandomPlatform, test::RandomVector;
 
 constexpr double kMass = 15;
 

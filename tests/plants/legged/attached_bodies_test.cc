@@ -16,8 +16,7 @@
 
 namespace tenon::attached_bodies_test {
 
-using test::DogBot;
-using test::Standing;
+using test::DogBot, test::Standing;
 using Rig = TestRig<QuadrupedPlant>;
 
 AttachedBody Ball(const std::string& name, AttachedJoint joint) {
@@ -175,9 +174,9 @@ struct ArmFile {
   ArmFile(const std::string& joints, const Vec<3>& angles, const std::string& drive = "") {
     const std::filesystem::path home = test::TemporaryPath("arm");
     std::filesystem::create_directories(home);
-    std::ofstream(home / "aliengo.urdf") << test::WithArm(test::FileText(TENON_ROBOTS_DIR "/aliengo.urdf"));
+    std::ofstream(home / "aliengo.urdf") << test::WithArm(ReadText(TENON_ROBOTS_DIR "/aliengo.urdf"));
     const std::filesystem::path file = home / "aliengo.yaml";
-    std::ofstream(file) << test::FileText(TENON_ROBOTS_DIR "/aliengo.yaml") << joints << ":\n"
+    std::ofstream(file) << ReadText(TENON_ROBOTS_DIR "/aliengo.yaml") << joints << ":\n"
                         << fmt::format("  - {{joint: arm_yaw, angle_rad: {}{}}}\n", angles[0], drive)
                         << fmt::format("  - {{joint: arm_pitch, angle_rad: {}{}}}\n", angles[1], drive)
                         << fmt::format("  - {{joint: arm_elbow, angle_rad: {}{}}}\n", angles[2], drive);

@@ -10,9 +10,7 @@
 
 namespace tenon::disturbances_test {
 
-using test::A1;
-using test::DogBot;
-using test::RandomState;
+using test::A1, test::DogBot, test::RandomState;
 
 ExternalForce OnKnee() {
   ExternalForce force;

@@ -3,8 +3,7 @@
 
 namespace tenon::fall_monitor_test {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
+using ::testing::AllOf, ::testing::HasSubstr;
 
 LeggedState At(const Vec<3>& p_WB, double roll = 0) {
   LeggedState x;

@@ -7,8 +7,7 @@
 
 namespace tenon::joint_lock_test {
 
-using test::DogBot;
-using test::Standing;
+using test::DogBot, test::Standing;
 
 TEST(JointLockTest, HoldsWhereTheJointsAreWhenItBegins) {
   TestRig<JointLock> rig({.joints = {2, 7}, .schedule = {.start = 0.001, .duration = 0.002}});

@@ -9,8 +9,7 @@
 
 namespace tenon::quadruped_body_test {
 
-using test::Stacked;
-using test::Velocities;
+using test::Stacked, test::Velocities;
 
 TEST(QuadrupedBodyTest, AgreesWithSimbodysArticulatedBodies) {
   for (QuadrupedDescription robot : {test::DogBot(), test::A1(), test::SkewDogBot()}) {

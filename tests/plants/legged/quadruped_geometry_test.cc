@@ -11,10 +11,7 @@
 
 namespace tenon::quadruped_geometry_test {
 
-using Eigen::Vector3d;
-using test::A1;
-using test::DogBot;
-using test::RandomState;
+using Eigen::Vector3d, test::A1, test::DogBot, test::RandomState;
 
 const Shape& Named(const Geometry& geometry, const std::string& name) {
   const auto found =
@@ -61,11 +58,7 @@ TEST(QuadrupedGeometryTest, LinksAndFeetAreWhereSimbodyHasThem) {
 TEST(QuadrupedGeometryTest, MeshesMoveWithTheirBodies) {
   const std::filesystem::path home = test::TemporaryPath("robot_with_meshes");
   test::WriteTetrahedron(home / "t.stl");
-  const auto read = [](const char* name) {
-    std::ifstream in(std::string(TENON_ROBOTS_DIR "/") + name);
-    return std::string(std::istreambuf_iterator<char>(in), {});
-  };
-  std::string urdf = read("a1.urdf");
+  std::string urdf = ReadText(TENON_ROBOTS_DIR "/a1.urdf");
   const auto add = [&](const std::string& link, const std::string& visual) {
     const std::string start = "<link name=\"" + link + "\">";
     const std::size_t at = urdf.find(start);
@@ -78,7 +71,7 @@ TEST(QuadrupedGeometryTest, MeshesMoveWithTheirBodies) {
       "<geometry><mesh filename=\"t.stl\" scale=\"0.1 0.1 0.1\"/></geometry>"
       "<material name=\"paint\"><color rgba=\"1 0.5 0 1\"/></material>");
   std::ofstream(home / "a1.urdf") << urdf;
-  std::ofstream(home / "a1.yaml") << read("a1.yaml");
+  std::ofstream(home / "a1.yaml") << ReadText(TENON_ROBOTS_DIR "/a1.yaml");
   const QuadrupedDescription robot = LoadQuadruped((home / "a1.yaml").string());
   std::filesystem::remove_all(home);
 

@@ -11,13 +11,8 @@
 
 namespace tenon::quadruped_multibody_test {
 
-using test::A1;
-using test::DogBot;
-using test::RandomState;
-using test::RandomVector;
-using test::SkewDogBot;
-using test::Stacked;
-using test::Standing;
+using test::A1, test::DogBot, test::RandomState, test::RandomVector, test::SkewDogBot, test::Stacked,
+    test::Standing;
 using Rig = TestRig<QuadrupedPlant>;
 using SimTK::Vec3;
 

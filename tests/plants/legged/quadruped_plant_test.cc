@@ -7,12 +7,7 @@
 
 namespace tenon::quadruped_plant_test {
 
-using test::A1;
-using test::DogBot;
-using test::RandomState;
-using test::RandomVector;
-using test::Stacked;
-using test::Standing;
+using test::A1, test::DogBot, test::RandomState, test::RandomVector, test::Stacked, test::Standing;
 using Rig = TestRig<QuadrupedPlant>;
 
 constexpr double kGravity = 9.81;

@@ -1,3 +1,4 @@
+#include <tenon/systems/files/input_file.h>
 #include <tenon/systems/yaml/resources.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/plants/model/mesh_test_files.h>
@@ -8,19 +9,11 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <sstream>
-
 namespace tenon::quadruped_description_test {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf, ::testing::Contains, ::testing::ElementsAre, ::testing::HasSubstr;
 const std::string kRobots = TENON_ROBOTS_DIR;
-
-std::string ReadFile(const fs::path& path) {
-  std::stringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
 
 /// A new directory, for as long as it lives.
 struct Directory {
@@ -36,8 +29,8 @@ struct Directory {
 class RobotFiles {
  public:
   explicit RobotFiles(const std::string& robot) : robot_(robot) {
-    yaml = ReadFile(kRobots + "/" + robot + ".yaml");
-    urdf = ReadFile(kRobots + "/" + robot + ".urdf");
+    yaml = ReadText(kRobots + "/" + robot + ".yaml");
+    urdf = ReadText(kRobots + "/" + robot + ".urdf");
   }
   std::string yaml, urdf;
 

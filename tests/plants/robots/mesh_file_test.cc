@@ -14,8 +14,7 @@
 namespace tenon::mesh_file_test {
 
 namespace fs = std::filesystem;
-using ::testing::ElementsAre;
-using ::testing::FloatNear;
+using ::testing::ElementsAre, ::testing::FloatNear;
 using Corner = std::array<float, 3>;
 
 class MeshFileTest : public ::testing::Test {
@@ -60,9 +59,7 @@ TriangleMesh Sphere(std::uint32_t n) {
 /// A COLLADA file of the four triangles of a tetrahedron, one red, three blue.
 void WriteColoured(const fs::path& file) {
   test::WriteTetrahedron(file);
-  std::ifstream in(file);
-  std::string text((std::istreambuf_iterator<char>(in)), {});
-  in.close();
+  std::string text = ReadText(file);
   const auto replace = [&](std::string_view part, const std::string& by) {
     const std::size_t at = text.find(part);
     ASSERT_NE(at, text.npos) << part;
@@ -253,9 +250,7 @@ TEST_F(MeshFileTest, TheContentDeterminesTheFormat) {
 /// Text of a COLLADA file with a tetrahedron, one part of which is replaced.
 std::string Collada(const fs::path& home, const std::string& part, const std::string& replacement) {
   test::WriteTetrahedron(home / "whole.dae");
-  std::ostringstream text;
-  text << std::ifstream(home / "whole.dae").rdbuf();
-  std::string all = text.str();
+  std::string all = ReadText(home / "whole.dae");
   const std::size_t at = all.find(part);
   EXPECT_NE(at, all.npos) << part;
   return at == all.npos ? all : all.replace(at, part.size(), replacement);

@@ -10,9 +10,7 @@
 
 namespace tenon::legged_sensors_test {
 
-using test::DogBot;
-using test::RandomState;
-using test::Standing;
+using test::DogBot, test::RandomState, test::Standing;
 
 constexpr int kSamples = 20000;
 

@@ -38,8 +38,7 @@ namespace dds_test {
 
 using Input = DdsInput<CartSignal>;
 using Publisher = DdsPublisher<CartSignal>;
-using test::DdsPeer;
-using test::kOwnLink;
+using test::DdsPeer, test::kOwnLink;
 
 /// Not that of a test in the same domain, which the number of a process may repeat.
 const std::string kTopic = "rt/cart_" + std::to_string(getpid());

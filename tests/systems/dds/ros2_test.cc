@@ -14,9 +14,7 @@
 namespace tenon::ros2_test {
 
 using namespace ros2;
-using test::kOwnLink;
-using testing::ElementsAre;
-using testing::HasSubstr;
+using test::kOwnLink, testing::ElementsAre, testing::HasSubstr;
 
 std::string Topic(const std::string& name) {
   return "rt/" + name + "_" + std::to_string(getpid());

@@ -16,7 +16,7 @@ class OutputFileTest : public ::testing::Test {
 TEST_F(OutputFileTest, IsWrittenAsAWholeAndAlone) {
   WriteFile(file_, "a long text");
   WriteFile(file_, "short");
-  EXPECT_EQ(test::FileText(file_), "short");
+  EXPECT_EQ(ReadText(file_), "short");
   EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 1) << "nothing is left beside it";
 }
 
@@ -35,10 +35,10 @@ TEST_F(OutputFileTest, GrowsByWholeTexts) {
     file.Append("");
     file.Append("two\n");
     EXPECT_TRUE(Throws<OutputError>([&] { GrowingFile second(file_); }, file_.string(), "another log"));
-    EXPECT_EQ(test::FileText(file_), "one\ntwo\n");
+    EXPECT_EQ(ReadText(file_), "one\ntwo\n");
   }
   GrowingFile anew(file_);
-  EXPECT_EQ(test::FileText(file_), "");
+  EXPECT_EQ(ReadText(file_), "");
   EXPECT_NO_THROW(GrowingFile("/dev/null").Append("a"));
 }
 

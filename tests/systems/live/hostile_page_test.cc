@@ -12,8 +12,7 @@
 
 namespace tenon::internal::hostile_page_test {
 
-using testing::Browser;
-using ::testing::ElementsAre;
+using testing::Browser, ::testing::ElementsAre;
 
 /// A live server whose page sends a command while it is loaded, and the server of another site.
 class HostilePageTest : public testing::BrowserTest {

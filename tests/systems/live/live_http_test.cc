@@ -16,8 +16,7 @@
 
 namespace tenon::internal::live_http_test {
 
-using ::testing::HasSubstr;
-using ::testing::Not;
+using ::testing::HasSubstr, ::testing::Not;
 
 /// A server without a run: a thread answers each command with its text.
 class LiveHttpTest : public testing::Test {

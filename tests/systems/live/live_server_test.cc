@@ -4,8 +4,7 @@
 
 namespace tenon::live_server_test {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
+using ::testing::AllOf, ::testing::HasSubstr;
 using Json = nlohmann::json;
 
 /// Runs without pacing and with commands at simulated times: nothing depends on the clock.
@@ -33,7 +32,7 @@ class LiveServerTest : public testing::Test {
   }
   Json Command(const Json& command) { return Json::parse(server_->Command("test", command.dump())); }
   void Take() { EXPECT_EQ(Command({{"command", "take"}}), Json({{"ok", true}})); }
-  std::string Csv(const std::string& name) const { return test::FileText(directory_ / (name + ".csv")); }
+  std::string Csv(const std::string& name) const { return ReadText(directory_ / (name + ".csv")); }
   std::string ReplayedCsv(const std::string& name) {
     const LiveRecording recording = LiveRecording::Read(directory_ / (name + ".jsonl"));
     Simulator simulator(*cart_.diagram, {.seed = recording.seed});

@@ -15,12 +15,9 @@
 
 namespace tenon::udp_test {
 
-using test::Cloud;
-using test::Everything;
-using test::Peer;
+using test::Cloud, test::Everything, test::Peer;
 
-using test::kInfinity;
-using test::kNan;
+using test::kInfinity, test::kNan;
 
 template <class T>
 std::string Sent(const T& value) {

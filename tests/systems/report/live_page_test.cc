@@ -31,10 +31,8 @@ class FakeRun {
           {"format", internal::kPageFormat}, {"title", "workshop"},   {"description", ""},
           {"plots", Json::array()},          {"runs", Json::array()}, {"live", {{"token", "open sesame"}}}};
       internal::WritePage(file, "workshop", data.dump());
-      std::ostringstream page;
-      page << std::ifstream(file).rdbuf();
+      response.set_content(ReadText(file), "text/html");
       fs::remove(file);
-      response.set_content(page.str(), "text/html");
     });
     server_.Get("/events", [this](const httplib::Request& request, httplib::Response& response) {
       EXPECT_EQ(request.get_param_value("token"), "open sesame");

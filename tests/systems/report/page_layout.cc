@@ -135,7 +135,7 @@ nlohmann::json UnnamedControls(Browser& browser) {
 }
 
 nlohmann::json DataOf(const std::filesystem::path& file) {
-  const std::string page = test::FileText(file), open = R"(<script type="application/json" id="data">)";
+  const std::string page = ReadText(file), open = R"(<script type="application/json" id="data">)";
   const std::size_t begin = page.find(open) + open.size();
   return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
 }

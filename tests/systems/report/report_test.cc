@@ -9,7 +9,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using ::testing::ElementsAre, ::testing::IsEmpty, ::testing::SizeIs;
 
-using test::FileText, testing::DataOf;
+using testing::DataOf;
 
 template <class T>
 std::vector<T> Numbers(const Json& json) {
@@ -103,7 +103,7 @@ TEST_F(ReportTest, ThreeLinesMakeAPage) {
   ASSERT_THAT(data["plots"], SizeIs(2)) << "position and velocity have two units";
   EXPECT_EQ(data["plots"][0]["signals"], Json({"cart.x.position"}));
   EXPECT_EQ(SamplesOf(data["runs"][0], "cart.x.velocity").unit, "m/s");
-  const std::string page = FileText(file);
+  const std::string page = ReadText(file);
   for (const char* part :
        {"<title>cart</title>", "OrbitControls = function", "Dygraph", "class Replay", ".dygraph-axis-label"})
     EXPECT_TRUE(page.find(part) != std::string::npos) << part;
@@ -265,7 +265,7 @@ TEST_F(ReportTest, TextCannotBreakThePage) {
   Report report = Run({.title = "a <b> & </script><script>alert(1)</script>", .description = "<!-- \xff"});
   report.Write(file);
   EXPECT_EQ(DataOf(file).at("title"), "a <b> & </script><script>alert(1)</script>");
-  EXPECT_TRUE(FileText(file).find("<title>a &lt;b> &amp; &lt;/script>") != std::string::npos);
+  EXPECT_TRUE(ReadText(file).find("<title>a &lt;b> &amp; &lt;/script>") != std::string::npos);
 }
 
 TEST_F(ReportTest, WrongNameIsRefusedBeforeTheRun) {
@@ -382,7 +382,7 @@ TEST_F(ReadReportTest, WhatIsMissingOrWrongIsNamed) {
   WriteRun();
   fs::rename(directory / "signals.csv", directory / "moved.csv");
   ExpectRefused("signals.csv");
-  std::string signals = FileText(directory / "moved.csv");
+  std::string signals = ReadText(directory / "moved.csv");
   const auto write = [](const fs::path& path, const std::string& text) { std::ofstream(path) << text; };
   write(directory / "signals.csv", signals + "1.005,1,2\n");
   ExpectRefused("3 values", "/signals.csv', line 203");
@@ -391,7 +391,7 @@ TEST_F(ReadReportTest, WhatIsMissingOrWrongIsNamed) {
   write(directory / "signals.csv", "x" + signals);
   ExpectRefused("time", "/signals.csv', line 1");
   write(directory / "signals.csv", signals);
-  const std::string page = FileText(directory / "report.html");
+  const std::string page = ReadText(directory / "report.html");
   write(directory / "report.html", page.substr(0, page.size() / 2));
   ExpectRefused("", "/report.html");
   write(directory / "report.html", "<html></html>");

@@ -12,12 +12,6 @@ using testing::HasSubstr;
 const sensor_msgs::JointState kJoints{
     .header = {{1, 2}, "b"}, .name = {"hip", "k"}, .position = {0.5, -2}, .velocity = {}, .effort = {1e-300}};
 
-std::string Bytes(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 class McapTest : public ::testing::Test {
  protected:
   ~McapTest() override { std::filesystem::remove(path); }
@@ -95,7 +89,7 @@ TEST_F(McapTest, ATickDoesNotAllocate) {
 
 TEST_F(McapTest, BytesAndDefinitionsAreThoseOfRos2) {
   WriteShort();
-  const std::string file = Bytes(path);
+  const std::string file = ReadText(path);
   // CDR by hand: after the encapsulation, numbers are aligned to their size, and texts end in 0.
   using namespace std::string_literals;
   const std::string cdr = "\0\1\0\0"s + "\1\0\0\0\2\0\0\0"s + "\2\0\0\0b\0"s +
@@ -112,7 +106,7 @@ TEST_F(McapTest, BytesAndDefinitionsAreThoseOfRos2) {
 
 TEST_F(McapTest, ATruncatedFileIsReadAsFarAsItIsWhole) {
   WriteShort();
-  const std::string whole = Bytes(path);
+  const std::string whole = ReadText(path);
   int count = 0;
   EXPECT_EQ(WriteAndRead(whole, &count), "");
   EXPECT_EQ(count, 1);
@@ -127,14 +121,14 @@ TEST_F(McapTest, ATruncatedFileIsReadAsFarAsItIsWhole) {
   }
   EXPECT_TRUE(was_read);
   WriteLong();
-  const std::string half = Bytes(path).substr(0, 100'000);  // within the first chunk
+  const std::string half = ReadText(path).substr(0, 100'000);  // within the first chunk
   EXPECT_THAT(WriteAndRead(half, &count), HasSubstr("ends within a chunk"));
   EXPECT_GT(count, 100);
 }
 
 TEST_F(McapTest, NoDamageIsTakenForAMessage) {
   WriteShort();
-  const std::string whole = Bytes(path);
+  const std::string whole = ReadText(path);
   const std::size_t chunk = whole.find("\x06"), begin = whole.find("hip");
   ASSERT_LT(chunk, begin);
   int count = 0;

@@ -95,7 +95,7 @@ TEST_F(SignalLogTest, CsvHasOneHeaderRowWithUnits) {
   simulator_->AddLog(Hz(10), {&cart_->force, cable_}, {std::make_shared<CsvLog>(file)});
   simulator_->RunTo(0.2);  // readable while the run pauses
   EXPECT_EQ(
-      test::FileText(file),
+      ReadText(file),
       "time [s],cart.force [N],cable.output.force [N],cable.output.point.x [m],cable.output.point.y [m],"
       "cable.output.point.z [m],cable.output.slack\n"
       "0,4,0,0,2,3,0\n"
@@ -112,7 +112,7 @@ TEST_F(SignalLogTest, CsvHoldsExtremeNumbers) {
     log.Row(std::vector<double>{1234.56789012345, -1.234567890123e-300, -HUGE_VAL});
     log.Row(std::vector<double>{0.1 + 0.2, 1.0 / 3, std::nan("")});
   }
-  EXPECT_EQ(test::FileText(file),
+  EXPECT_EQ(ReadText(file),
             "time [s],a,b [m]\n1234.56789012345,-1.23456789e-300,-inf\n0.3,0.333333333,nan\n");
   std::filesystem::remove(file);
 }
@@ -200,7 +200,7 @@ TEST_F(Restored, FilesAreCut) {
   std::ostringstream expected;
   expected << "time [s],cart.force [N]\n";
   for (std::size_t i = 0; i < kTimes.size(); ++i) expected << kTimes[i] << ',' << kForces[i] << '\n';
-  EXPECT_EQ(test::FileText(file), expected.str());
+  EXPECT_EQ(ReadText(file), expected.str());
   std::filesystem::remove(file);
 }
 
@@ -224,7 +224,7 @@ TEST_F(Restored, TheStartClearsALog) {
   simulator_->context().Restore(start);
   simulator_->RunTo(0.1);
   EXPECT_EQ(log->rows(), 2U);
-  EXPECT_EQ(test::FileText(file), "time [s],cart.force [N]\n0,4\n0.1,4\n");
+  EXPECT_EQ(ReadText(file), "time [s],cart.force [N]\n0,4\n0.1,4\n");
   std::filesystem::remove(file);
 }
 

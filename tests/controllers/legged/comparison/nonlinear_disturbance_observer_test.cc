@@ -5,8 +5,7 @@
 
 namespace tenon::nonlinear_disturbance_observer_test {
 
-using test::DogBot;
-using test::QuadrupedBench;
+using test::DogBot, test::QuadrupedBench;
 using Observed = test::Observed<NonlinearDisturbanceObserver>;
 
 NonlinearDisturbanceObserverParams Params(NdoReading reading) {

@@ -5,9 +5,7 @@
 
 namespace tenon::com_observer_test {
 
-using test::A1;
-using test::DogBot;
-using test::QuadrupedBench;
+using test::A1, test::DogBot, test::QuadrupedBench;
 using Observed = test::Observed<ComObserver>;
 
 ComObserverParams Params(const QuadrupedDescription& robot, ForceSource source = ForceSource::kImu) {

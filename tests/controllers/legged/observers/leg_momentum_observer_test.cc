@@ -7,9 +7,7 @@
 
 namespace tenon::leg_momentum_observer_test {
 
-using test::A1;
-using test::DogBot;
-using test::QuadrupedBench;
+using test::A1, test::DogBot, test::QuadrupedBench;
 using Observed = test::Observed<LegMomentumObserver>;
 
 /// A robot that flies, turns and moves its legs under known forces on its feet.

@@ -7,10 +7,7 @@
 
 namespace tenon::legged_state_estimator_test {
 
-using test::A1;
-using test::DogBot;
-using test::RandomVector;
-using test::Standing;
+using test::A1, test::DogBot, test::RandomVector, test::Standing;
 
 constexpr double kPeriod = 1e-3, kGravity = 9.81;
 

@@ -42,16 +42,4 @@ TEST(StepTimingAdapterTest, TiltAndRateCountFromTheReference) {
   EXPECT_EQ(ClockRate(Tilted(0), body.w_W, body), 2);
 }
 
-TEST(StepTimingAdapterTest, LimitsAreSetInARun) {
-  TestRig<StepTimingAdapter> rig({.timing = kTiming});
-  LeggedState state;
-  state.w_W = {5, 0, 0};
-  rig.Fix(rig->state, state).Fix(rig->body, BodyReference()).Tick();
-  EXPECT_EQ(rig.Tick()[rig->clock_rate], 2);
-  rig.Set(rig->timing, StepTiming{.lookahead = 0.1, .free_tilt = 0.3, .clock_rate = 3}).Tick();
-  EXPECT_EQ(rig.Tick()[rig->clock_rate], 3);
-  rig.Set(rig->timing, StepTiming{.lookahead = 0.05, .free_tilt = 0.3, .clock_rate = 3}).Tick();
-  EXPECT_EQ(rig.Tick()[rig->clock_rate], 1);
-}
-
 }  // namespace tenon::step_timing_adapter_test

@@ -8,10 +8,7 @@
 
 namespace tenon::rope_tensions_test {
 
-using test::A1;
-using test::DogBot;
-using test::RandomState;
-using test::RandomVector;
+using test::A1, test::DogBot, test::RandomState, test::RandomVector;
 
 constexpr double kSlope = 0.6,
                  kSide = 0.3;  // inclination of the ground, angle of the ropes to the CoM's path [rad]

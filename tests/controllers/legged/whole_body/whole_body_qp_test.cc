@@ -9,8 +9,7 @@
 
 namespace tenon::whole_body_qp_test {
 
-using test::IsOptimal;
-using test::RandomVector;
+using test::IsOptimal, test::RandomVector;
 
 constexpr std::array<bool, kNumLegs> kAll{true, true, true, true}, kDiagonal{true, false, false, true},
     kThree{false, true, true, true}, kNone{};
