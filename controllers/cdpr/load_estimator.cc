@@ -1,12 +1,15 @@
 #include <tenon/controllers/cdpr/cdpr_kinematics.h>
 #include <tenon/controllers/cdpr/load_estimator.h>
+#include <tenon/controllers/cdpr/loaded_platform.h>
 #include <tenon/plants/model/platform_springs.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
 #include <fmt/core.h>
 
 namespace tenon {
+
 namespace {
 
 void CheckPositive(const char* name, double value, const char* unit) {
@@ -102,6 +105,14 @@ void LoadEstimator::CorrectArm(const Eigen::Vector3d& force_B, const Eigen::Vect
   memory.arm_B += gain_transposed.transpose() * innovation;
   const Eigen::Matrix3d reduced = P - HP.transpose() * gain_transposed;
   P = (reduced + reduced.transpose()) / 2;
+}
+
+LoadedPlatform::LoadedPlatform(const CdprDescription& robot, const Payload& payload)
+    : mass(robot.mass), inertia(robot.inertia_B) {
+  if (payload.mass == 0) return;
+  mass += payload.mass;
+  com_B = payload.mass / mass * payload.p_B;
+  inertia += PointInertia(robot.mass, com_B) + PointInertia(payload.mass, payload.p_B - com_B);
 }
 
 }  // namespace tenon
