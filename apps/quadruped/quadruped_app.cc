@@ -140,7 +140,8 @@ int RunCommand(YamlDocument document, const CommonArguments& arguments, const Wa
       Say(fmt::format("warning: {}\n", warning));
     if (!drive.empty()) return PrintResult(Drive({drive}, scenario, options).summary, options);
     if (walk.compare) return CompareObservers(options, scenario, customisation);
-    return PrintResult(RunQuadruped(scenario, options, customisation, {walk.serve}).summary, options);
+    const Wire wire{walk.serve.empty() ? "" : UnitreeLink("--serve", walk.serve)};
+    return PrintResult(RunQuadruped(scenario, options, customisation, wire).summary, options);
   });
 }
 

@@ -24,8 +24,12 @@ RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& opti
 /// Sets the mode of a supervisor at the end, what damped the joints, and when.
 void SetDeployment(const DeploymentStatus& status, Summary& summary);
 
+/// Returns LINK, "interface[,domain]", of "unitree[:LINK]", the value of --serve and --drive; "lo" by
+/// default. Throws ParameterError for another robot.
+std::string UnitreeLink(const char* option, const std::string& where);
+
 /// The option --serve: a client on DDS commands the joints of a standing robot in place of its PD control.
-/// `where` is "unitree[:interface[,domain]]"; by default, as in the maker's simulator, domain 1 on "lo".
+/// The domain of "lo" is 1 by default, as in the maker's simulator.
 /// Another interface has domain 0, as the robots do. The run is recorded in `out`, or repeated without DDS,
 /// see Wire. Throws ParameterError, also in a build without Cyclone DDS.
 struct Served {
@@ -35,11 +39,11 @@ struct Served {
 Served Serve(const Wire& wire, DiagramBuilder& builder, QuadrupedStand& loop,
              const std::filesystem::path& out);
 
-/// The option --drive: the scenario's controller walks a robot on DDS, with `where` as above, in real time
+/// The option --drive: the scenario's controller walks a robot on DDS, in real time
 /// and under a supervisor. However the run ends, its last commands damp the joints. Throws as Serve does.
 RunResult Drive(const Wire& wire, QuadrupedScenario scenario, RunOptions options);
 
-/// Returns where the robot is that a scenario drives: at the value of the option, else at the `link` of its
+/// Returns the link to the robot that a scenario drives: that of the option, else the `link` of its
 /// robot; empty if the robot is simulated. Changes the scenario to one that Drive needs: `link` set, a Go2 in
 /// place of DogBot, the state estimated, no foot sensors, and by default a supervisor that lets a lying robot
 /// stand up, walk and lie down. Throws ParameterError for a scenario that stands.

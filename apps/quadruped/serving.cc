@@ -14,33 +14,37 @@
 
 namespace tenon::apps {
 
+std::string UnitreeLink(const char* option, const std::string& where) {
+  constexpr std::string_view kRobot = "unitree:";
+  if (where + ":" == kRobot) return "lo";
+  if (where.starts_with(kRobot)) return where.substr(kRobot.size());
+  throw ParameterError(
+      fmt::format("{} {}: give unitree, unitree:INTERFACE or unitree:INTERFACE,DOMAIN, such as "
+                  "unitree:eth0,0; in a scenario, robot: {{file: go2, link: {{unitree: eth0}}}}",
+                  option, where));
+}
+
 std::string SetDriven(const std::string& name, const std::string& option, YamlDocument& document) {
   const auto scenario = document.Read<QuadrupedScenario>();
-  const std::string place =
-      option.empty() ? Blame("robot", [&] { return LoadPlace(scenario.robot); }) : option;
-  if (place.empty()) return place;
+  const std::string link = option.empty() ? Blame("robot", [&] { return LoadPlace(scenario.robot); })
+                                          : UnitreeLink("--drive", option);
+  if (link.empty()) return link;
   if (!scenario.walk)
     throw ParameterError(
         fmt::format("--drive: '{}' stands; choose a scenario that walks, such as flat", name));
-  const std::size_t colon = place.find(':');
-  document.Set("robot.link.unitree", colon == place.npos ? "lo" : place.substr(colon + 1));
+  document.Set("robot.link.unitree", link);
   if (document.Value("robot.file") == "dogbot") document.Set("robot.file", "go2");
   document.Set("walk.state", "estimated");
   document.Set("sensors.foot_force.mounted", "none");
   if (!scenario.deployment) document.Set("deployment", "{initial: passive}");
-  return place;
+  return link;
 }
 
 #ifdef TENON_WITH_UNITREE
 
-static DdsLink LinkOf(const char* option, const std::string& where) {
-  const std::size_t colon = where.find(':');
-  if (where.substr(0, colon) != "unitree")
-    throw ParameterError(fmt::format(
-        "{} {}: give unitree, unitree:INTERFACE or unitree:INTERFACE,DOMAIN, such as unitree:eth0,0; in a "
-        "scenario, robot: {{file: go2, link: {{unitree: eth0}}}}",
-        option, where));
-  const auto [interface, domain] = SplitLink(option, colon == where.npos ? "lo" : where.substr(colon + 1));
+static DdsLink LinkOf(const char* option, const Wire& wire) {
+  if (!wire.replay.empty()) return {};
+  const auto [interface, domain] = SplitLink(option, wire.where);
   return {.domain = domain.value_or(interface == "lo" ? 1 : 0), .interface = interface};
 }
 
@@ -57,7 +61,7 @@ static void SetReceived(const std::string& what, const DdsInput<T>& input, const
 
 Served Serve(const Wire& wire, DiagramBuilder& builder, QuadrupedStand& loop,
              const std::filesystem::path& out) {
-  const DdsLink link = wire.replay.empty() ? LinkOf("--serve", wire.where) : DdsLink{};
+  const DdsLink link = LinkOf("--serve", wire);
   UnitreeServerParams params{
       .link = link, .initial = HoldStance(loop.pd.params), .expired = DampedJoints(loop.pd.params.robot)};
   const auto recorder = std::make_shared<WireRecorder>(wire, out);
@@ -145,7 +149,7 @@ using SlowMpc = Slow<CentroidalMpc, &CentroidalMpc::plan>;
 
 RunResult Drive(const Wire& wire, QuadrupedScenario scenario, RunOptions options) {
   const bool repeats = !wire.replay.empty();
-  const DdsLink link = repeats ? DdsLink{} : LinkOf("--drive", wire.where);
+  const DdsLink link = LinkOf("--drive", wire);
   WalkScheduleParams& path = scenario.walk->path;
   const double end = kReady + EndOfWalk(*scenario.walk);
   double duration = scenario.duration_s.value_or(end + 2 + 2 * scenario.deployment->rise_time);

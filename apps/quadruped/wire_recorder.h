@@ -7,7 +7,7 @@ namespace tenon::apps {
 
 /// A robot or client on the wire, or the directory of a run with one, which is repeated without it.
 struct Wire {
-  std::string where = {};             ///< as --serve and --drive name it; empty: none
+  std::string where = {};             ///< "INTERFACE[,DOMAIN]"; empty: none
   std::filesystem::path replay = {};  ///< empty: no replay
   bool changed = false;               ///< the replay has another scenario than the run
   bool any() const { return !where.empty() || !replay.empty(); }

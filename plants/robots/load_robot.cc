@@ -233,7 +233,7 @@ QuadrupedDescription LoadQuadruped(const YamlFile& what) {
 
 std::string LoadPlace(const YamlFile& what) {
   const auto link = LoadRobot(what).Read<RobotFile>().link;
-  return link ? "unitree:" + link->unitree : "";
+  return link ? link->unitree : "";
 }
 
 MovingParts LoadMovingParts(const YamlFile& what) {

@@ -24,7 +24,7 @@ CdprDescription LoadCdpr(const std::string& path);
 /// Read the robot that a scenario names. They throw ParameterError, also for a robot of the other kind.
 CdprDescription LoadCdpr(const YamlFile& what);
 QuadrupedDescription LoadQuadruped(const YamlFile& what);
-/// Returns the place of the real quadruped, "unitree:eth0" for `link: {unitree: eth0}`; empty without `link`.
+/// Returns the link to the real quadruped, "eth0" for `link: {unitree: eth0}`; empty without `link`.
 std::string LoadPlace(const YamlFile& what);
 /// Reads the links on the `actuated_joints` of a quadruped's file, such as those of an arm; none without this
 /// key. LoadQuadruped returns the same robot with these joints at rest. In a program:
