@@ -75,7 +75,7 @@ Served Serve(const Wire& wire, DiagramBuilder& builder, QuadrupedStand& loop,
   auto& server = builder.Replace<UnitreeServer>(loop.pd, params);
   server.ConnectSensors(builder, loop.world);
   return {[recorder, &server, rate = params.command_rate](Simulator& simulator) {
-            recorder->AddTo(simulator, rate, server.command.y, server.checksum);
+            recorder->AddTo(simulator, rate, {&server.command.y, &server.checksum});
           },
           [recorder, &server, wire](Summary& summary, const Simulator& simulator) {
             recorder->AddTo(summary);
@@ -145,8 +145,6 @@ class RoundTrip final : public LogSink {
   TimeQuantiles times_;
 };
 
-using SlowMpc = Slow<CentroidalMpc, &CentroidalMpc::plan>;
-
 RunResult Drive(const Wire& wire, QuadrupedScenario scenario, RunOptions options) {
   const bool repeats = !wire.replay.empty();
   const DdsLink link = LinkOf("--drive", wire);
@@ -169,17 +167,26 @@ RunResult Drive(const Wire& wire, QuadrupedScenario scenario, RunOptions options
   WireRecorder recorder(wire, options.out);
   UnitreeWorldParams on_wire{.link = link, .initial = params.world.plant.initial};
   on_wire.replay = recorder.Received(UnitreeState());
-  SlowOptions& slow = params.locomotion.calculation;
-  if (params.locomotion.mpc) slow = {.thread = true, .record = true, .replay = ReadDurations(wire.replay)};
+  if (params.locomotion.mpc)
+    params.locomotion.calculation = {
+        .thread = true, .replay = recorder.Durations(on_wire.rate), .rate = on_wire.rate};
   auto& loop = AddDiagram<QuadrupedWalk>(
       builder, [&] { return params; }, {}, scenario, outputs, faults);
   Ros2Outputs ros2(builder, options);
   const std::chrono::duration<double> epoch = std::chrono::system_clock::now().time_since_epoch();
   AddRos2(builder, ros2, scenario, loop, nullptr, RobotTimes{on_wire.rate, epoch.count()});
   UnitreeWorld& robot = DriveUnitree(builder, loop, on_wire);
+  std::vector<const Source*> signals{
+      &robot.from_robot.y,   &loop.estimator->estimate, &loop.locomotion.body,    &loop.locomotion.schedule,
+      &loop.observer.wrench, &loop.deployment->status,  &loop.deployment->command};
+  std::vector<const Source*> recorded{&robot.from_robot.y, &robot.checksum};
+  if (const OutputPort<double>* age = loop.locomotion.mpc_age) {
+    signals.push_back(age);
+    recorded.insert(recorded.begin() + 1, age);
+  }
   const auto diagram = builder.Build();
   Simulator simulator(*diagram, {.real_time_rate = repeats ? 0.0 : 1.0});
-  recorder.AddTo(simulator, on_wire.rate, robot.from_robot.y, robot.checksum);
+  recorder.AddTo(simulator, on_wire.rate, recorded);
   std::optional<LastCommands> last;
   const auto round_trip = std::make_shared<RoundTrip>(robot.from_robot);
   if (repeats) {
@@ -207,12 +214,7 @@ RunResult Drive(const Wire& wire, QuadrupedScenario scenario, RunOptions options
     recorder.AddTo(summary);
     ros2.AddTo(summary, simulator);
     SetDeployment(simulator.context().Eval(loop.deployment->status), summary);
-    if (const auto* mpc = dynamic_cast<const SlowMpc*>(loop.locomotion.mpc))
-      WriteDurations(options.out, simulator.context().Eval(mpc->job).durations);
   };
-  std::vector<const Source*> signals{
-      &robot.from_robot.y,   &loop.estimator->estimate, &loop.locomotion.body,    &loop.locomotion.schedule,
-      &loop.observer.wrench, &loop.deployment->status,  &loop.deployment->command};
   return RunScenario(options, given, Describe(given, duration), duration, simulator, signals,
                      {&loop.view.geometry}, {}, judge);
 }

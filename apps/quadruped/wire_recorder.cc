@@ -5,9 +5,6 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include <cstdio>
-#include <sstream>
-
 namespace tenon::apps {
 namespace {
 
@@ -21,19 +18,11 @@ class WireLog final : public LogSink {
     file_.Append(fmt::format("{}{}\n", kMagic, fmt::join(names, ",")));
   }
   void Row(std::span<const double> row) override {
-    buffer_.append(reinterpret_cast<const char*>(row.data()), row.size_bytes());
-    if (Clock::now() - flushed_ > std::chrono::milliseconds(500)) Flush();
-  }
-  void Flush() override {
-    flushed_ = Clock::now();
-    file_.Append(std::exchange(buffer_, {}));
+    file_.Append({reinterpret_cast<const char*>(row.data()), row.size_bytes()});
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
   GrowingFile file_;
-  std::string buffer_;
-  Clock::time_point flushed_ = Clock::now();
 };
 
 }  // namespace
@@ -45,34 +34,17 @@ WireRows ReadWire(const std::filesystem::path& directory, std::size_t columns) {
   if (!text.starts_with(kMagic) || end == text.npos)
     throw ParameterError(fmt::format("{} is no recording of a wire", path.string()));
   const auto names = static_cast<std::size_t>(std::count(text.begin(), text.begin() + end, ',')) + 1;
-  if (names != columns)
+  if (names != columns && names != columns + 1)
     throw ParameterError(
         fmt::format("{} has {} columns, but this version of the robot has {}: replay it with "
                     "the version that recorded it",
                     path.string(), names, columns));
-  WireRows rows{columns};
-  const std::size_t row = columns * sizeof(double), whole = (text.size() - end - 1) / row;
+  WireRows rows{names, names != columns};
+  const std::size_t row = names * sizeof(double), whole = (text.size() - end - 1) / row;
   if (whole == 0) throw ParameterError(fmt::format("{} has no whole row", path.string()));
-  rows.numbers.resize(whole * columns);
+  rows.numbers.resize(whole * names);
   std::memcpy(rows.numbers.data(), text.data() + end + 1, whole * row);
   return rows;
-}
-
-void WriteDurations(const std::filesystem::path& directory, const Recording<double>& durations) {
-  if (directory.empty()) return;
-  std::string text = "time [s],duration [s]\n";
-  for (const auto& [time, duration] : durations) text += fmt::format("{},{}\n", time, duration);
-  WriteFile(directory / "durations.csv", text);
-}
-
-Recording<double> ReadDurations(const std::filesystem::path& directory) {
-  Recording<double> durations;
-  std::istringstream in(directory.empty() ? "" : ReadText(directory / "durations.csv"));
-  std::string line;
-  std::getline(in, line);
-  for (double time = 0, duration = 0; std::getline(in, line);)
-    if (std::sscanf(line.c_str(), "%lf,%lf", &time, &duration) == 2) durations.push_back({time, duration});
-  return durations;
 }
 
 /// Compares the checksums of the messages that are sent with the recorded ones.
@@ -83,7 +55,7 @@ class WireRecorder::Check final : public LogSink {
   void Row(std::span<const double> row) override {
     if (next_ >= recorded_.rows()) return;
     const double* recorded = recorded_.row(next_++);
-    if (row[0] == recorded[0] && row.back() == recorded[row.size() - 1]) {
+    if (row[0] == recorded[0] && row.back() == recorded[recorded_.columns - 1]) {
       ++equal;
     } else if (other++ == 0) {
       first = row[0];
@@ -100,14 +72,24 @@ class WireRecorder::Check final : public LogSink {
 WireRecorder::WireRecorder(Wire wire, std::filesystem::path out)
     : wire_(std::move(wire)), out_(std::move(out)) {}
 
-void WireRecorder::AddTo(Simulator& simulator, Rate rate, const Source& received, const Source& checksum) {
+Recording<double> WireRecorder::Durations(Rate rate) const {
+  Recording<double> durations;
+  for (std::size_t i = 0; recorded_.ages && i < recorded_.rows(); ++i) {
+    const double now = recorded_.row(i)[0], age = recorded_.row(i)[recorded_.columns - 2];
+    const double ticks = std::fmin(std::fmax(std::round(age * rate.hz()), 0), static_cast<double>(i));
+    const double start = recorded_.row(i - static_cast<std::size_t>(ticks))[0];
+    if (durations.empty() || durations.back().time != start) durations.push_back({start, now - start});
+  }
+  return durations;
+}
+
+void WireRecorder::AddTo(Simulator& simulator, Rate rate, const std::vector<const Source*>& signals) {
   if (!wire_.replay.empty()) {
     check_ = std::make_shared<Check>(recorded_);
-    simulator.AddLog(rate, {&received, &checksum}, {check_});
+    simulator.AddLog(rate, signals, {check_});
   } else if (!out_.empty()) {
     const OutputDirectory directory(out_);
-    simulator.AddLog(rate, {&received, &checksum},
-                     {InBackground(std::make_shared<WireLog>(out_ / "wire.bin"))});
+    simulator.AddLog(rate, signals, {InBackground(std::make_shared<WireLog>(out_ / "wire.bin"))});
   }
 }
 

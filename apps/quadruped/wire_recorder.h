@@ -13,10 +13,12 @@ struct Wire {
   bool any() const { return !where.empty() || !replay.empty(); }
 };
 
-/// The values that a run received over a wire: rows of a time, the elements of the received signal, and the
-/// checksum of the message that was sent at this tick.
+/// The values that a run received over a wire: rows of a time, the elements of the received signal, the age
+/// of the plan if it is calculated in a thread (see Slow), and the checksum of the message that was sent at
+/// this tick.
 struct WireRows {
   std::size_t columns = 0;
+  bool ages = false;
   std::vector<double> numbers = {};
 
   std::size_t rows() const { return numbers.size() / columns; }
@@ -25,14 +27,9 @@ struct WireRows {
 };
 
 /// Reads wire.bin of a directory: a line of names, then rows of doubles. A last row that is not whole, as
-/// after a kill, is dropped. Throws ParameterError for a file that cannot be read or has other columns than
-/// `columns`.
+/// after a kill, is dropped. Throws ParameterError for a file that cannot be read or whose columns without
+/// ages are not `columns`.
 WireRows ReadWire(const std::filesystem::path& directory, std::size_t columns);
-
-/// Writes and reads durations.csv, the durations of the calculations in a thread, see Slow. A directory
-/// without them has none.
-void WriteDurations(const std::filesystem::path& directory, const Recording<double>& durations);
-Recording<double> ReadDurations(const std::filesystem::path& directory);
 
 /// Writes the wire.bin of a run, or compares a replay with that of its run.
 class WireRecorder {
@@ -54,9 +51,11 @@ class WireRecorder {
     return recording;
   }
   const WireRows& recorded() const { return recorded_; }
+  /// The durations of the calculations by their starts, which are ticks of the wire; empty without ages.
+  Recording<double> Durations(Rate rate) const;
 
-  /// Logs the received signal and the checksum of the sent message at the rate of the wire.
-  void AddTo(Simulator& simulator, Rate rate, const Source& received, const Source& checksum);
+  /// Logs the signals of a row at the rate of the wire.
+  void AddTo(Simulator& simulator, Rate rate, const std::vector<const Source*>& signals);
   /// Adds the numbers of equal and of other checksums of a replay, and when the first one differed.
   void AddTo(Summary& summary) const;
 

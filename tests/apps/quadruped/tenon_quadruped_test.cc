@@ -9,12 +9,14 @@
 
 #include <cmath>
 #include <numeric>
+#include <set>
 
 namespace tenon::tenon_quadruped_test {
 
 namespace fs = std::filesystem;
 using test::Column, test::Result, test::RunCommand, ::testing::AllOf, ::testing::ContainsRegex,
-    ::testing::Each, ::testing::EndsWith, ::testing::HasSubstr, ::testing::Lt, ::testing::Not;
+    ::testing::Each, ::testing::EndsWith, ::testing::Gt, ::testing::HasSubstr, ::testing::Lt, ::testing::Not,
+    ::testing::SizeIs;
 
 class TenonQuadrupedTest : public test::AppTest {
  protected:
@@ -183,7 +185,6 @@ TEST_F(TenonQuadrupedTest, ADrivenRunIsRepeatedWithEqualChecksums) {
   EXPECT_THAT(Run(fmt::format("pushed --duration 0.3 --drive unitree:lo,{}", domain)),
               HasSubstr("driving the robot"));
   EXPECT_THAT(ReadText(out / "scenario.yaml"), HasSubstr(fmt::format("unitree: \"lo,{}\"", domain)));
-  EXPECT_THAT(ReadText(out / "durations.csv"), HasSubstr("0,0\n0.01,")) << "predictive control in a thread";
   const nlohmann::json same = Replayed();
   EXPECT_EQ(same.at("messages_equal"), 151);
   EXPECT_EQ(same.at("messages_different"), 0);
@@ -197,6 +198,24 @@ TEST_F(TenonQuadrupedTest, ADrivenRunIsRepeatedWithEqualChecksums) {
   const test::Result refused = test::RunCommand(app + " --replay " + out.string());
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.text, AllOf(HasSubstr("wire.bin"), HasSubstr("1 columns")));
+}
+
+// A solve in a thread is in use when the run is killed.
+TEST_F(TenonQuadrupedTest, ADrivenRunThatIsKilledIsRepeatedAsFarAsItWent) {
+  if (!TENON_WITH_UNITREE) return;
+  const Result result = RunCommand(fmt::format(
+      "bash -c '{} pushed --drive unitree:lo,{} --set deployment.initial=walk --set "
+      "deployment.limits.timeout_s=1 --set \"deployment.goals=[{{start_s: 0, goal: walk}}]\" {} & run=$!; "
+      "until "
+      "[ $(stat -c %s {} 2>/dev/null || echo 0) -gt 200000 ]; do kill -0 $run || exit 99; sleep 0.02; done; "
+      "kill -KILL $run; wait $run'",
+      app, 100 + getpid() % 100, Out(), (out / "wire.bin").string()));
+  EXPECT_EQ(result.exit_code, 137) << result.text;
+  const nlohmann::json same = Replayed();
+  EXPECT_GT(same.at("messages_equal"), 300);
+  EXPECT_EQ(same.at("messages_different"), 0);
+  const std::vector<double> ages = Column(out / "replay", "loop.locomotion.mpc.age [s]");
+  EXPECT_THAT(std::set<double>(ages.begin(), ages.end()), SizeIs(Gt(5))) << "as solves took time";
 }
 
 TEST_F(TenonQuadrupedTest, ARunIsRepeatedFromItsDirectory) {
