@@ -63,9 +63,8 @@ void AddRos2(DiagramBuilder& builder, Ros2Outputs& outputs, const LeggedScenario
                                        return truth;
                                      }));
   builder.Connect(walk.observer.wrench, messages.wrench);
-  if (!wire)
-    SendCommands(builder, outputs, walk.deployment != nullptr ? walk.drives->torque : walk.locomotion.torque,
-                 messages, walk.locomotion.whole_body.params.rate);
+  SendCommands(builder, outputs, walk.deployment != nullptr ? walk.drives->torque : walk.locomotion.torque,
+               messages, wire ? wire->rate : walk.locomotion.whole_body.params.rate);
   outputs.Send("disturbance", messages.disturbance);
   const LiveScenario& live = scenario.live;
   const auto ends = [&](int i) {

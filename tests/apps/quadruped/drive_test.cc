@@ -2,6 +2,7 @@
 
 #include <tenon/diagrams/unitree/unitree_server.h>
 #include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/ros2/mcap.h>
 #include <tenon/tests/apps/run_app.h>
 #include <tenon/tests/systems/dds/dds_peer.h>
 #include <tenon/tests/testing/test_rig.h>
@@ -59,7 +60,7 @@ TEST_F(DriveTest, CtrlCDampsTheJointsAndThenReleasesThem) {
       test::RunCommand(fmt::format("bash -c '{} flat --drive unitree:lo,{} --set deployment.initial=stand "
                                    "--set deployment.damp_time_s=0.1 "
                                    "--set \"deployment.goals=[{{start_s: 0, goal: stand}}]\" "
-                                   "--set deployment.limits.timeout_s=1 {} & echo $! > {}; "
+                                   "--set deployment.limits.timeout_s=1 --mcap {} & echo $! > {}; "
                                    "wait'",
                                    app, kOwnLink.domain, Out(), (out / "process").string()));
   ends = true;
@@ -71,6 +72,11 @@ TEST_F(DriveTest, CtrlCDampsTheJointsAndThenReleasesThem) {
   EXPECT_GT(summary.at("states"), 10);
   for (const char* times : {"tick_late_us", "tick_compute_us", "round_trip_us"})
     EXPECT_GT(summary.at(times).at("p50"), 0) << times;
+  std::map<std::string, int> recorded;
+  EXPECT_EQ(ReadMcap(out / "run.mcap", [&](const auto& message) { ++recorded[std::string(message.topic)]; }),
+            "");
+  EXPECT_GT(recorded["/joint_commands"], 10);
+  EXPECT_EQ(recorded["/joint_commands"], recorded["/joint_states"]);
   ASSERT_FALSE(heard.empty());
   EXPECT_EQ(heard.back(), Sent::kPassive);
   const auto damped = std::find(heard.begin(), heard.end(), Sent::kDamped);
