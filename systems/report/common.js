@@ -32,7 +32,7 @@ function button(text, label, click) {
   const node = element('button', '', text);
   node.type = 'button';
   node.title = label;
-  if (!/[a-z]{3}/.test(text)) node.setAttribute('aria-label', label);
+  if (!/[a-z]{3}/.test(text)) named(node, label);
   node.onclick = click;
   return node;
 }
@@ -78,6 +78,13 @@ function humanUnit(unit, magnitude) {
 function label(key) {
   const {name, unit} = nameOfKey(key);
   return unit ? `${name} [${unit}]` : name;
+}
+
+// Names a node for screen readers.
+function named(node, label, role) {
+  node.setAttribute('aria-label', label);
+  if (role) node.setAttribute('role', role);
+  return node;
 }
 
 // A drop-down list with a caption; `change` receives the chosen index.

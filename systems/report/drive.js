@@ -6,9 +6,7 @@
 class Stick {
   constructor(label, flat, change) {
     this.value = [0, 0];
-    this.box = element('div', flat ? 'stick flat' : 'stick');
-    this.box.setAttribute('role', 'img');
-    this.box.setAttribute('aria-label', label);
+    this.box = named(element('div', flat ? 'stick flat' : 'stick'), label, 'img');
     this.box.title = label;
     this.knob = element('i');
     this.box.append(this.knob);
@@ -116,9 +114,8 @@ class Goal {
     const row = element('form', 'row');
     row.append(element('span', '', `${name}: goal`));
     this.fields = ['x', 'y', 'z'].map((axis, k) => {
-      const field = element('input');
+      const field = named(element('input'), `${name}: ${axis} in m`);
       Object.assign(field, {type: 'number', step: 'any', min: box[0][k], max: box[1][k], title: `${axis}: ${box[0][k]} … ${box[1][k]} m`});
-      field.setAttribute('aria-label', `${name}: ${axis} in m`);
       field.hidden = box[0][k] === box[1][k];
       row.append(field);
       return field;
@@ -151,10 +148,8 @@ class Goal {
 function addLoad(live, {name, mass_kg: [low, high], start}, parent) {
   const row = element('div', 'row'), hangs = /payload/.test(name);
   const slider = element('input'), field = element('input');
-  for (const [input, type] of [[slider, 'range'], [field, 'number']]) {
-    Object.assign(input, {type, min: low, max: high, step: 'any', value: start || (low + high) / 2});
-    input.setAttribute('aria-label', `${name}: mass in kg`);
-  }
+  for (const [input, type] of [[slider, 'range'], [field, 'number']])
+    Object.assign(named(input, `${name}: mass in kg`), {type, min: low, max: high, step: 'any', value: start || (low + high) / 2});
   slider.oninput = () => field.value = Number(Number(slider.value).toPrecision(3));
   field.oninput = () => slider.value = field.value;
   const put = (mass) => live.send({command: 'load', mass_kg: mass});
@@ -172,15 +167,12 @@ class Drive {
     this.box.id = 'drive';
     this.box.open = true;
     this.box.append(element('summary', '', 'Drive'));
-    const panel = element('fieldset');
-    panel.setAttribute('aria-label', 'drive');
+    const panel = named(element('fieldset'), 'drive');
     this.velocity = drive ? new Velocity(live, drive, panel) : null;
     const choices = element('div', 'choices');
     const choose = (command, names) => {
       if (names.length === 0) return;
-      const row = element('div', 'row');
-      row.setAttribute('role', 'group');
-      row.setAttribute('aria-label', command);
+      const row = named(element('div', 'row'), command, 'group');
       row.append(element('span', '', command), ...names.map((name) => button(name.split('_').join(' '), `${command}: ${name}`, async (event) => {
         const {ok} = await live.send({command, name});
         if (ok) for (const node of row.querySelectorAll('button')) node.setAttribute('aria-pressed', String(node === event.target));

@@ -56,7 +56,7 @@ class Live {
 
   open() {
     const source = new EventSource(`events?${this.query}`);
-    const receive = (name, take) => source.addEventListener(name, ({data}) => {
+    const receive = (name, take = () => {}) => source.addEventListener(name, ({data}) => {
       const message = JSON.parse(data);
       take(message);
       this.tell(name, message);
@@ -66,8 +66,7 @@ class Live {
     receive('back', ({to_s}) => this.cut(to_s));
     receive('reset', () => this.cut(-Infinity));
     receive('status', (status) => this.setStatus(status));
-    receive('parameter', () => {});
-    receive('pull', () => {});
+    for (const name of ['parameter', 'pull']) receive(name);
     source.onerror = () => {
       this.connected = false;
       if (this.ended) source.close();  // the server has exited and will not come back

@@ -6,14 +6,11 @@ class Picker {
   // `choose(names, target)`: target is a plot, 'together' for one new plot, or 'apart' for one new plot per name.
   constructor(dialog, runs, plots, choose) {
     Object.assign(this, {dialog, runs, plots, choose});
-    this.search = element('input');
-    this.search.type = 'search';
-    this.search.placeholder = 'part of a name';
-    this.search.setAttribute('aria-label', 'part of a name');
+    this.search = named(element('input'), 'part of a name');
+    Object.assign(this.search, {type: 'search', placeholder: 'part of a name'});
     this.search.oninput = () => this.filter();
     this.list = element('div', 'signals');
-    this.target = element('select');
-    this.target.setAttribute('aria-label', 'target plot');
+    this.target = named(element('select'), 'target plot');
     this.add = button('plot', 'plot the chosen signals', () => this.finish());
     const foot = element('div', 'foot');
     this.count = element('span', 'note');

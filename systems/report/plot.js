@@ -131,9 +131,7 @@ class Plot {
     this.body = element('div');
     this.readout = element('div', 'readout');
     this.area = element('div', 'area');
-    this.chart = element('div', 'chart');
-    this.chart.setAttribute('role', 'img');
-    this.chart.setAttribute('aria-label', this.spec.title);
+    this.chart = named(element('div', 'chart'), this.spec.title, 'img');
     this.cursor = element('div', 'cursor');
     this.area.append(this.chart, this.cursor);
     this.body.append(this.readout, this.area, this.resizer());
@@ -143,11 +141,9 @@ class Plot {
 
   // The lower edge, which resizes the plot by dragging or with the arrow keys; a double click restores the height.
   resizer() {
-    const edge = element('div', 'resize');
+    const edge = named(element('div', 'resize'), `height of ${this.spec.title}`, 'separator');
     edge.tabIndex = 0;
-    edge.setAttribute('role', 'separator');
     edge.setAttribute('aria-orientation', 'horizontal');
-    edge.setAttribute('aria-label', `height of ${this.spec.title}`);
     edge.title = 'drag to resize, double-click to restore the height';
     const set = (height) => this.area.style.setProperty('--height', `${Math.max(60, height)}px`);
     edge.onpointerdown = (down) => {

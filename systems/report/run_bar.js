@@ -8,22 +8,18 @@ class RunBar {
   constructor(live) {
     this.live = live;
     this.follower = null;  // set when the page has been built
-    this.box = element('section');
+    this.box = named(element('section'), 'run', 'toolbar');
     this.box.id = 'run-bar';
-    this.box.setAttribute('role', 'toolbar');
-    this.box.setAttribute('aria-label', 'run');
     this.state = element('span', 'verdict');
     this.who = element('span', 'who');
     this.take = button('take over', 'become the driver of this run', () => this.ask({command: live.drives ? 'leave' : 'take'}));
-    this.run = element('fieldset');
-    this.run.setAttribute('aria-label', 'time of the run');
+    this.run = named(element('fieldset'), 'time of the run');
     this.pause = button('pause', 'pause or resume the run (space)', () => this.togglePause());
     this.tick = button('one tick', 'advance the paused run by one tick (.)', () => this.ask({command: 'tick'}));
     this.back = button('5 s back', 'set the run back by 5 s (b)', () => this.goBack(live.run.end - 5));
     this.backHere = button('back', 'set the run back', () => this.goBack(this.shownTime()));
-    this.seed = element('input');
+    this.seed = named(element('input'), 'seed');
     Object.assign(this.seed, {type: 'number', min: 0, step: 1, value: 1, title: 'seed of the random numbers'});
-    this.seed.setAttribute('aria-label', 'seed');
     this.run.append(this.pause, this.tick);
     chooser(this.run, 'speed', RATES.map((rate) => rate === null ? 'as fast as possible' : `${rate}×`), RATES.indexOf(1),
             (i) => this.ask({command: 'rate', value: RATES[i]}));
@@ -36,9 +32,13 @@ class RunBar {
     this.run.append(this.back, seedLabel, reset,
                     button('save scenario', 'save a scenario that starts with the current values', () => this.save()), this.stop);
     this.note = element('output', 'note');
-    this.box.append(this.state, this.who, this.take, this.run, this.note);
+    this.times = named(element('span', 'times'), 'real time', 'group');
+    this.box.append(this.state, this.who, this.take, this.run, this.note, this.times);
     live.on('change', () => this.show());
-    live.on('status', () => this.showState());
+    live.on('status', () => {
+      this.showState();
+      this.showTimes();
+    });
     live.on('step', () => this.showBack());
     live.on('answer', ({command, answer}) => this.showAnswer(command, answer));
     this.show();
@@ -66,12 +66,7 @@ class RunBar {
 
   async save() {
     const answer = await this.ask({command: 'save'});
-    if (answer.yaml === undefined) return;
-    const link = element('a');
-    link.href = URL.createObjectURL(new Blob([answer.yaml], {type: 'text/yaml'}));
-    link.download = 'scenario.yaml';
-    link.click();
-    URL.revokeObjectURL(link.href);
+    if (answer.yaml !== undefined) saveFile(new Blob([answer.yaml], {type: 'text/yaml'}), 'scenario', 'yaml');
   }
 
   // Stops the run if the button is pressed twice within some seconds.
@@ -104,6 +99,21 @@ class RunBar {
         !connected ? 'connecting …' : state === 'running' ? `running${speed}` : state;
     if (this.state.textContent !== text) this.state.textContent = text;
     this.state.className = `verdict ${ended ? '' : connected ? state === 'running' ? 'good' : '' : this.live.run ? 'bad' : ''}`;
+  }
+
+  // Histograms of the frames: how late they began, and how long they took to compute.
+  showTimes() {
+    this.times.replaceChildren(...Object.entries(this.live.status.times || {}).flatMap(([name, {below_us, count, p50_us, p99_us}]) => {
+      const bars = element('span', 'bars'), [median, most] = [p50_us, p99_us].map((us) => formatNumber(Number((us / 1000).toPrecision(2))));
+      const counts = [...below_us, ['∞', count]].map(([limit, below], i) => [limit, below - (i ? below_us[i - 1][1] : 0)]);
+      bars.append(...counts.map(([limit, frames]) => {
+        const bar = element('i');
+        bar.style.height = `${100 * Math.sqrt(frames / Math.max(...counts.map((each) => each[1])))}%`;
+        bar.title = `frames ${name}: ${frames} below ${limit} µs`;
+        return bar;
+      }));
+      return [element('span', '', `frames ${name}: ${median} ms, 99 % below ${most} ms`), bars];
+    }));
   }
 
   showBack() {

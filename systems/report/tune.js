@@ -53,7 +53,7 @@ class Tuned {
       row.append(slider);
     }
     row.append(field);
-    for (const input of row.querySelectorAll('input')) input.setAttribute('aria-label', `${name} ${label}`.trim());
+    for (const input of row.querySelectorAll('input')) named(input, `${name} ${label}`.trim());
     return {row, field, slider};
   }
 
@@ -90,12 +90,10 @@ class Tune {
     this.box = element('details');
     this.box.id = 'tune';
     this.box.append(element('summary', '', 'Tune'));
-    this.search = element('input');
+    this.search = named(element('input'), 'part of the name of a parameter');
     Object.assign(this.search, {type: 'search', placeholder: 'part of a name'});
-    this.search.setAttribute('aria-label', 'part of the name of a parameter');
     this.search.oninput = () => this.filter();
-    this.list = element('fieldset');
-    this.list.setAttribute('aria-label', 'parameters');
+    this.list = named(element('fieldset'), 'parameters');
     this.box.append(this.search, this.list);
     parent.prepend(this.box);
     live.on('parameter', ({path, value}) => this.change(path, [].concat(value)));

@@ -20,6 +20,9 @@ std::vector<const ParameterSource*> Tunable(const Diagram& diagram);
 /// Returns the value of a Parameter as a number or a list of numbers.
 Json ParameterValue(const ParameterSource& parameter, Context& context);
 
+/// Returns median and 99 % quantile of times in us, and how many are below each of several limits.
+Json TimesJson(const TimeQuantiles& times);
+
 /// Collects the rows of a log between two messages.
 class LiveRows final : public LogSink {
  public:

@@ -97,8 +97,10 @@ RunStatus LiveRun::Serve(std::optional<double> duration) {
       } else if (wanted_rate_ > 0 && now < Due()) {
         channel_.WaitUntil(std::min(Due(), now + kLongestWait));
       } else {
+        if (wanted_rate_ > 0) late_.Add(std::chrono::duration<double>(now - Due()).count());
         if (wanted_rate_ > 0 && now > Due() + kCatchUp) RestartClock();
         Advance(duration ? std::min(NextFrame(), *duration) : NextFrame());
+        compute_.Add(std::chrono::duration<double>(Clock::now() - now).count());
       }
     } else if (state_ == State::kEnded && (duration || channel_.clients() == 0)) {
       return Finish(ended_, true);
@@ -205,7 +207,8 @@ void LiveRun::PublishStatus() {
             {"rate", state_ == State::kRunning ? std::round(100 * rate_) / 100 : 0.0},
             {"driver", HasDriver() ? Json(driver_) : Json(nullptr)},
             {"clients", channel_.clients()},
-            {"refused", channel_.refused()}};
+            {"refused", channel_.refused()},
+            {"times", {{"late", TimesJson(late_)}, {"computed in", TimesJson(compute_)}}}};
   if (state_ == State::kEnded) json["end_reason"] = ended_.reason;
   if (!message_.empty()) json["message"] = message_;
   channel_.SetStatus(Dump(json));

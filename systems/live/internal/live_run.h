@@ -83,6 +83,7 @@ class LiveRun {
   double clock_start_time_ = 0;
   std::deque<std::pair<Clock::time_point, double>> pace_;  // wall-clock times and times of the run
   double rate_ = 0;
+  TimeQuantiles late_, compute_;  // begin of a frame after its due time, and its computation
   Clock::time_point published_, status_published_;
   std::string driver_;
   Clock::time_point driver_seen_;
