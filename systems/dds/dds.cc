@@ -176,16 +176,14 @@ struct End {
   dds_entity_t MakeTopic() const {
     const auto* type = static_cast<const dds_topic_descriptor_t*>(message.descriptor);
     Demand(!end.topic.empty(), "topic is empty: set the name of the topic, such as \"rt/lowcmd\"");
+    Demand(type->m_size == message.size,
+           fmt::format("the type {} is not that of its descriptor", type->m_typename));
     if (message.as_is != nullptr) {
       const std::string name = ros2::DdsNameOf(*message.as_is);
-      Demand(
-          name == type->m_typename && SizeOfC(*message.as_is) == type->m_size && message.size == type->m_size,
-          fmt::format("the type {} is not that of the signal {}: give both the same members, and the "
-                      "signal the package as its namespace",
-                      type->m_typename, name));
-    } else {
-      Demand(type->m_size == message.size,
-             fmt::format("the type {} is not that of its descriptor", type->m_typename));
+      Demand(name == type->m_typename && SizeOfC(*message.as_is) == type->m_size,
+             fmt::format("the type {} is not that of the signal {}: give both the same members, and the "
+                         "signal the package as its namespace",
+                         type->m_typename, name));
     }
     const dds_entity_t made = dds_create_topic(participant.get(), type, end.topic.c_str(), nullptr, nullptr);
     Demand(made > 0,
@@ -193,9 +191,6 @@ struct End {
                        "digits, '/' and '_' that has one type in this program",
                        end.topic, type->m_typename, dds_strretcode(made)));
     return made;
-  }
-  std::string Description() const {
-    return fmt::format("DDS topic '{}' of domain {}", end.topic, end.link.domain);
   }
 
   const DdsEnd end;
@@ -241,11 +236,10 @@ class DdsInbox final : public Inbox {
       }
       dds_requested_incompatible_qos_status_t refused{};
       dds_get_requested_incompatible_qos_status(reader_.entity, &refused);
-      if (refused.total_count_change > 0) {
+      if (refused.total_count_change > 0)
         return Refuse(refused.last_policy_id == DDS_TYPE_CONSISTENCY_ENFORCEMENT_QOS_POLICY_ID
                           ? "a sender offers another type under this name"
                           : "a sender offers the topic without lock_step");
-      }
       const dds_duration_t left = end - dds_time();
       if (left <= 0) return {};
       dds_waitset_wait(waiting_.entity, nullptr, 0, left);
@@ -268,7 +262,9 @@ class DdsInbox final : public Inbox {
     }
     return reason.empty() ? reason : fmt::format("{}: {}", Description(), reason);
   }
-  std::string Description() const override { return end_.Description(); }
+  std::string Description() const override {
+    return fmt::format("DDS topic '{}' of domain {}", end_.end.topic, end_.end.link.domain);
+  }
 
   std::string ReadMessage(const void* message, void* value) {
     const TypeInfo* type = end_.message.as_is;

@@ -13,10 +13,8 @@ std::pair<std::string, std::string> PackageAndName(const internal::TypeInfo& typ
   std::string full = internal::Demangled(type.id->name());
   const std::size_t name = full.rfind("::");
   if (name == full.npos) return {"", full};
-  const std::size_t package = full.rfind("::", name - 1);
-  return {
-      full.substr(package == full.npos ? 0 : package + 2, name - (package == full.npos ? 0 : package + 2)),
-      full.substr(name + 2)};
+  const std::size_t before = full.rfind("::", name - 1), package = before == full.npos ? 0 : before + 2;
+  return {full.substr(package, name - package), full.substr(name + 2)};
 }
 
 }  // namespace

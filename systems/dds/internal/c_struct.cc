@@ -62,49 +62,37 @@ const char* At(const void* value, std::size_t offset) {
   return static_cast<const char*>(value) + offset;
 }
 
-/// Size of the buffers of all lists whose items have another form in C.
-std::size_t BuffersOf(const TypeInfo& type, const void* value) {
-  std::size_t size = 0;
-  if (type.kind == Kind::kStruct) {
-    for (const Field& field : type.fields) size += BuffersOf(field.type(), At(value, field.offset));
-  } else if (type.kind == Kind::kList || type.kind == Kind::kArray) {
-    const TypeInfo& item = type.item();
-    if (item.kind == Kind::kNumber) return 0;
-    const Items items = ItemsIn(type, value);
-    if (type.kind == Kind::kList)
-      size = Aligned(items.count * LayoutOf(item).size, alignof(std::max_align_t));
-    for (std::size_t i = 0; i < items.count; ++i) size += BuffersOf(item, items.data + i * item.size);
-  }
-  return size;
-}
-
-/// Writes a value to `at`, and its buffers to `buffers`, which then points behind them.
-void Write(const TypeInfo& type, const void* value, char* at, char*& buffers) {
+/// Writes a value to `memory` + `at`, and lists whose items have another form in C from `end` on, which then
+/// is behind them. Without memory, it only finds this end.
+void Write(const TypeInfo& type, const void* value, char* memory, std::size_t at, std::size_t& end) {
+  const auto put = [&](const void* bytes, std::size_t size) {
+    if (memory != nullptr) std::memcpy(memory + at, bytes, size);
+  };
   if (type.kind == Kind::kNumber) {
-    std::memcpy(at, value, SizeOf(type.scalar));
+    put(value, SizeOf(type.scalar));
   } else if (type.kind == Kind::kText) {
     const char* text = static_cast<const std::string*>(value)->c_str();
-    std::memcpy(at, &text, sizeof text);
+    put(&text, sizeof text);
   } else if (type.kind == Kind::kStruct) {
     ForEachField(type, [&](const Field& field, std::size_t offset, const TypeInfo& of) {
-      Write(of, At(value, field.offset), at + offset, buffers);
+      Write(of, At(value, field.offset), memory, at + offset, end);
     });
   } else {
     const TypeInfo& item = type.item();
     const Items items = ItemsIn(type, value);
     const std::size_t size = LayoutOf(item).size;
-    char* to = at;
+    std::size_t to = at;
     if (type.kind == Kind::kList) {
       const bool same = item.kind == Kind::kNumber;
-      to = same ? items.data : buffers;
-      if (!same) buffers += Aligned(items.count * size, alignof(std::max_align_t));
       const auto count = static_cast<std::uint32_t>(items.count);
-      const dds_sequence_t sequence{count, count, reinterpret_cast<std::uint8_t*>(to), false};
-      std::memcpy(at, &sequence, sizeof sequence);
+      char* const buffer = same || memory == nullptr ? items.data : memory + end;
+      const dds_sequence_t sequence{count, count, reinterpret_cast<std::uint8_t*>(buffer), false};
+      put(&sequence, sizeof sequence);
       if (same) return;
+      to = std::exchange(end, end + Aligned(items.count * size, alignof(std::max_align_t)));
     }
     for (std::size_t i = 0; i < items.count; ++i)
-      Write(item, items.data + i * item.size, to + i * size, buffers);
+      Write(item, items.data + i * item.size, memory, to + i * size, end);
   }
 }
 
@@ -116,9 +104,10 @@ std::size_t SizeOfC(const TypeInfo& type) {
 
 void WriteC(const TypeInfo& type, const void* signal, std::vector<char>& memory) {
   const std::size_t size = Aligned(SizeOfC(type), alignof(std::max_align_t));
-  memory.assign(size + BuffersOf(type, signal), 0);
-  char* buffers = memory.data() + size;
-  Write(type, signal, memory.data(), buffers);
+  std::size_t end = size;
+  Write(type, signal, nullptr, 0, end);
+  memory.assign(end, 0);
+  Write(type, signal, memory.data(), 0, end = size);
 }
 
 std::string ReadC(const TypeInfo& type, const void* message, void* signal) {

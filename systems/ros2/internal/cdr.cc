@@ -15,85 +15,54 @@ using Kind = TypeInfo::Kind;
 constexpr std::size_t kEncapsulation = 4;  // bytes before the message
 constexpr char kLittleEndian[kEncapsulation] = {0, 1, 0, 0};
 
+/// Passes the numbers, texts and lengths of lists of a message to a Writer or Reader, in their order.
+void Visit(auto& stream, const TypeInfo& type, void* value) {
+  if (type.kind == Kind::kNumber) {
+    stream.Numbers(value, SizeOf(type.scalar), 1);
+  } else if (type.kind == Kind::kText) {
+    stream.Text(*static_cast<std::string*>(value));
+  } else if (type.kind == Kind::kStruct) {
+    for (const Field& field : type.fields)
+      Visit(stream, field.type(), static_cast<char*>(value) + field.offset);
+  } else {
+    const TypeInfo& item = type.item();
+    if (type.kind == Kind::kList) stream.Length(type, value);
+    const Items items = ItemsIn(type, value);
+    if (item.kind == Kind::kNumber) return stream.Numbers(items.data, SizeOf(item.scalar), items.count);
+    for (std::size_t i = 0; i < items.count; ++i) Visit(stream, item, items.data + i * item.size);
+  }
+}
+
 /// Appends to a message. Numbers are aligned to their size from the end of the encapsulation on.
 class Writer {
  public:
   explicit Writer(std::vector<char>& out) : out_(out) {}
 
-  void Value(const TypeInfo& type, void* value) {
-    if (type.kind == Kind::kNumber) {
-      Numbers(value, SizeOf(type.scalar), 1);
-    } else if (type.kind == Kind::kText) {
-      const auto& text = *static_cast<const std::string*>(value);
-      Count(text.size() + 1);
-      out_.insert(out_.end(), text.c_str(), text.c_str() + text.size() + 1);
-    } else if (type.kind == Kind::kStruct) {
-      for (const Field& field : type.fields) Value(field.type(), static_cast<char*>(value) + field.offset);
-    } else {
-      const Items items = ItemsIn(type, value);
-      const TypeInfo& item = type.item();
-      if (type.kind == Kind::kList) Count(items.count);
-      if (item.kind == Kind::kNumber) return Numbers(items.data, SizeOf(item.scalar), items.count);
-      for (std::size_t i = 0; i < items.count; ++i) Value(item, items.data + i * item.size);
-    }
-  }
-
- private:
-  void Count(std::size_t count) {
-    auto number = static_cast<std::uint32_t>(count);
-    Numbers(&number, sizeof number, 1);
-  }
   void Numbers(const void* data, std::size_t size, std::size_t count) {
     if (count == 0) return;
     while ((out_.size() - kEncapsulation) % size != 0) out_.push_back(0);
     const auto* bytes = static_cast<const char*>(data);
     out_.insert(out_.end(), bytes, bytes + size * count);
   }
+  void Text(const std::string& text) {
+    Count(text.size() + 1);
+    out_.insert(out_.end(), text.c_str(), text.c_str() + text.size() + 1);
+  }
+  void Length(const TypeInfo& list, void* value) { Count(ItemsIn(list, value).count); }
+
+ private:
+  void Count(std::size_t count) {
+    const auto number = static_cast<std::uint32_t>(count);
+    Numbers(&number, sizeof number, 1);
+  }
   std::vector<char>& out_;
 };
 
-/// Reads from a message, and is not `good` behind its end.
+/// Reads from a message. Once it is not `good`, behind the end, it reads nothing.
 class Reader {
  public:
   explicit Reader(std::span<const char> body) : body_(body) {}
 
-  void Value(const TypeInfo& type, void* value) {
-    if (type.kind == Kind::kNumber) {
-      Numbers(value, SizeOf(type.scalar), 1);
-    } else if (type.kind == Kind::kText) {
-      const std::size_t size = Count(1);
-      if (!good_) return;
-      static_cast<std::string*>(value)->assign(body_.data() + at_, size == 0 ? 0 : size - 1);
-      at_ += size;
-    } else if (type.kind == Kind::kStruct) {
-      for (const Field& field : type.fields)
-        if (good_) Value(field.type(), static_cast<char*>(value) + field.offset);
-    } else {
-      const TypeInfo& item = type.item();
-      if (type.kind == Kind::kList) {
-        const std::size_t count = Count(SizeOfShortest(item));
-        if (!good_) return;
-        type.resize(value, count, 1);
-      }
-      const Items items = ItemsIn(type, value);
-      if (item.kind == Kind::kNumber) return Numbers(items.data, SizeOf(item.scalar), items.count);
-      for (std::size_t i = 0; i < items.count && good_; ++i) Value(item, items.data + i * item.size);
-    }
-  }
-  bool good() const { return good_; }
-  std::size_t rest() const { return body_.size() - at_; }
-
- private:
-  static std::size_t SizeOfShortest(const TypeInfo& type) {
-    return type.kind == Kind::kNumber ? SizeOf(type.scalar) : sizeof(std::uint32_t);
-  }
-  /// Reads a number of items of at least this size, which the rest of the message must hold.
-  std::size_t Count(std::size_t item) {
-    std::uint32_t count = 0;
-    Numbers(&count, sizeof count, 1);
-    good_ = good_ && count <= rest() / item;
-    return good_ ? count : 0;
-  }
   void Numbers(void* data, std::size_t size, std::size_t count) {
     if (count == 0) return;
     const std::size_t begin = (at_ + size - 1) / size * size;
@@ -101,6 +70,28 @@ class Reader {
     if (!good_) return;
     std::memcpy(data, body_.data() + begin, size * count);
     at_ = begin + size * count;
+  }
+  void Text(std::string& text) {
+    const std::size_t size = Count(1);
+    text.assign(body_.data() + at_, size == 0 ? 0 : size - 1);
+    at_ += size;
+  }
+  void Length(const TypeInfo& list, void* value) {
+    const TypeInfo& item = list.item();
+    const std::size_t count =
+        Count(item.kind == Kind::kNumber ? SizeOf(item.scalar) : sizeof(std::uint32_t));  // the shortest item
+    if (good_) list.resize(value, count, 1);
+  }
+  bool good() const { return good_; }
+  std::size_t rest() const { return body_.size() - at_; }
+
+ private:
+  /// Reads a number of items of at least this size, which the rest of the message must hold.
+  std::size_t Count(std::size_t item) {
+    std::uint32_t count = 0;
+    Numbers(&count, sizeof count, 1);
+    good_ = good_ && count <= rest() / item;
+    return good_ ? count : 0;
   }
   std::span<const char> body_;
   std::size_t at_ = 0;
@@ -135,14 +126,15 @@ std::string NameIn(const TypeInfo& type, std::vector<const TypeInfo*>& contained
 
 void WriteCdr(const TypeInfo& type, const void* message, std::vector<char>& out) {
   out.assign(kLittleEndian, kLittleEndian + kEncapsulation);
-  Writer(out).Value(type, const_cast<void*>(message));
+  Writer writer(out);
+  Visit(writer, type, const_cast<void*>(message));
 }
 
 std::string ReadCdr(const TypeInfo& type, std::span<const char> cdr, void* message) {
   if (cdr.size() < kEncapsulation || cdr[0] != 0 || cdr[1] != 1)
     return "the message is not in CDR with little endian";
   Reader reader(cdr.subspan(kEncapsulation));
-  reader.Value(type, message);
+  Visit(reader, type, message);
   if (!reader.good()) return fmt::format("the message has {} bytes and ends too early", cdr.size());
   constexpr std::size_t kPadding = 3;
   if (reader.rest() > kPadding) return fmt::format("the message has {} bytes too many", reader.rest());

@@ -152,17 +152,6 @@ TEST(DdsInputTest, AFloodBetweenTwoTicksEndsInItsNewestMessage) {
   EXPECT_EQ(rig.Tick()[rig->y].position, 5000);
 }
 
-TEST(DdsTest, ATickDoesNotAllocate) {
-  TestRig<Input> input(kInput);
-  TestRig<Publisher> publisher(kPublisher);
-  publisher.Fix(publisher->u, {1, 2}).Tick().Tick();
-  input.Tick();
-  EXPECT_EQ(AllocationsOf([&] { input.Tick(); }), 0);
-  EXPECT_EQ(AllocationsOf([&] { publisher.Tick(); }), 0);
-  EXPECT_EQ(AllocationsOf([&] { input.Tick(); }), 0);
-  EXPECT_EQ(input[input->taken].number, 2u);
-}
-
 TEST(DdsTest, RefusesWhatItCannotJoin) {
   const auto with = [](auto params, const auto& change) {
     change(params);
@@ -174,56 +163,6 @@ TEST(DdsTest, RefusesWhatItCannotJoin) {
   EXPECT_TRUE(Refuses<Input>(with(kInput, [](auto& p) { p.timeout_s = 0; }), "timeout_s = 0"));
   const TestRig<Input> first(kInput);
   EXPECT_TRUE(Refuses<Publisher>(with(kPublisher, [](auto& p) { p.link.interface = ""; }), "'lo'"));
-}
-
-// ---- Two processes ----
-
-/// Doubles what it receives, tick by tick.
-void Echo(double end) {
-  DiagramBuilder builder;
-  auto& input = builder.Add<Input>(
-      "input", {.topic = kTopic + "_there", .link = kOwnLink, .rate = Hz(100), .lock_step = true});
-  auto& doubled = builder.AddFunction({"doubled"}, Uses(input.y), [](const CartSignal& x) {
-    return CartSignal{2 * x.position, x.speed};
-  });
-  builder.Connect(
-      doubled,
-      builder
-          .Add<Publisher>("publisher",
-                          {.topic = kTopic + "_back", .link = kOwnLink, .rate = Hz(100), .lock_step = true})
-          .u);
-  Simulator(builder.Build()).RunTo(end);
-}
-
-TEST(DdsInputTest, InLockStepTwoProcessesAreOneRunAndItsRecordingRepeatsIt) {
-  constexpr double kEnd = 1;
-  test::SecondProcess echo([] { Echo(kEnd); });
-  DdsInputParams<CartSignal> params{
-      .topic = kTopic + "_back", .link = kOwnLink, .rate = Hz(100), .lock_step = true, .record = true};
-  const auto run = [&] {
-    DiagramBuilder builder;
-    auto& signal = builder.AddFunction({"signal"}, Sampled{Hz(100)}, Uses(builder.time), [](double t) {
-      return CartSignal{std::sin(t), t};
-    });
-    builder.Connect(
-        signal, builder
-                    .Add<Publisher>(
-                        "publisher",
-                        {.topic = kTopic + "_there", .link = kOwnLink, .rate = Hz(100), .lock_step = true})
-                    .u);
-    auto& input = builder.Add<Input>("input", params);
-    Simulator simulator(builder.Build(), {.publish = params.replay.empty()});
-    const auto log = simulator.AddLog(Hz(100), {&signal, &input.y});
-    simulator.RunTo(kEnd);
-    for (std::size_t i = 0; i < log->rows(); ++i) EXPECT_EQ(log->row(i)[3], 2 * log->row(i)[1]) << i;
-    EXPECT_EQ(log->rows(), 101u);
-    return simulator.context().Eval(input.taken).recording;
-  };
-  const auto recording = run();
-  EXPECT_TRUE(echo.Succeeds());
-  EXPECT_EQ(recording.size(), 101u);
-  params.replay = recording;
-  run();
 }
 
 TEST(DdsInputTest, ALockStepThatIsLateEndsTheRun) {
