@@ -87,8 +87,6 @@ class Proposal {
     notes_.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
 
-  const UrdfLink& LinkOf(const UrdfJoint& joint) const { return file_.ChildOf(joint); }
-
   /// Whether a cylinder turns about its axis.
   bool IsWheel(const UrdfLink& link, const UrdfShape& cylinder) const {
     for (const UrdfLink* at = &link; at->parent_joint != nullptr; at = at->parent) {
@@ -118,11 +116,11 @@ class Proposal {
       if (IsWheel(link, collision)) consider(sphere, centre, collision.radius);
     }
     consider(frame, Vector3d::Zero(), round);
-    for (const UrdfJoint* joint : link.joints) Search(LinkOf(*joint), knee, sphere, frame);
+    for (const UrdfJoint* joint : link.joints) Search(file_.ChildOf(*joint), knee, sphere, frame);
   }
 
   Foot FindFoot(const UrdfChain& leg) {
-    const UrdfLink& shank = LinkOf(*leg.back());
+    const UrdfLink& shank = file_.ChildOf(*leg.back());
     const Vector3d knee = found_.poses.at(shank.name).translation();
     const double thigh = (knee - found_.poses.at(leg[1]->child).translation()).norm();
     Foot sphere, frame;
@@ -254,7 +252,7 @@ class Proposal {
       }
       return std::ranges::any_of(link.joints, [&](const UrdfJoint* joint) {
         const bool is_leg = std::ranges::any_of(legs_, [&](const UrdfChain& leg) { return leg[0] == joint; });
-        return !is_leg && self(self, LinkOf(*joint));
+        return !is_leg && self(self, file_.ChildOf(*joint));
       });
     };
     visit(visit, file_.FloatingLink());

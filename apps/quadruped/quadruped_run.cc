@@ -60,7 +60,6 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
   simulator.AddLog(Hz(1000), Figures::Judged(loop), {figures});
   const auto limits = std::make_shared<LimitFigures>(loop.world.plant);
   simulator.AddLog(Hz(1000), LimitFigures::Signals(loop.world.plant), {InBackground(limits)});
-
   outputs.AddTo(simulator);
 
   const auto judge = [&](Summary& summary) {

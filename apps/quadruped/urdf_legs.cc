@@ -134,7 +134,6 @@ class LegFinder {
     return turns;
   }
 
-  const UrdfLink& LinkOf(const UrdfJoint& joint) const { return file_.ChildOf(joint); }
   Vector3d OriginOf(const UrdfJoint& joint) const { return poses().at(joint.child).translation(); }
   Vector3d AxisOf(const UrdfJoint& joint) const {
     return poses().at(joint.child).linear() * joint.axis.normalized();
@@ -148,12 +147,13 @@ class LegFinder {
   /// The distance of the farthest frame from a point.
   double Farthest(const UrdfLink& link, const Vector3d& from) const {
     double distance = (poses().at(link.name).translation() - from).norm();
-    for (const UrdfJoint* joint : link.joints) distance = std::max(distance, Farthest(LinkOf(*joint), from));
+    for (const UrdfJoint* joint : link.joints)
+      distance = std::max(distance, Farthest(file_.ChildOf(*joint), from));
     return distance;
   }
   double LengthOf(const UrdfChain& leg) const {
     const Vector3d knee = OriginOf(*leg[2]);
-    return (knee - OriginOf(*leg[1])).norm() + Farthest(LinkOf(*leg[2]), knee);
+    return (knee - OriginOf(*leg[1])).norm() + Farthest(file_.ChildOf(*leg[2]), knee);
   }
 
   /// Whether three joints can be abduction, hip pitch and knee. The angles between their axes do not depend
@@ -238,11 +238,11 @@ class LegFinder {
     const auto slides = [&](const auto& self, const UrdfLink& link) -> const UrdfJoint* {
       for (const UrdfJoint* joint : link.joints) {
         if (joint->slides()) return joint;
-        if (const UrdfJoint* below = self(self, LinkOf(*joint))) return below;
+        if (const UrdfJoint* below = self(self, file_.ChildOf(*joint))) return below;
       }
       return nullptr;
     };
-    if (const UrdfJoint* knee = joints == 2 ? slides(slides, LinkOf(*limbs[0][0])) : nullptr)
+    if (const UrdfJoint* knee = joints == 2 ? slides(slides, file_.ChildOf(*limbs[0][0])) : nullptr)
       Fail(
           "{}, and a prismatic knee, joint '{}', but the knees of Tenon's quadrupeds turn: make it revolute, "
           "or give another robot",
@@ -304,7 +304,7 @@ class LegFinder {
         found_.trunk = link.name;
       }
       for (const UrdfJoint* joint : link.joints)
-        if (!joint->turns()) self(self, LinkOf(*joint));
+        if (!joint->turns()) self(self, file_.ChildOf(*joint));
     };
     visit(visit, base_);
     if (!found_.trunk.empty())
