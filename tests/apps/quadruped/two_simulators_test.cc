@@ -66,6 +66,12 @@ Walked Alone(const QuadrupedWalkParams& params, std::uint64_t seed) {
   return Follow(builder, builder.Add<QuadrupedWalk>("walk", params).world, seed);
 }
 
+/// A robot whose blocks have the paths of those in a QuadrupedWalk, and so the same noise and pushes.
+struct Robot final : Subdiagram {
+  explicit Robot(const QuadrupedWorldParams& params) : world(Add<QuadrupedWorld>("world", params)) {}
+  QuadrupedWorld& world;
+};
+
 Walked OverDds(const QuadrupedWalkParams& params, std::uint64_t seed) {
   test::SecondProcess controller([&] {
     alarm(600);
@@ -75,7 +81,7 @@ Walked OverDds(const QuadrupedWalkParams& params, std::uint64_t seed) {
     Simulator(builder.Build(), {.seed = seed}).RunTo(kEnd);
   });
   DiagramBuilder builder;
-  auto& world = builder.Add<QuadrupedWorld>("world", params.world);
+  auto& world = builder.Add<Robot>("walk", params.world).world;
   auto& server = builder.Add<UnitreeServer>("server", {.link = kOwnLink, .lock_step = true});
   builder.Connect(world.joints, server.joints);
   builder.Connect(server.torque, world.torque);
