@@ -1,3 +1,4 @@
+#include <tenon/systems/io/internal/no_signals.h>
 #include <tenon/systems/ros2/internal/cdr.h>
 #include <tenon/systems/ros2/mcap.h>
 #include <tenon/systems/text/text.h>
@@ -21,7 +22,6 @@ namespace {
 
 constexpr std::string_view kMagic = "\x89MCAP0\r\n";
 constexpr std::size_t kChunkSize = 1 << 18;       // [bytes]
-constexpr std::size_t kChunkMessages = 4096;      // at most
 constexpr std::uint64_t kMostBytes = 1ULL << 30;  // of a record that is read
 
 /// Kinds of records.
@@ -65,6 +65,35 @@ void Put(std::vector<char>& out, std::string_view text) {
   out.insert(out.end(), text.begin(), text.end());
 }
 
+/// Bytes of a record, read from the front. It is not `good` behind its end.
+class Fields {
+ public:
+  explicit Fields(std::span<const char> bytes) : bytes_(bytes) {}
+  template <class T>
+  T Number() {
+    T number{};
+    const std::span<const char> from = Bytes(sizeof(T));
+    if (good_) std::memcpy(&number, from.data(), sizeof(T));
+    return number;
+  }
+  std::string_view Text() {
+    const std::span<const char> text = Bytes(Number<std::uint32_t>());
+    return {text.data(), text.size()};
+  }
+  std::span<const char> Bytes(std::uint64_t size) {
+    good_ = good_ && size <= bytes_.size();
+    const std::span<const char> part = good_ ? bytes_.first(size) : std::span<const char>();
+    bytes_ = good_ ? bytes_.subspan(size) : std::span<const char>();
+    return part;
+  }
+  std::span<const char> rest() const { return bytes_; }
+  bool good() const { return good_; }
+
+ private:
+  std::span<const char> bytes_;
+  bool good_ = true;
+};
+
 /// Appends a record whose contents `write` appends.
 template <class F>
 void PutRecord(std::vector<char>& out, Op op, const F& write) {
@@ -94,7 +123,20 @@ McapFile::McapFile(const std::filesystem::path& path) : file_(path) {
     Put(start, std::string_view(std::string("tenon ") + Version()));
   });
   Append(start);
-  chunk_.reserve(kChunkSize + kChunkSize / 4);
+  for (std::vector<char>* bytes : {&filled_, &chunk_}) bytes->reserve(kChunkSize + kChunkSize / 4);
+  const internal::NoSignals no_signals;
+  thread_ = std::thread([this] {
+    for (bool last = false; !last; free_.release()) {
+      work_.acquire();
+      last = closed_;
+      try {
+        if (error_ == nullptr) WriteChunk();
+      } catch (const OutputError&) {
+        error_ = std::current_exception();
+      }
+      chunk_.clear();
+    }
+  });
 }
 
 McapFile::~McapFile() {
@@ -122,8 +164,8 @@ std::uint16_t McapFile::AddTopic(const std::string& topic, const internal::TypeI
       Put(declared_, std::string_view("ros2msg"));
       Put(declared_, std::string_view(internal::Ros2Definition(type)));
     });
-  const auto number = static_cast<std::uint16_t>(topics_.size());
-  topics_.emplace_back().index.reserve(kChunkMessages);
+  const auto number = static_cast<std::uint16_t>(counts_.size());
+  counts_.push_back(0);
   PutRecord(declared_, kChannel, [&] {
     Put(declared_, number);
     Put(declared_, schema);
@@ -136,38 +178,50 @@ std::uint16_t McapFile::AddTopic(const std::string& topic, const internal::TypeI
 
 void McapFile::Write(std::uint16_t topic, double time, std::span<const char> cdr) {
   const std::lock_guard lock(mutex_);
-  if (error_ != nullptr || closed_) return;
+  if (closed_) return;
   const auto stamp = static_cast<std::uint64_t>(std::llround(std::max(time, 0.0) * 1e9));
   if (written_ < declared_.size()) {  // the first chunk that needs them has the schemas and channels
-    chunk_.insert(chunk_.end(), declared_.begin() + static_cast<std::ptrdiff_t>(written_), declared_.end());
+    filled_.insert(filled_.end(), declared_.begin() + static_cast<std::ptrdiff_t>(written_), declared_.end());
     written_ = declared_.size();
   }
-  begin_ = messages_ == 0 ? stamp : std::min(begin_, stamp);
-  end_ = messages_ == 0 ? stamp : std::max(end_, stamp);
-  Topic& to = topics_.at(topic);
-  to.index.emplace_back(stamp, chunk_.size());
-  PutRecord(chunk_, kMessage, [&] {
-    Put(chunk_, topic);
-    Put(chunk_, to.count++);
-    Put(chunk_, stamp);
-    Put(chunk_, stamp);
-    chunk_.insert(chunk_.end(), cdr.begin(), cdr.end());
+  PutRecord(filled_, kMessage, [&] {
+    Put(filled_, topic);
+    Put(filled_, counts_.at(topic)++);
+    Put(filled_, stamp);
+    Put(filled_, stamp);
+    filled_.insert(filled_.end(), cdr.begin(), cdr.end());
   });
-  if (++messages_ < kChunkMessages && chunk_.size() < kChunkSize) return;
-  try {
-    WriteChunk();
-  } catch (const OutputError&) {
-    error_ = std::current_exception();
-  }
+  if (filled_.size() >= kChunkSize) HandOver(false);
+}
+
+/// Lets the thread write the records so far, when it has written those before.
+void McapFile::HandOver(bool last) {
+  free_.acquire();
+  closed_ = last;
+  std::swap(filled_, chunk_);
+  work_.release();
 }
 
 void McapFile::WriteChunk() {
-  if (messages_ == 0) return;
-  Chunk made{begin_, end_, file_.size(), 0, 0, chunk_.size(), {}};
+  if (chunk_.empty()) return;
+  Chunk made{UINT64_MAX, 0, file_.size(), 0, 0, chunk_.size(), {}};
+  std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> index;  // times and places
+  for (Fields records(chunk_); !records.rest().empty();) {
+    const std::size_t place = chunk_.size() - records.rest().size();
+    const auto op = records.Number<std::uint8_t>();
+    Fields message(records.Bytes(records.Number<std::uint64_t>()));
+    if (op != kMessage) continue;
+    const auto topic = message.Number<std::uint16_t>();
+    message.Number<std::uint32_t>();
+    const auto time = message.Number<std::uint64_t>();
+    index[topic].emplace_back(time, place);
+    made.begin = std::min(made.begin, time);
+    made.end = std::max(made.end, time);
+  }
   record_.clear();
   PutRecord(record_, kChunk, [&] {
-    Put(record_, begin_);
-    Put(record_, end_);
+    Put(record_, made.begin);
+    Put(record_, made.end);
     Put(record_, std::uint64_t{chunk_.size()});
     Put(record_, Crc32(chunk_));
     Put(record_, std::string_view(""));
@@ -175,34 +229,29 @@ void McapFile::WriteChunk() {
     record_.insert(record_.end(), chunk_.begin(), chunk_.end());
   });
   made.length = record_.size();
-  for (std::size_t i = 0; i < topics_.size(); ++i) {
-    if (topics_[i].index.empty()) continue;
-    const auto number = static_cast<std::uint16_t>(i);
-    made.indices.emplace_back(number, made.start + record_.size());
+  for (const auto& [topic, messages] : index) {
+    made.indices.emplace_back(topic, made.start + record_.size());
     PutRecord(record_, kMessageIndex, [&] {
-      Put(record_, number);
+      Put(record_, topic);
       PutList(record_, [&] {
-        for (const auto& [time, place] : topics_[i].index) {
+        for (const auto& [time, at] : messages) {
           Put(record_, time);
-          Put(record_, place);
+          Put(record_, at);
         }
       });
     });
-    topics_[i].index.clear();
   }
   made.index_length = record_.size() - made.length;
   Append(record_);
   chunks_.push_back(std::move(made));
-  chunk_.clear();
-  messages_ = 0;
 }
 
 void McapFile::Close() {
   const std::lock_guard lock(mutex_);
   if (closed_) return;
-  closed_ = true;
+  HandOver(true);
+  thread_.join();
   if (error_ != nullptr) std::rethrow_exception(error_);
-  WriteChunk();
   std::vector<char> end;
   PutRecord(end, kDataEnd, [&] { Put(end, crc_); });
   Append(end);
@@ -218,21 +267,21 @@ void McapFile::Close() {
   group(kStatistics, [&] {
     PutRecord(summary, kStatistics, [&] {
       std::uint64_t count = 0, first = UINT64_MAX, last = 0;
-      for (const Topic& topic : topics_) count += topic.count;
+      for (const std::uint32_t each : counts_) count += each;
       for (const Chunk& chunk : chunks_)
         first = std::min(first, chunk.begin), last = std::max(last, chunk.end);
       Put(summary, count);
       Put(summary, static_cast<std::uint16_t>(schemas_.size()));
-      Put(summary, static_cast<std::uint32_t>(topics_.size()));
+      Put(summary, static_cast<std::uint32_t>(counts_.size()));
       Put(summary, std::uint32_t{0});
       Put(summary, std::uint32_t{0});
       Put(summary, static_cast<std::uint32_t>(chunks_.size()));
       Put(summary, chunks_.empty() ? 0 : first);
       Put(summary, last);
       PutList(summary, [&] {
-        for (std::size_t i = 0; i < topics_.size(); ++i) {
+        for (std::size_t i = 0; i < counts_.size(); ++i) {
           Put(summary, static_cast<std::uint16_t>(i));
-          Put(summary, std::uint64_t{topics_[i].count});
+          Put(summary, std::uint64_t{counts_[i]});
         }
       });
     });
@@ -293,35 +342,6 @@ std::string McapMessage::Read(const internal::TypeInfo& type_info, void* message
 }
 
 namespace {
-
-/// Bytes of a record, read from the front. It is not `good` behind its end.
-class Fields {
- public:
-  explicit Fields(std::span<const char> bytes) : bytes_(bytes) {}
-  template <class T>
-  T Number() {
-    T number{};
-    const std::span<const char> from = Bytes(sizeof(T));
-    if (good_) std::memcpy(&number, from.data(), sizeof(T));
-    return number;
-  }
-  std::string_view Text() {
-    const std::span<const char> text = Bytes(Number<std::uint32_t>());
-    return {text.data(), text.size()};
-  }
-  std::span<const char> Bytes(std::uint64_t size) {
-    good_ = good_ && size <= bytes_.size();
-    const std::span<const char> part = good_ ? bytes_.first(size) : std::span<const char>();
-    bytes_ = good_ ? bytes_.subspan(size) : std::span<const char>();
-    return part;
-  }
-  std::span<const char> rest() const { return bytes_; }
-  bool good() const { return good_; }
-
- private:
-  std::span<const char> bytes_;
-  bool good_ = true;
-};
 
 class McapReader {
  public:

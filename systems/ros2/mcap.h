@@ -6,6 +6,8 @@
 
 #include <exception>
 #include <mutex>
+#include <semaphore>
+#include <thread>
 
 namespace tenon {
 
@@ -18,8 +20,9 @@ void WriteMcapMessage(const TypeInfo& type, const void* message, std::vector<cha
 
 /// A recording of messages of ROS 2 in an MCAP file (profile ros2, encodings cdr and ros2msg), which
 /// PlotJuggler, Foxglove and `ros2 bag` open. Messages are stored in chunks without compression, with index,
-/// summary and checksums. A chunk is written when it has 256 kB or 4096 messages; a run that is killed
-/// leaves its whole chunks, which readers find without the summary.
+/// summary and checksums. When a chunk has 256 kB, a thread writes it while the next one is
+/// filled; Write waits only if the next one is full before. A run that is killed leaves its whole chunks,
+/// which readers find without the summary.
 class McapFile {
  public:
   /// Throws OutputError if the file cannot be opened.
@@ -38,30 +41,29 @@ class McapFile {
   void Close();
 
  private:
-  struct Topic {
-    std::uint32_t count = 0;
-    std::vector<std::pair<std::uint64_t, std::uint64_t>> index;  ///< times and places in the chunk
-  };
   struct Chunk {
     std::uint64_t begin, end, start, length, index_length, size;
     std::vector<std::pair<std::uint16_t, std::uint64_t>> indices;
   };
   void Append(const std::vector<char>& bytes);
   void WriteChunk();
+  void HandOver(bool last);
 
   std::mutex mutex_;
   GrowingFile file_;
-  std::uint32_t crc_ = 0;       ///< of the file so far
-  std::vector<char> declared_;  ///< records of schemas and channels
-  std::vector<char> chunk_, record_;
+  std::uint32_t crc_ = 0;             ///< of the file so far
+  std::vector<char> declared_;        ///< records of schemas and channels
+  std::vector<char> filled_, chunk_;  ///< records in memory, and those that the thread writes
+  std::vector<char> record_;
   std::size_t written_ = 0;  ///< length of `declared_` that is in the file
   std::map<std::string, std::uint16_t> schemas_;
-  std::vector<Topic> topics_;
+  std::vector<std::uint32_t> counts_;  ///< of messages by topic
   std::vector<Chunk> chunks_;
-  std::uint64_t begin_ = 0, end_ = 0;  ///< times in the chunk [ns]
-  std::size_t messages_ = 0;           ///< in the chunk
-  std::exception_ptr error_;           ///< the first error
+  std::exception_ptr error_;  ///< the first error
   bool closed_ = false;
+
+  std::binary_semaphore work_{0}, free_{1};  ///< wakes the thread, and says that it has written its chunk
+  std::thread thread_;
 };
 
 struct McapPublisherParams {

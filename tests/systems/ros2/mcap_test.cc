@@ -77,16 +77,6 @@ TEST_F(McapTest, MessagesAreReadBackInTheirOrder) {
   EXPECT_EQ(twists, 3000);
 }
 
-TEST_F(McapTest, ATickDoesNotAllocate) {
-  const auto file = std::make_shared<McapFile>(path);
-  TestRig<McapPublisher<sensor_msgs::JointState>> rig({.file = file, .topic = "/joint_states"});
-  rig.Fix(rig->u, kJoints).Tick();
-  EXPECT_EQ(AllocationsOf([&] {
-              for (int i = 0; i < 100; ++i) rig.Tick();
-            }),
-            0);
-}
-
 TEST_F(McapTest, BytesAndDefinitionsAreThoseOfRos2) {
   WriteShort();
   const std::string file = ReadText(path);
