@@ -207,13 +207,18 @@ Shelf Primitives() {
   return shelf;
 }
 
-Shelf Communication() {
+Shelf Communication(const Shipped& shipped) {
   Shelf shelf{"communication", {}};
   const std::string numbers = "`T` is a number, a matrix, or a struct with `Fields()`.";
   shelf.Put(MakeOfType<ExternalInput<T>>(ExternalInputParams<T>{.unit = "unit"}),
             "`T` is any copyable type.");
   shelf.Put(MakeOfType<UdpPublisher<T>>(UdpPublisherParams{.name = "signal"}), numbers);
   shelf.Put(MakeOfType<UdpInput<T>>(UdpInputParams<T>{.name = "signal", .unit = "unit", .port = 0}), numbers);
+  shelf.Put(MakeTitled<Slow<CdprMpc, &CdprMpc::plan>>(
+                "Slow<Block, &Block::output>",
+                SlowParams<CdprMpc>{*shipped.cdpr_mpc.mpc, {.time = 0.02, .jitter = 0.005}}),
+            "The table is that of a `CdprMpc`, to whose ports `result` and `age` are added; see "
+            "[slow.md](slow.md).");
   return shelf;
 }
 
@@ -347,7 +352,7 @@ Shelf Diagrams(const Shipped& shipped) {
 std::vector<Shelf> MakeCatalogue() {
   const Shipped shipped;
   std::vector<Shelf> shelves;
-  for (Shelf& shelf : std::array{Primitives(), Communication(), QuadrupedPlants(shipped),
+  for (Shelf& shelf : std::array{Primitives(), Communication(shipped), QuadrupedPlants(shipped),
                                  Surroundings(shipped), CdprPlants(shipped), QuadrupedControllers(shipped),
                                  CdprControllers(shipped), Diagrams(shipped)})
     shelves.push_back(std::move(shelf));

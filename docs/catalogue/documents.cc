@@ -1,23 +1,17 @@
 #include <tenon/docs/catalogue/documents.h>
 #include <tenon/docs/catalogue/page.h>
+#include <tenon/systems/files/input_file.h>
 
 #include <fmt/format.h>
 
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
-#include <sstream>
 
 namespace tenon::docs {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string ReadText(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 /// The hash function FNV-1a of Fowler, Noll and Vo.
 std::uint64_t Hash(const std::string& text) {
@@ -50,7 +44,8 @@ void Draw(const Picture& picture, const fs::path& directory) {
 }
 
 bool IsUpToDate(const Picture& picture, const fs::path& directory) {
-  return ReadText(FileOf(picture, directory)).ends_with(LastLine(picture));
+  const fs::path file = FileOf(picture, directory);
+  return fs::exists(file) && ReadText(file).ends_with(LastLine(picture));
 }
 
 }  // namespace tenon::docs

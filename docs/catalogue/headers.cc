@@ -52,7 +52,7 @@ std::map<std::string, Declaration> ReadHeaders(const fs::path& source) {
   static const std::regex kType(
       R"((?:class|struct|enum class|enum|using) (\w+)( = .*|(?: final)?(?: :| \{|$).*))");
   static const std::regex kBlock(
-      R"(class \w+(?: final)?\s*: public (?:LeafSystem<|Subdiagram\b|QuadrupedWalk\b).*)");
+      R"(class \w+(?: final)?\s*: public (?:LeafSystem<|Subdiagram\b|QuadrupedWalk\b|Block\b).*)");
   std::map<std::string, Declaration> found;
   for (const char* directory : {"systems", "plants", "controllers", "diagrams"}) {
     for (const auto& entry : fs::recursive_directory_iterator(source / directory)) {

@@ -235,7 +235,7 @@ const void* ModelOf(const Source& source) {
 }
 
 long TicksPerPeriod(const Source& output, const SlowOptions& slow) {
-  CheckRanges(slow);
+  CheckRanges(slow, "slow");
   slow.Validate();
   const Sampled& sampled = output.trigger().sampled;
   if (!output.is_sampled() || sampled.offset != 0)

@@ -313,6 +313,8 @@ TEST(EveryBlock, ActsOnASetParameterAsOnOneThatItIsMadeWith) {
                                          "SineForce.angular_frequency",
                                          "SineForce.end",
                                          "SineForce.start",
+                                         "Slow.max_fallbacks_in_a_row",
+                                         "Slow.terminal_weights",
                                          "StateSpace.D",
                                          "SwingPlanner.step",
                                          "ThesisPlanner.zmp",
