@@ -103,8 +103,8 @@ class RunBar {
 
   // Histograms of the frames: how late they began, and how long they took to compute.
   showTimes() {
-    this.times.replaceChildren(...Object.entries(this.live.status.times || {}).flatMap(([name, {below_us, count, p50_us, p99_us}]) => {
-      const bars = element('span', 'bars'), [median, most] = [p50_us, p99_us].map((us) => formatNumber(Number((us / 1000).toPrecision(2))));
+    this.times.replaceChildren(...Object.entries(this.live.status.times || {}).flatMap(([name, {below_us, count, quantiles_us}]) => {
+      const bars = element('span', 'bars'), [median, most] = quantiles_us.map((us) => formatNumber(Number((us / 1000).toPrecision(2))));
       const counts = [...below_us, ['∞', count]].map(([limit, below], i) => [limit, below - (i ? below_us[i - 1][1] : 0)]);
       bars.append(...counts.map(([limit, frames]) => {
         const bar = element('i');

@@ -128,8 +128,7 @@ Json TimesJson(const TimeQuantiles& times) {
   for (const int limit : {10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10'000, 20'000, 50'000})
     below.push_back({limit, times.Below(1e-6 * limit)});
   const auto quantile = [&](double share) { return 1e6 * times.Quantile(share).value_or(0); };
-  return {
-      {"below_us", below}, {"count", times.count()}, {"p50_us", quantile(0.5)}, {"p99_us", quantile(0.99)}};
+  return {{"below_us", below}, {"count", times.count()}, {"quantiles_us", {quantile(0.5), quantile(0.99)}}};
 }
 
 void LiveRows::Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) {
