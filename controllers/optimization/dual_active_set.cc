@@ -57,11 +57,8 @@ DualActiveSet::DualActiveSet(int max_variables, int max_constraints, int max_ite
     v->Resize(m + 4);
   transposed_.Resize(n * m);
   const auto rows = static_cast<std::size_t>(m);
-  active_.resize(rows);
+  for (std::vector<int>* list : {&active_, &column_ends_}) list->resize(rows);
   ends_.resize(static_cast<std::size_t>(n));
-  column_ends_.resize(rows);
-  for (std::vector<int>* list : {&independent_, &violated_, &active_inequalities_}) list->reserve(rows);
-  guess_.reserve(std::max(rows, static_cast<std::size_t>(max_variables)));
   is_active_.resize(rows);
 }
 
@@ -319,6 +316,9 @@ TENON_VECTOR_CLONES QpReport DualActiveSet::Run(const QuadraticProgram& qp, Size
 
 QpReport DualActiveSet::Solve(const QuadraticProgram& qp, std::span<const int> guess) {
   CheckSizes(qp);
+  for (std::vector<int>* list :
+       {&independent_, &violated_, &active_inequalities_, &guess_})  // also of a copy
+    list->reserve(active_.size() + ends_.size());
   n_ = static_cast<int>(qp.g.size());
   num_equalities_ = static_cast<int>(qp.b_eq.size());
   num_inequalities_ = static_cast<int>(qp.b_in.size());

@@ -264,16 +264,16 @@ TEST(DualActiveSet, BlocksOfLargerMatricesServeWithoutCopies) {
   H.topLeftCorner(8, 8) = qp.H;
   A.topLeftCorner(2, 8) = qp.A_eq;
   A.block(10, 0, 20, 8) = qp.A_in;
-  DualActiveSet solver(8, 22);
+  DualActiveSet solver(8, 22), copy = solver;
   ASSERT_TRUE(solver.Solve(qp.view()).ok());
   const Eigen::VectorXd x = solver.x();
+  ASSERT_TRUE(copy.Solve(RandomFeasible(generator, 8, 0, 0).view()).ok());
   const AllocationGuard guard;
-  ASSERT_TRUE(solver
-                  .Solve({H.topLeftCorner(8, 8), qp.g, A.topLeftCorner(2, 8), qp.b_eq, A.block(10, 0, 20, 8),
+  ASSERT_TRUE(copy.Solve({H.topLeftCorner(8, 8), qp.g, A.topLeftCorner(2, 8), qp.b_eq, A.block(10, 0, 20, 8),
                           qp.b_in})
                   .ok());
   EXPECT_EQ(guard.count(), 0);
-  EXPECT_THAT(solver.x(), IsNear(x, 0));
+  EXPECT_THAT(copy.x(), IsNear(x, 0));
 }
 
 TEST(DualActiveSet, StopsAfterTheIterationsThatItMayTake) {
