@@ -41,7 +41,8 @@ void ExpectNoAllocation(const std::string& scenario, long first, long last, bool
     cyclones = of_cyclone - cyclones;
     if (sent == last) raise(SIGINT);
   };
-  std::vector<std::string> words{"app", scenario, "--drive", where, "--mcap", "--out", out / "run"};
+  std::vector<std::string> words{"app",   scenario,   "--drive=" + where, "--mcap", "--duration=100",
+                                 "--out", out / "run"};
   for (const char* setting : {"initial=walk", "limits.timeout_s=1", "goals=[{start_s: 0, goal: walk}]"})
     words.insert(words.end(), {"--set", std::string("deployment.") + setting});
   if (ros2) words.push_back("--ros2=" + where.substr(where.find(':') + 1));

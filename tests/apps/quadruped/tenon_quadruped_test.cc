@@ -9,14 +9,12 @@
 
 #include <cmath>
 #include <numeric>
-#include <set>
 
 namespace tenon::tenon_quadruped_test {
 
 namespace fs = std::filesystem;
 using test::Column, test::Result, test::RunCommand, ::testing::AllOf, ::testing::ContainsRegex,
-    ::testing::Each, ::testing::EndsWith, ::testing::Gt, ::testing::HasSubstr, ::testing::Lt, ::testing::Not,
-    ::testing::SizeIs;
+    ::testing::Each, ::testing::EndsWith, ::testing::HasSubstr, ::testing::Lt, ::testing::Not;
 
 class TenonQuadrupedTest : public test::AppTest {
  protected:
@@ -200,7 +198,6 @@ TEST_F(TenonQuadrupedTest, ADrivenRunIsRepeatedWithEqualChecksums) {
   EXPECT_THAT(refused.text, AllOf(HasSubstr("wire.bin"), HasSubstr("1 columns")));
 }
 
-// A solve in a thread is in use when the run is killed.
 TEST_F(TenonQuadrupedTest, ADrivenRunThatIsKilledIsRepeatedAsFarAsItWent) {
   if (!TENON_WITH_UNITREE) return;
   const Result result = RunCommand(fmt::format(
@@ -214,8 +211,8 @@ TEST_F(TenonQuadrupedTest, ADrivenRunThatIsKilledIsRepeatedAsFarAsItWent) {
   const nlohmann::json same = Replayed();
   EXPECT_GT(same.at("messages_equal"), 300);
   EXPECT_EQ(same.at("messages_different"), 0);
-  const std::vector<double> ages = Column(out / "replay", "loop.locomotion.mpc.age [s]");
-  EXPECT_THAT(std::set<double>(ages.begin(), ages.end()), SizeIs(Gt(5))) << "as solves took time";
+  EXPECT_THAT(Column(out / "replay", "loop.locomotion.mpc.age [s]"),
+              ::testing::Contains(::testing::Gt(0.007)));
 }
 
 TEST_F(TenonQuadrupedTest, ARunIsRepeatedFromItsDirectory) {
