@@ -103,10 +103,9 @@ void AddVolumes(const std::string& name, const std::string& unit, const Workspac
 void AddFigures(const std::string& name, const WorkspaceMap& map, WorkspaceStudy* study) {
   const bool turned = map.of_attitudes();
   const std::string unit = turned ? "rad3" : "m3";
-  const double diameter = study->params.cable_diameter;
   const double whole = map.options.grid.volume();
-  const WorkspaceVolume volume = WrenchFeasibleVolume(map.cells, map.options.grid),
-                        clear = ClearVolume(map.cells, map.options.grid, diameter);
+  const WorkspaceVolume volume = VolumeOf(map.cells, map.options.grid),
+                        clear = VolumeOf(map.cells, map.options.grid, study->params.cable_diameter);
   auto& figures = study->figures;
   if (map.of_equilibria()) {  // nothing is proven
     figures.emplace_back(name + "_volume_" + unit, volume.centres);

@@ -122,13 +122,6 @@ CableKinematics CalcCableKinematics(const CdprDescription& robot, const Eigen::V
   return cables;
 }
 
-CableVector CalcCableLengthRates(const CableKinematics& cables, const Eigen::Vector3d& v_W,
-                                 const Eigen::Vector3d& w_W) {
-  Vector6d twist;
-  twist << v_W, w_W;
-  return -cables.structure.transpose() * twist;
-}
-
 std::optional<CablePlane> PlaneOf(const CdprDescription& robot) {
   if (robot.on_table) return CablePlane{2, robot.cables[0].anchor_W.z(), {0, 1, 5}};
   for (const int normal : {0, 1}) {

@@ -72,11 +72,6 @@ void CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_
 CableKinematics CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
                                     const Eigen::Matrix3d& R_WB);
 
-/// Rates of the cable lengths [m/s] with standing anchors for the platform's velocity v_W [m/s] and angular
-/// velocity w_W [rad/s].
-CableVector CalcCableLengthRates(const CableKinematics& cables, const Eigen::Vector3d& v_W,
-                                 const Eigen::Vector3d& w_W);
-
 /// The plane of a planar robot: that of the table, or a vertical one if all anchors are in it, and so are all
 /// attachments of a platform with its CoM in it that has only turned about its normal. To first order the
 /// tensions neither move the platform out of the plane nor turn it out of it; it swings out of a vertical one

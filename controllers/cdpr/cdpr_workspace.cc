@@ -170,25 +170,15 @@ std::vector<std::optional<StaticEquilibrium>> MapEquilibria(const CdprDescriptio
   return found;
 }
 
-WorkspaceVolume WrenchFeasibleVolume(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid) {
+WorkspaceVolume VolumeOf(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid,
+                         std::optional<double> diameter) {
   WorkspaceVolume volume;
   for (const WorkspaceCell& cell : cells) {
     const double v = cell.volume(grid);
-    if (cell.wrench == PoseVerdict::kHolds) volume.proven += v;
-    if (cell.wrench != PoseVerdict::kFails) volume.possible += v;
-    if (cell.margins.feasible()) volume.centres += v;
-  }
-  return volume;
-}
-
-WorkspaceVolume ClearVolume(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid,
-                            double diameter) {
-  WorkspaceVolume volume;
-  for (const WorkspaceCell& cell : cells) {
-    const double v = cell.volume(grid);
-    if (cell.verdict() == PoseVerdict::kHolds) volume.proven += v;
-    if (cell.verdict() != PoseVerdict::kFails) volume.possible += v;
-    if (cell.margins.feasible() && cell.centre_clear(diameter)) volume.centres += v;
+    const PoseVerdict verdict = diameter ? cell.verdict() : cell.wrench;
+    if (verdict == PoseVerdict::kHolds) volume.proven += v;
+    if (verdict != PoseVerdict::kFails) volume.possible += v;
+    if (cell.margins.feasible() && (!diameter || cell.centre_clear(*diameter))) volume.centres += v;
   }
   return volume;
 }

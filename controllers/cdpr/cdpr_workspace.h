@@ -85,9 +85,8 @@ struct WorkspaceVolume {
   double possible = 0;  ///< volume of cells that are not proven to be infeasible
   double centres = 0;   ///< volume of cells with a feasible centre: an estimate, without proof
 };
-WorkspaceVolume WrenchFeasibleVolume(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid);
-/// Volume of the cells that are wrench-feasible and free of interference.
-WorkspaceVolume ClearVolume(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid,
-                            double diameter);
+/// Volume of the cells that are wrench-feasible and, if `diameter` [m] is given, free of interference.
+WorkspaceVolume VolumeOf(const std::vector<WorkspaceCell>& cells, const WorkspaceGrid& grid,
+                         std::optional<double> diameter = {});
 
 }  // namespace tenon

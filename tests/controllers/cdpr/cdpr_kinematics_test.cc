@@ -72,7 +72,8 @@ TEST(CdprKinematics, LengthRatesAreTheDerivativeOfTheLengths) {
         CalcCableKinematics(robot, kPosition + kStep * v_W, Turn(kStep * w_W) * R_WB).length;
     const CableVector behind =
         CalcCableKinematics(robot, kPosition - kStep * v_W, Turn(-kStep * w_W) * R_WB).length;
-    const CableVector rates = CalcCableLengthRates(CalcCableKinematics(robot, kPosition, R_WB), v_W, w_W);
+    const Vector6d twist = (Vector6d() << v_W, w_W).finished();
+    const CableVector rates = -CalcCableKinematics(robot, kPosition, R_WB).structure.transpose() * twist;
     EXPECT_LT((rates - (ahead - behind) / (2 * kStep)).norm(), 1e-9);
   }
 }

@@ -40,7 +40,7 @@ TEST(CdprWorkspaceTest, StaticWorkspaceOfAPointMassIsThePrismBelowItsAnchors) {
     const WorkspaceGrid grid = WorkspaceGrid::OfSize({-2.5, -2.5, 0}, {2.5, 2.5, 3}, 0.1);
     const auto cells = MapWorkspace(feasibility, {.grid = grid});
     EXPECT_NEAR(Volume(cells, grid), 75, 1e-9);
-    const WorkspaceVolume volume = WrenchFeasibleVolume(cells, grid);
+    const WorkspaceVolume volume = VolumeOf(cells, grid);
     EXPECT_LE(volume.proven, 3 * shape.area);
     EXPECT_GE(volume.possible, 3 * shape.area);
     EXPECT_NEAR(volume.centres, 3 * shape.area, 0.03 * 3 * shape.area);
@@ -56,7 +56,7 @@ TEST(CdprWorkspaceTest, BoundsConverge) {
   double gap = 1e9;
   for (const double cell : {0.4, 0.2, 0.1}) {
     const WorkspaceGrid grid = WorkspaceGrid::OfSize({-2.4, -1.6, 0.8}, {2.4, 2.4, 2.4}, cell);
-    const WorkspaceVolume volume = WrenchFeasibleVolume(MapWorkspace(feasibility, {.grid = grid}), grid);
+    const WorkspaceVolume volume = VolumeOf(MapWorkspace(feasibility, {.grid = grid}), grid);
     EXPECT_LT(volume.possible - volume.proven, 0.6 * gap);
     gap = volume.possible - volume.proven;
   }
@@ -109,7 +109,7 @@ TEST(CdprWorkspaceTest, EveryAttitudeOfAFeasibleCellIsFeasible) {
   const WorkspaceGrid grid = WorkspaceGrid::OfSize(Vector3d::Constant(-1), Vector3d::Constant(1), 0.05);
   const WorkspaceOptions options{.kind = WorkspaceKind::kAttitude, .grid = grid, .p_WB = {0.4, -0.5, 1.8}};
   const auto cells = MapWorkspace(feasibility, options);
-  const WorkspaceVolume volume = WrenchFeasibleVolume(cells, grid);
+  const WorkspaceVolume volume = VolumeOf(cells, grid);
   EXPECT_GT(volume.proven, 0.1);
   EXPECT_LT(volume.possible, 0.95 * grid.volume());
   std::mt19937_64 random(19);
@@ -138,10 +138,10 @@ TEST(CdprWorkspaceTest, ThickCablesLeaveNothing) {
   WorkspaceVolume thin, thick;
   for (const auto& [diameter, volume] : {std::pair{0.02, &thin}, std::pair{0.31, &thick}}) {
     const auto cells = MapWorkspace(feasibility, {.grid = grid, .cable_diameter = diameter});
-    *volume = ClearVolume(cells, grid, diameter);
+    *volume = VolumeOf(cells, grid, diameter);
     EXPECT_LE(volume->proven, volume->centres);
     EXPECT_LE(volume->centres, volume->possible);
-    EXPECT_LE(volume->centres, WrenchFeasibleVolume(cells, grid).centres);
+    EXPECT_LE(volume->centres, VolumeOf(cells, grid).centres);
   }
   EXPECT_GT(thin.proven, 0);
   EXPECT_EQ(thick.centres, 0);
@@ -154,7 +154,7 @@ TEST(CdprWorkspaceTest, WrenchClosureOfAPointMassIsTheTetrahedronOfItsAnchors) {
   robot.cables.push_back({{0, 0, 0}, Vector3d::Zero()});
   PoseFeasibility closure = WrenchClosure(robot);
   const WorkspaceGrid grid = WorkspaceGrid::OfSize({-2, -1, 0}, {2, 2, 4}, 0.1);
-  const WorkspaceVolume volume = WrenchFeasibleVolume(MapWorkspace(closure, {.grid = grid}), grid);
+  const WorkspaceVolume volume = VolumeOf(MapWorkspace(closure, {.grid = grid}), grid);
   EXPECT_NEAR(volume.centres, 8, 0.2);
   EXPECT_LT(volume.proven, 8);
   EXPECT_GT(volume.proven, 5);

@@ -51,10 +51,6 @@ pd: {stiffness_m_per_s2: 100, damping_m_per_s: 8}
   EXPECT_DOUBLE_EQ(profile.pd.damping, 16);
 }
 
-TEST(CdprProfile, RefusesAProfileOfAWalkingRobot) {
-  EXPECT_TRUE(Throws<ParameterError>([] { LoadCdprProfile({"standard"}, {}); }, "standard"));
-}
-
 /// The loop of a robot whose lengths are those of cdpr_4 times `length`, its masses times `mass`.
 CdprLoopParams Similar(double length, double mass) {
   const double time = std::sqrt(length);
