@@ -1,7 +1,6 @@
 #include <tenon/apps/cdpr/cdpr_limits.h>
 #include <tenon/apps/common/customisation.h>
 #include <tenon/apps/common/figure_text.h>
-#include <tenon/plants/model/vectors.h>
 
 #include <fmt/core.h>
 
@@ -11,7 +10,6 @@ namespace tenon::apps {
 namespace {
 
 constexpr double kQuarterTurn = std::numbers::pi / 2;
-constexpr double kTogether = 1e-6;  // distance below which two points coincide [m]
 
 AddedShapes ShapesAddedTo(const CdprPlant& plant) {
   return AddedShapes::Of(plant, MakeCdprGeometry(CurrentAs(plant).params.robot).size());
@@ -71,7 +69,7 @@ void CdprLimits::Row(std::span<const double> row) {
   const Eigen::Vector3d p_WB = VectorIn<3>(row, position_);
   const Eigen::Matrix3d R_WB = RotationFromQuaternion(VectorIn<4>(row, attitude_));
   CalcCableKinematics(robot_, p_WB, R_WB, &all_, anchors_, row[0]);
-  CableRow(row, p_WB);
+  DistanceRow(row, p_WB, R_WB);
   PlatformRow(row, p_WB, R_WB);
   FloorRow(row, p_WB, R_WB);
 
@@ -85,27 +83,27 @@ void CdprLimits::Row(std::span<const double> row) {
                 fmt::format("by {} rad from its reference, more than {} rad", turned, limit));
 }
 
-double CdprLimits::Distance(std::size_t a, std::size_t b, const Eigen::Vector3d& p_WB) const {
-  const auto exit = [&](std::size_t i) { return all_.exit_W.col(static_cast<Eigen::Index>(i)); };
-  const auto arm = [&](std::size_t i) { return all_.arm_W.col(static_cast<Eigen::Index>(i)); };
-  return SegmentDistance(exit(a), p_WB + arm(a) - exit(a), exit(b), p_WB + arm(b) - exit(b));
-}
-
-void CdprLimits::CableRow(std::span<const double> row, const Eigen::Vector3d& p_WB) {
-  if (!started_) {
-    for (std::size_t a = 0; a < robot_.cables.size(); ++a)
-      for (std::size_t b = 0; b < a; ++b)
-        if (Distance(a, b, p_WB) >= std::max(cable_diameter_, kTogether)) pairs_.emplace_back(b, a);
-  }
-  for (const auto& [a, b] : pairs_) {
-    if (row[tension_[a]] <= 0 || row[tension_[b]] <= 0) continue;
-    const double distance = Distance(a, b, p_WB);
-    distances_.Add(distance);
-    if (distance >= cable_diameter_) continue;
-    const auto [apart, limit] = Beside(distance, cable_diameter_);
+void CdprLimits::DistanceRow(std::span<const double> row, const Eigen::Vector3d& p_WB,
+                             const Eigen::Matrix3d& R_WB) {
+  if (!started_) clearance_ = CdprClearance(robot_, 0, cable_diameter_, all_);
+  const auto slack = [&](int cable) {
+    return cable >= 0 && row[tension_[static_cast<std::size_t>(cable)]] <= 0;
+  };
+  const auto exit_W = [&](int i) { return all_.exit_W.col(i); };
+  clearance_.ForEach(p_WB, R_WB, exit_W, [&](int a, int b, const PoseDistance& distance) {
+    if (slack(a) || slack(b)) return;
+    (b < 0 ? clearances_ : distances_).Add(distance.value);
+    if (distance.value >= distance.kept) return;
+    if (b < 0) {
+      const std::string name = a < 0 ? "the platform" : fmt::format("cable {}", a);
+      breaches_.Add(row[0], "the robot ran into an obstacle",
+                    fmt::format("{} by {:.3g} m", name, -distance.value));
+      return;
+    }
+    const auto [apart, limit] = Beside(distance.value, cable_diameter_);
     breaches_.Add(row[0], "two cables touched",
                   fmt::format("the axes of {} and {} were {} m apart, less than {} m", a, b, apart, limit));
-  }
+  });
 }
 
 void CdprLimits::PlatformRow(std::span<const double> row, const Eigen::Vector3d& p_WB,
@@ -164,6 +162,7 @@ void CdprLimits::AddTo(Summary& summary) const {
   if (!known_) return;
   summary.Set("cable_distance_min_m", distances_.min(), {.low = cable_diameter_});
   summary.Set("cable_platform_angle_min_rad", angles_.min(), {.low = 0});
+  if (!robot_.obstacles.empty()) summary.Set("clearance_min_m", clearances_.min(), {.low = 0});
   summary.Set("floor_clearance_min_m", heights_.min(), {.low = 0});
   summary.Set("turn_max_rad", turns_.max(), {.high = kQuarterTurn});
   breaches_.AddTo(summary);

@@ -3,6 +3,7 @@
 #include <tenon/apps/common/columns.h>
 #include <tenon/apps/common/verdicts.h>
 #include <tenon/controllers/cdpr/cable_interference.h>
+#include <tenon/controllers/cdpr/cdpr_clearance.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 
 namespace tenon::apps {
@@ -20,6 +21,8 @@ inline const CdprDescription& RobotOf(const CdprPlant& plant) {
 ///
 /// No cable runs through the platform, see CableInterference. If one does at the start, the platform is
 /// assumed to be an open frame and is not checked. Cables without tension are not checked.
+///
+/// The platform's box and the cables with tension touch none of the robot's obstacles.
 ///
 /// The platform's box, payload, hanging load, added bodies and cables, with their sag, stay above the floor,
 /// z = 0. The heading differs from its reference by at most a quarter turn: the restoring moment of the
@@ -40,8 +43,7 @@ class CdprLimits final : public LogSink {
   void AddTo(Summary& summary) const;
 
  private:
-  double Distance(std::size_t a, std::size_t b, const Eigen::Vector3d& p_WB) const;
-  void CableRow(std::span<const double> row, const Eigen::Vector3d& p_WB);
+  void DistanceRow(std::span<const double> row, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
   void PlatformRow(std::span<const double> row, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
   void FloorRow(std::span<const double> row, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
 
@@ -56,16 +58,16 @@ class CdprLimits final : public LogSink {
   MovingAnchors pulling_anchors_;  // the anchors of pulling_
   Eigen::Vector3d box_;            // half edges of the platform's box [m]
   CableInterference interference_;
+  CdprClearance clearance_;       // from obstacles, and of cables that do not touch at the start
   CableKinematics all_, cables_;  // kinematics of all cables and of those with tension, at the current row
   bool started_ = false;
-  std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // pairs of cables that must not touch
   bool open_frame_ = false;
   std::vector<std::size_t> position_, attitude_, euler_, reference_, tension_, payload_, load_;
   std::vector<std::pair<std::size_t, std::size_t>>
       pieces_;  // columns of height and tension of sagging cables
   std::size_t payload_mass_ = 0;
 
-  Tally distances_, angles_, heights_, turns_;  // [m], [rad], [m], [rad]
+  Tally distances_, angles_, clearances_, heights_, turns_;  // [m], [rad], [m], [m], [rad]
   Breaches breaches_;
 };
 

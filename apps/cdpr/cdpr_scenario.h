@@ -155,6 +155,8 @@ struct MpcScenario {
             {"method", &S::slq, &SlqOptions::method},
             {"bounds", &S::slq, &SlqOptions::bounds},
             {"final_weight", &S::params, &CdprMpcParams::terminal},
+            Field("clearance_m", &S::params, &CdprMpcParams::clearance).AtLeast(0),
+            Field("cable_clearance_m", &S::params, &CdprMpcParams::cable_clearance).AtLeast(0),
             Field("mass_error", &S::mass_error).Above(-1).AtMost(100).Because("at -1 the model has no mass"),
             Field("max_fallbacks_in_a_row", &S::params, &CdprMpcParams::max_fallbacks_in_a_row).AtLeast(0),
             {"offset_free", &S::offset_free}};

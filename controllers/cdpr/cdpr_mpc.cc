@@ -6,18 +6,15 @@
 
 namespace tenon {
 
+std::pair<std::size_t, double> CdprPlan::Find(double time) const {
+  std::size_t i = 0;
+  while (i + 2 < nodes.size() && nodes[i + 1].time <= time) ++i;
+  return {i, std::clamp((time - nodes[i].time) / (nodes[i + 1].time - nodes[i].time), 0.0, 1.0)};
+}
+
 void CdprPlan::Evaluate(double time, double estimated, const CentroidalState& x, CableVector* tension) const {
-  const auto interval = [&](double t) {
-    std::size_t i = 0;
-    while (i + 2 < nodes.size() && nodes[i + 1].time <= t) ++i;
-    return i;
-  };
-  const auto share = [&](std::size_t i, double t) {
-    return std::clamp((t - nodes[i].time) / (nodes[i + 1].time - nodes[i].time), 0.0, 1.0);
-  };
-  const double t = time - start, s = estimated - start;
-  const std::size_t i = interval(t), j = interval(s);
-  const double a = share(i, t), b = share(j, s);
+  const auto [i, a] = Find(time - start);
+  const auto [j, b] = Find(estimated - start);
   const CentroidalState error = x - (1 - b) * nodes[j].x - b * nodes[j + 1].x;
   *tension = (1 - a) * nodes[i].u + a * nodes[i + 1].u;
   tension->noalias() += nodes[i].K * error;

@@ -13,6 +13,8 @@
 namespace tenon {
 namespace {
 
+constexpr double kStiffer = 10;  // penalty of a distance that is not kept over the weight of the position
+
 CentroidalState Diagonal(const CdprDescription& robot, const CdprMpcWeights& weights) {
   CentroidalState Q;
   const Eigen::Array3d radii = robot.inertia_B.diagonal().array() / robot.mass;  // L = diag(radii) w
@@ -29,6 +31,15 @@ CentroidalState CalcReference(double time, const CdprReference& at, const LoadEs
   balanced.Calc(at, load, broken, shift, time);
   return CentroidalStateOf(body, at.position, balanced.R_WB(), balanced.euler(), at.velocity,
                            EulerRateMatrix(at.euler) * at.euler_rate);
+}
+
+CdprClearance ClearanceOf(const CdprMpcParams& params) {
+  const EquilibriumPath& path = *params.path;
+  const double begin = path.path().start_time();
+  const CdprReference at = path.At(begin);
+  CableKinematics start;
+  CalcCableKinematics(path.robot(), at.position, RotationFromEuler(at.euler), &start, path.anchors(), begin);
+  return {path.robot(), params.clearance, params.cable_clearance, start};
 }
 
 template <class From, class To>
@@ -135,6 +146,7 @@ CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
   plan.nodes.resize(params.num_steps + 1);
   const std::vector<int> steps = Steps(params);
   int periods = 0;
+  const int distances = ClearanceOf(params).size();
   for (int k = 0; k <= params.num_steps; ++k) {
     CdprPlan::Node& node = plan.nodes[k];
     node.time = periods * params.rate.period();
@@ -142,6 +154,7 @@ CdprPlan CdprMpcSolver::FirstPlan(const CdprMpcParams& params) {
     node.x = start;
     node.u = balanced.tension();
     node.K.setZero(n, 12);
+    node.multipliers.setZero(distances);
   }
   return plan;
 }
@@ -151,6 +164,9 @@ CdprMpcCost CdprMpcSolver::Cost(const CdprMpcParams& params, const CdprMpcWeight
   const CdprDescription& robot = params.path->robot();
   CdprMpcCost cost;
   cost.Q = Diagonal(robot, weights);
+  Demand(
+      ClearanceOf(params).size() == 0 || weights.position.maxCoeff() > 0,
+      "weights.position is 0, but clearance is kept: give a positive weight, with which its penalty scales");
   cost.R = weights.tension;
   if (params.terminal == TerminalCost::kRiccati) {
     cost.Q_f = ForCables(robot.num_cables(),
@@ -172,7 +188,7 @@ AnySlq MakeSlq(const CdprMpcParams& params) {
   std::vector<double> steps;  // [s]
   for (const int step : CdprMpcSolver::Steps(params)) steps.push_back(step * params.rate.period());
   return ForCables(robot.num_cables(), [&](auto n) -> AnySlq {
-    CdprTrackingProblem<n()> problem(robot, params.num_steps);
+    CdprTrackingProblem<n()> problem(robot, params.num_steps, ClearanceOf(params));
     if (params.path->anchors().any()) problem.SeparateNodes(params.num_steps + 1);
     return SlqFor<n()>(problem, steps, params.slq);
   });
@@ -316,6 +332,13 @@ class CdprMpcSolver::Impl {
     if (elapsed > 0) slq.Shift(elapsed);
     CdprTrackingProblem<n>& problem = slq.problem();
     problem.SetPayload(robot, body);
+    problem.com_B = body.com_B;
+    problem.lagrangian.penalty = kStiffer * cost.Q.segment<3>(6).maxCoeff();
+    for (std::size_t k = 0; k < policy.size() && problem.clearance.size() > 0; ++k) {
+      const auto [i, share] = plan.Find(plan.nodes[k].time + elapsed);
+      problem.multipliers[k] =
+          (1 - share) * plan.nodes[i].multipliers + share * plan.nodes[i + 1].multipliers;
+    }
     const Eigen::Matrix3d R_WB = RotationFromEuler(x.tail<3>());
     if (path_->anchors().any())
       SetAnchors(body, problem);
@@ -338,7 +361,9 @@ class CdprMpcSolver::Impl {
       CopyEntries(targets_[k].upper, target.upper);
     }
     const SlqReport report = slq.Solve(x);
+    if (report.ok()) problem.UpdateMultipliers(policy);
     for (std::size_t k = 0; k < policy.size(); ++k) {
+      plan.nodes[k].multipliers = problem.multipliers[k];
       plan.nodes[k].x = policy[k].x;
       CopyEntries(policy[k].u, plan.nodes[k].u);
       CopyEntries(policy[k].K, plan.nodes[k].K);

@@ -64,7 +64,9 @@ struct CdprMpcParams {
   std::shared_ptr<const EquilibriumPath> path;
   /// u_des: the tensions of the equilibrium along the path, or zero.
   bool equilibrium_input = true;
-  double horizon = 1;  ///< [s], a multiple of the period
+  std::optional<double> clearance;        ///< distance to keep from obstacles; empty: none is kept [m]
+  std::optional<double> cable_clearance;  ///< distance to keep between cables; empty: none is kept [m]
+  double horizon = 1;                     ///< [s], a multiple of the period
   /// Steps of the horizon: the first is one period, the others grow geometrically, rounded to periods.
   int num_steps = 25;
   CdprMpcWeights weights;
@@ -85,7 +87,8 @@ struct CdprMpcParams {
 /// The reference at a node is the quasi-static one of the path, corrected for the acceleration of the
 /// platform and for its load, see BalancedReference (for u_des = 0, only the attitude is corrected). The
 /// tensions at node k are bounded by [t_min, t_max] and by [t_min, t_max] + b dl/dt, with the reel damping b
-/// of the winches. A broken cable has tension 0. Moving anchors have the places that they will have at the
+/// of the winches. Distances are kept as CdprTrackingProblem says, with one update of their multipliers per
+/// call. A broken cable has tension 0. Moving anchors have the places that they will have at the
 /// time of the node.
 class CdprMpcSolver {
  public:

@@ -29,9 +29,14 @@ struct CdprPlan {
     Vec<12> x = Vec<12>::Zero();  ///< nominal state, see CentroidalState
     CableVector u;                ///< nominal tensions [N]
     Eigen::Matrix<double, Eigen::Dynamic, 12, Eigen::DontAlign> K;
+    CableVector multipliers;  ///< of the distances that are kept, see CdprClearance
 
     static FieldList Fields() {
-      return {{"time", &Node::time, "s"}, {"x", &Node::x}, {"u", &Node::u, "N"}, {"K", &Node::K}};
+      return {{"time", &Node::time, "s"},
+              {"x", &Node::x},
+              {"u", &Node::u, "N"},
+              {"K", &Node::K},
+              {"multipliers", &Node::multipliers}};
     }
   };
 
@@ -53,6 +58,9 @@ struct CdprPlan {
             {"diagnostics", &CdprPlan::diagnostics}};
   }
 
+  /// The last node that is not after `time` [s], counted from `start`, and the fraction of its step that has
+  /// passed.
+  std::pair<std::size_t, double> Find(double time) const;
   /// Tensions of the policy at `time` for a state x estimated at the time `estimated` <= `time` [s], without
   /// clamping. Does not allocate if `tension` has the plan's size.
   void Evaluate(double time, double estimated, const CentroidalState& x, CableVector* tension) const;

@@ -118,9 +118,7 @@ void KinoCentroidalModel<n>::SetPayload(const CdprDescription& robot, const Load
 template <int n>
 void KinoCentroidalModel<n>::SetPose(const CdprDescription& robot, const Eigen::Vector3d& p_WB,
                                      const Eigen::Matrix3d& R_WB) {
-  if (!robot.has_pulleys()) return;
-  for (int i = 0; i < robot.num_cables(); ++i)
-    anchor_W_.row(i) = CalcCableLine(robot, i, p_WB, R_WB).exit_W.transpose();
+  if (robot.has_pulleys()) SetAnchors(0, robot, {}, 0, p_WB, R_WB);
 }
 
 template <int n>

@@ -86,6 +86,10 @@ class KinoCentroidalModel {
   void LinearizeSteps(StepMethod method, int count, const double* h, const State* x, const Input* u,
                       Tangent* tangents, StepWorkspace& workspace) const;
 
+ protected:
+  /// The point from which a cable runs at node k.
+  Eigen::Vector3d ExitOf(int cable, int k) const { return anchor_W_.row(cable).segment(ColumnOf(k), 3); }
+
  private:
   static constexpr int kLanes =
       n == Eigen::Dynamic ? n : (n + 3) / 4 * 4;  // number of cables, rounded up to full registers

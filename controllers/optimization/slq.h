@@ -89,9 +89,6 @@ class Slq {
   /// the node before.
   std::vector<Node>& policy() { return policy_; }
   const std::vector<Node>& policy() const { return policy_; }
-  /// The policy (3.18) at a time: u_bar and x_bar are interpolated, K and the bounds are those of the node
-  /// before.
-  Input Evaluate(double time, const State& x) const;
 
  private:
   using Tangent = typename RungeKutta<Problem>::Tangent;

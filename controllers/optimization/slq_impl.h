@@ -87,18 +87,6 @@ void Slq<P>::Shift(double elapsed) {
   }
 }
 
-template <SlqProblem P>
-typename Slq<P>::Input Slq<P>::Evaluate(double time, const State& x) const {
-  const auto after = std::upper_bound(policy_.begin(), policy_.end(), time,
-                                      [](double t, const Node& node) { return t < node.time; });
-  const int i = std::clamp(static_cast<int>(after - policy_.begin()) - 1, 0, num_steps() - 1);
-  const Node &a = policy_[i], &b = policy_[i + 1];
-  const double s = std::clamp((time - a.time) / (b.time - a.time), 0.0, 1.0);
-  Input u = (1 - s) * a.u + s * b.u + a.K * (x - (1 - s) * a.x - s * b.x);
-  Clamp(i, u);
-  return u;
-}
-
 // Adds the feedback K (x - x_bar) to the input of `trajectory` at node k and advances it by a step.
 template <SlqProblem P>
 [[gnu::always_inline]] inline void Slq<P>::Advance(int k, const Gain& K, const State& x_bar,

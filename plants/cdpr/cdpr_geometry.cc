@@ -10,15 +10,14 @@ constexpr double kCableRadius = 0.008, kAnchorRadius = 0.05, kPostRadius = 0.025
                  kSpringRadius = 0.02;  // up to kSpan [m]
 constexpr double kSpan =
     6;  // cables and posts of robots with a larger span are thicker, as seen from farther away [m]
-constexpr double kPlatformThickness = 0.04;  // least thickness, for attachments in one plane [m]
-constexpr double kForceScale = 0.01;         // [m/N]
-constexpr double kPayloadRadius = 0.05;      // [m]
-constexpr double kPulleyWidth = 0.02;        // [m]
+constexpr double kForceScale = 0.01;     // [m/N]
+constexpr double kPayloadRadius = 0.05;  // [m]
+constexpr double kPulleyWidth = 0.02;    // [m]
 
 constexpr std::size_t kSaggingPieces = 12;
 
 // Order of the shapes: these, then the pieces of each cable, then each pulley, then one anchor and one
-// post per cable, then each spring.
+// post per cable, then each spring, then the obstacles.
 enum Index { kPlatform, kPath, kPayloadBall, kForce, kFirstCable };
 
 std::size_t PiecesPerCable(const CdprDescription& robot) {
@@ -43,12 +42,6 @@ void PlaceFixture(const Vec<3>& anchor_W, double floor, Shape* anchor) {
 }
 
 }  // namespace
-
-Eigen::Vector3d PlatformBox(const CdprDescription& robot) {
-  Vec<3> half = Vec<3>::Constant(kPlatformThickness / 2);
-  for (const CableDescription& cable : robot.cables) half = half.cwiseMax(cable.attachment_B.cwiseAbs());
-  return half;
-}
 
 Geometry MakeCdprGeometry(const CdprDescription& robot) {
   const double thicker = Thickening(robot);
@@ -76,6 +69,11 @@ Geometry MakeCdprGeometry(const CdprDescription& robot) {
     shapes.push_back(
         Shape::Segment(ShapeRole::kOther, "spring " + std::to_string(i), thicker * kSpringRadius));
     shapes.back().p_W = robot.springs[i].anchor_W;
+  }
+  for (const ObstacleDescription& obstacle : robot.obstacles) {
+    shapes.push_back(Shape::Segment(ShapeRole::kFixture, "obstacle", obstacle.radius));
+    shapes.back().p_W = obstacle.from_W;
+    shapes.back().vector_W = obstacle.to_W - obstacle.from_W;
   }
   return shapes;
 }

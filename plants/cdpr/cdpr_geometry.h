@@ -6,9 +6,6 @@
 
 namespace tenon {
 
-/// Half edges of the platform's box in B [m]: centred at the CoM, it contains all attachments.
-Eigen::Vector3d PlatformBox(const CdprDescription& robot);
-
 /// Height in W of the lowest corner of a box about the CoM with half edges `half` [m].
 inline double LowestCorner(const Eigen::Vector3d& half, const Eigen::Vector3d& p_WB,
                            const Eigen::Matrix3d& R_WB) {
@@ -16,8 +13,8 @@ inline double LowestCorner(const Eigen::Vector3d& half, const Eigen::Vector3d& p
 }
 
 /// The shapes of a cable robot: the platform as its PlatformBox, cables coloured by tension [N], anchors on
-/// posts, springs, payload, external force, and the path of the CoM. Cables are drawn thicker than they are.
-/// Cables with mass are drawn in pieces with their sag, pulleys with their swivel.
+/// posts, springs, obstacles, payload, external force, and the path of the CoM. Cables are drawn thicker than
+/// they are. Cables with mass are drawn in pieces with their sag, pulleys with their swivel.
 Geometry MakeCdprGeometry(const CdprDescription& robot);
 
 /// Moves the shapes that MakeCdprGeometry() made for the same robot. Does not allocate.

@@ -14,7 +14,8 @@
 namespace tenon {
 namespace {
 
-constexpr double kFar = 1e4;  // largest coordinate [m]
+constexpr double kFar = 1e4;                 // largest coordinate [m]
+constexpr double kPlatformThickness = 0.04;  // least thickness, for attachments in one plane [m]
 
 void CheckPositive(const char* what, double value, const char* unit, const char* remedy) {
   if (!(std::isfinite(value) && value > 0))
@@ -238,6 +239,12 @@ StraightLead LeadStraight(double radius, const Vec<3>& span_W) {
   const Vec<3> away = std::sin(contact.wrap) * outwards + Vec<3>(0, 0, std::cos(contact.wrap));
   return {contact, outwards, exit[0] * outwards + Vec<3>(0, 0, exit[1]), -away,
           radius * contact.wrap + contact.free_length};
+}
+
+Eigen::Vector3d PlatformBox(const CdprDescription& robot) {
+  Vec<3> half = Vec<3>::Constant(kPlatformThickness / 2);
+  for (const CableDescription& cable : robot.cables) half = half.cwiseMax(cable.attachment_B.cwiseAbs());
+  return half;
 }
 
 }  // namespace tenon

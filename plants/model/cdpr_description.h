@@ -56,6 +56,19 @@ struct SpringDescription {
   }
 };
 
+/// An obstacle beside the robot: a post or a bar with round ends.
+struct ObstacleDescription {
+  Eigen::Vector3d from_W = Eigen::Vector3d::Zero();  ///< one end of its axis, in the world [m]
+  Eigen::Vector3d to_W = Eigen::Vector3d::Zero();    ///< the other end of its axis, in the world [m]
+  double radius = 0;                                 ///< its radius, also that of its ends [m]
+
+  static FieldList Fields() {
+    return {Required("from_m", &ObstacleDescription::from_W).Between(-1e4, 1e4),
+            Required("to_m", &ObstacleDescription::to_W).Between(-1e4, 1e4),
+            Required("radius_m", &ObstacleDescription::radius).AtLeast(0)};
+  }
+};
+
 /// Properties of all cables of a robot.
 struct CableProperties {
   double axial_stiffness = 0;  ///< EA [N]; the stiffness of a cable of rest length l0 is EA / l0
@@ -175,6 +188,7 @@ struct CdprDescription {
   Eigen::Matrix3d inertia_B = Eigen::Matrix3d::Zero();  ///< inertia about the CoM, in B [kg m^2]
   std::vector<CableDescription> cables;                 ///< two cables or more
   std::vector<SpringDescription> springs;               ///< springs between frame and platform
+  std::vector<ObstacleDescription> obstacles;           ///< rods that platform and cables avoid
   CableProperties cable;                                ///< properties of all cables
   WinchProperties winch;                                ///< properties of all winches
   double floor = 0;                                     ///< height of the floor in W [m]
@@ -199,6 +213,7 @@ struct CdprDescription {
             Required("inertia_kg_m2", &CdprDescription::inertia_B),
             Required("cables", &CdprDescription::cables),
             {"springs", &CdprDescription::springs},
+            {"obstacles", &CdprDescription::obstacles},
             Required("cable_properties", &CdprDescription::cable),
             Required("winch", &CdprDescription::winch),
             Field("floor_m", &CdprDescription::floor).Finite(),
@@ -209,5 +224,8 @@ struct CdprDescription {
   /// of the parts.
   void Validate() const;
 };
+
+/// Half edges of the platform's box in B [m]: centred at the CoM, it contains all attachments.
+Eigen::Vector3d PlatformBox(const CdprDescription& robot);
 
 }  // namespace tenon

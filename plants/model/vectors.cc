@@ -17,7 +17,7 @@ Eigen::Quaterniond RotationBetween(const Eigen::Vector3d& from, const Eigen::Vec
 }
 
 double SegmentDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const Eigen::Vector3d& q,
-                       const Eigen::Vector3d& v) {
+                       const Eigen::Vector3d& v, Eigen::Vector2d* at) {
   // The nearest points are p + s u and q + t v: both inside their segments, or at least one at an end.
   const Eigen::Vector3d w = p - q;
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
@@ -26,22 +26,23 @@ double SegmentDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const
   const double s = determinant > 1e-14 * uu * vv ? clamp((uv * vw - vv * uw) / determinant) : 0;
   const double t = vv > 0 ? clamp((uv * s + vw) / vv) : 0;
   const double s_of_t = uu > 0 ? clamp((uv * t - uw) / uu) : 0;
+  if (at != nullptr) *at << s_of_t, t;
   return (w + s_of_t * u - t * v).norm();
 }
 
-double SegmentBoxDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const Eigen::Vector3d& half) {
+double SegmentBoxDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const Eigen::Vector3d& half,
+                          double* at) {
   // The distance is convex along the segment, so bisection on the sign of its slope finds the minimum.
   const auto beyond = [&](double s) -> Eigen::Vector3d {
     const Eigen::Vector3d x = p + s * u;
     return x - x.cwiseMax(-half).cwiseMin(half);
   };
-  double low = 0, high = 1;
-  if (beyond(low).dot(u) >= 0) return beyond(low).norm();
-  if (beyond(high).dot(u) <= 0) return beyond(high).norm();
-  for (int i = 0; i < 30; ++i) {
+  double low = 0, high = beyond(0).dot(u) >= 0 ? 0 : 1;
+  for (int i = high > 0 && beyond(1).dot(u) > 0 ? 30 : 0; i > 0; --i) {
     const double middle = (low + high) / 2;
     (beyond(middle).dot(u) < 0 ? low : high) = middle;
   }
+  if (at != nullptr) *at = high;
   return beyond(high).norm();  // 0 inside the box
 }
 

@@ -9,13 +9,15 @@ namespace tenon {
 /// of the half turns.
 Eigen::Quaterniond RotationBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
-/// The distance between the segments [p, p + u] and [q, q + v].
+/// The distance between the segments [p, p + u] and [q, q + v]. `at` receives (s, t) of the nearest points
+/// p + s u and q + t v.
 double SegmentDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const Eigen::Vector3d& q,
-                       const Eigen::Vector3d& v);
+                       const Eigen::Vector3d& v, Eigen::Vector2d* at = nullptr);
 
 /// The distance between the segment [p, p + u] and the solid axis-aligned box about the origin with half
-/// edges `half`; 0 if they intersect.
-double SegmentBoxDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const Eigen::Vector3d& half);
+/// edges `half`; 0 if they intersect. `at` receives s of the nearest point p + s u.
+double SegmentBoxDistance(const Eigen::Vector3d& p, const Eigen::Vector3d& u, const Eigen::Vector3d& half,
+                          double* at = nullptr);
 
 /// [a]x, with [a]x b = a x b. Always inlined, since some callers are compiled for wider vector instructions.
 [[gnu::always_inline]] inline Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& a) {

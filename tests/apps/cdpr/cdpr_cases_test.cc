@@ -140,6 +140,15 @@ TEST_F(CdprCasesTest, BoundsActInFastCirclesAndNearTheEdge) {
   }
 }
 
+// Path constraints keep platform and cables away from a post, and cables from one another.
+TEST_F(CdprCasesTest, D1AroundAPost) {
+  for (const test::Case& run : RunSeeds("D1-post")) EXPECT_GE(run["clearance_min_m"], 0.1);
+  const test::Case without = Run(TENON_CDPR, "D1-post --set mpc.clearance_m=null --set log_rate_hz=10");
+  EXPECT_FALSE(without.finished());
+  EXPECT_LT(without["clearance_min_m"], 0);
+  EXPECT_GT(Run(TENON_CDPR, "waypoints --set mpc.cable_clearance_m=0.3")["cable_distance_min_m"], 0.29);
+}
+
 // Pulleys that the controllers model hardly change the errors.
 TEST_F(CdprCasesTest, PulleysThatAreKnown) {
   for (const int seed : {1, 3}) {

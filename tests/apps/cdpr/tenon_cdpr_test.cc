@@ -247,6 +247,9 @@ TEST_F(TenonCdprTest, ARunThatNoRobotPerformsIsNotFinished) {
             "the platform turned beyond the reach of its cables: by 2.2 rad"},
            {"pendulum --duration 0.3 --set path.center_m=[0,0,0.9] --set 'path.points_m=[[0,0,0.9]]'",
             "platform, load or cables went through the floor: the hanging load by "},
+           {"D1 --controller pd --duration 0.1 --set 'robot={file: cdpr_4, obstacles: [{from_m: [0.5, 0, 0], "
+            "to_m: [0.5, 0, 1.9], radius_m: 0.02}]}'",
+            "the robot ran into an obstacle: the platform by "},
        }) {
     Run(flight, 3);
     EXPECT_THAT(Summary(), AllOf(HasSubstr("\"finished\": false"), HasSubstr(reason)));

@@ -246,6 +246,27 @@ TEST(CdprMpc, GivesUpWhenTheOthersCannotHoldThePlatform) {
   EXPECT_NEAR(rig.time() + params.rate.period(), params.unheld_time, 1e-9);
 }
 
+// The post is 0.15 m beside the reference, of which 0.075 m are platform, and below a cable.
+TEST(CdprMpc, KeepsTheDistanceFromAPost) {
+  CdprDescription robot = test::FourCableRobot();
+  robot.obstacles = {{{0.15, 0, 0}, {0.15, 0, 2.05}, 0}};
+  CdprMpcParams params = Holding(robot, {0, 0, 2});
+  params.clearance = 0.1;
+  CdprMpcSolver solver(params);
+  const CdprMpcCost cost = CdprMpcSolver::Cost(params, params.weights, params.terminal_weights);
+  CdprPlan plan = CdprMpcSolver::FirstPlan(params);
+  const auto solve = [&](double t) { return solver.Solve(t, plan.nodes[1].x, {}, {}, cost, plan).ok(); };
+  for (int tick = 0; tick < 300; ++tick) ASSERT_TRUE(solve(0.01 * tick)) << tick;
+  EXPECT_EQ(AllocationsOf([&] { solve(3); }), 0);
+  double least = 1;
+  const Vector6d pose = plan.nodes[0].x.tail<6>();
+  CdprClearance(robot, 0.1, {}, {})
+      .ForEach(
+          pose.head<3>(), RotationFromEuler(pose.tail<3>()), [&](int i) { return robot.cables[i].anchor_W; },
+          [&](int, int, const PoseDistance& distance) { least = std::min(least, distance.value); });
+  EXPECT_NEAR(least, 0.1, 1e-3);
+}
+
 TEST(CdprMpc, RefusesNonsense) {
   const CdprMpcParams good = Holding(test::FourCableRobot(), {0, 0, 2});
   const auto refuses = [&](const auto& change, const char* key) {
@@ -258,29 +279,23 @@ TEST(CdprMpc, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.horizon = 0.123; }, "horizon"));
   EXPECT_TRUE(refuses([](auto& p) { p.num_steps = 200; }, "horizon"));
   EXPECT_TRUE(refuses([](auto& p) { p.unheld_time = -1; }, "unheld_time"));
+  const auto at_any_place = [](auto& p) { p.cable_clearance = 0.1, p.weights.position.setZero(); };
+  EXPECT_TRUE(refuses(at_any_place, "weights.position"));
 }
 
-TEST(CdprMpc, WeightsAreSetInARun) {
-  for (const TerminalCost terminal : {TerminalCost::kRiccati, TerminalCost::kGiven}) {
-    CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
-    params.terminal = terminal;
-    params.terminal_weights = {.position = Vec<3>::Constant(100),
-                               .velocity = Vec<3>::Constant(10),
-                               .attitude = Vec<3>::Constant(10),
-                               .angular_velocity = Vec<3>::Ones()};
-    CdprMpcParams changed = params;
-    changed.weights.position = {300, 300, 500};
-    changed.weights.tension = 1e-2;
-    changed.terminal_weights.position = {900, 900, 700};
-    TestRig<CdprMpc> plain(params), set(params), built(changed);
-    set.Set(set->weights, changed.weights).Set(set->terminal_weights, changed.terminal_weights);
-    for (auto* rig : {&plain, &set, &built})
-      rig->Fix(rig->system().estimate, At(params, 0, {0.1, -0.05, 0.02})).Tick().RunTo(0.03);
-    EXPECT_EQ(set[set->command], built[built->command]);
-    EXPECT_NE(plain[plain->command], built[built->command]);
-    changed.weights.tension = 0;
-    EXPECT_TRUE(Throws<ParameterError>([&] { set.Set(set->weights, changed.weights); }, "weights.tension"));
-  }
+// The shipped MPC has no diagonal weights of the final errors.
+TEST(CdprMpc, DiagonalTerminalWeightsAreSetInARun) {
+  CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
+  params.terminal = TerminalCost::kGiven;
+  params.terminal_weights = params.weights;
+  CdprMpcParams changed = params;
+  changed.terminal_weights.position = {900, 900, 700};
+  TestRig<CdprMpc> plain(params), set(params), built(changed);
+  set.Set(set->terminal_weights, changed.terminal_weights);
+  for (auto* rig : {&plain, &set, &built})
+    rig->Fix(rig->system().estimate, At(params, 0, {0.1, -0.05, 0.02})).Tick().RunTo(0.03);
+  EXPECT_EQ(set[set->command], built[built->command]);
+  EXPECT_NE(plain[plain->command], built[built->command]);
 }
 
 // The Riccati equation is solved when weights are set, not at the next tick.
@@ -291,6 +306,8 @@ TEST(CdprMpc, WeightsWithoutACostToGoAreRefused) {
   wrong.position.setConstant(1e308);
   wrong.tension = 1e-308;
   EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->weights, wrong); }, "Riccati"));
+  wrong.tension = 0;
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->weights, wrong); }, "weights.tension"));
 }
 
 }  // namespace tenon::cdpr_mpc_test

@@ -313,18 +313,6 @@ TEST(Slq, AllIterationsInOneCall) {
   EXPECT_THAT(InputsOf(all), IsNear(InputsOf(one), 1e-6));
 }
 
-TEST(Slq, EvaluateInterpolatesAndClamps) {
-  auto problem = SomeLinearProblem();
-  problem.upper = Eigen::Vector2d(2, 2);
-  Slq<LinearProblem<3, 2>> slq(problem, {0.1, 0.2});
-  slq.Solve(Eigen::Vector3d(0.6, 0, 0));
-  const auto& a = slq.policy()[0];
-  const auto& b = slq.policy()[1];
-  EXPECT_THAT(slq.Evaluate(0.025, 0.75 * a.x + 0.25 * b.x), IsNear(0.75 * a.u + 0.25 * b.u, 1e-12));
-  EXPECT_THAT(slq.Evaluate(99, slq.policy()[2].x), IsNear(b.u, 1e-12));
-  EXPECT_EQ(slq.Evaluate(0, Eigen::Vector3d(-100, -100, -100)).maxCoeff(), 2);
-}
-
 TEST(Slq, ShiftMovesThePolicyInTime) {
   Slq<LinearProblem<3, 2>> slq(SomeLinearProblem(), kUneven);
   slq.Solve(Eigen::Vector3d(1, -2, 0.5));
@@ -402,6 +390,42 @@ TEST(Slq, AcceptsStepsByArmijosRule) {
       unfair({SomeLinearProblem(), 0.99e-4}, kUneven);
   EXPECT_EQ(fair.Solve({1, -2, 0.5}).step_length, 1);
   EXPECT_GT(unfair.Solve({1, -2, 0.5}).regularisation, 0) << "no step was good";
+}
+
+/// dx/dt = u from x = 0 towards 2, with the path constraint x <= 1 at all nodes but the last:
+/// min sum_k 1/2 ((x_k - 2)^2 + u_k^2) + 1/2 (x_2 - 2)^2 over two steps of 1 s.
+struct Fenced : LinearProblem<1, 1> {
+  AugmentedLagrangian lagrangian;
+  std::array<double, 2> multipliers{};
+
+  Fenced() {
+    for (auto* one : {&B, &Q, &Q_f, &R}) one->setOnes();
+    A.setZero(), u_des.setZero(), x_des.setConstant(2), upper.setConstant(1e6), lower.setConstant(-1e6);
+  }
+  double StageCost(int k, const State& x, const Input& u) const {
+    return LinearProblem::StageCost(k, x, u) + lagrangian.Cost(1 - x[0], multipliers[k]);
+  }
+  void AddStageCost(int k, const State& x, const Input& u, double h, State& gx, Input& gu, StateMatrix& Hxx,
+                    InputMatrix& Huu) const {
+    LinearProblem::AddStageCost(k, x, u, h, gx, gu, Hxx, Huu);
+    const double next = lagrangian.Multiplier(1 - x[0], multipliers[k]);
+    gx[0] += h * next;
+    if (next > 0) Hxx(0, 0) += h * lagrangian.penalty;
+  }
+};
+// With x_1 = 1 the last input minimises u^2 + (1 + u - 2)^2, so it is 1/2, and the multiplier balances the
+// derivative by x_1: u_0 + (x_1 - 2) - u_1 + multiplier = 0. Each solve leaves 5/2 / (5/2 + penalty) of its
+// error.
+TEST(Slq, MultipliersOfAPathConstraintConverge) {
+  Slq<Fenced> slq(Fenced(), {1, 1}, {.max_iterations = 5, .tolerance = 0});
+  slq.problem().lagrangian.penalty = 2.5;
+  double& multiplier = slq.problem().multipliers[1];
+  for (double error = 0.25; error > 1e-7; error /= 2) {
+    ASSERT_TRUE(slq.Solve(Fenced::State(0)).ok());
+    multiplier = slq.problem().lagrangian.Multiplier(1 - slq.policy()[1].x[0], multiplier);
+    ASSERT_NEAR(multiplier, 0.5 - error, 1e-9);
+  }
+  EXPECT_NEAR(slq.policy()[1].x[0], 1, 1e-6);
 }
 
 TEST(Slq, RefusesStepsThatMakeNoSense) {

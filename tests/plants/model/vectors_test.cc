@@ -41,7 +41,9 @@ TEST_F(SegmentDistanceTest, IsTheLeastOfAllPoints) {
     for (int i = 0; i <= kPoints; ++i)
       for (int j = 0; j <= kPoints; ++j)
         least = std::min(least, (p + u * i / kPoints - q - v * j / kPoints).norm());
-    const double distance = SegmentDistance(p, u, q, v);
+    Eigen::Vector2d at;
+    const double distance = SegmentDistance(p, u, q, v, &at);
+    EXPECT_NEAR((p + at[0] * u - q - at[1] * v).norm(), distance, 1e-15);
     EXPECT_LE(distance, least + 1e-12);
     EXPECT_GT(distance, least - 0.08) << k;
   }
@@ -57,7 +59,9 @@ TEST_F(SegmentDistanceTest, OfABoxIsTheLeastOfAllPoints) {
       const Vector3d x = p + u * i / kPoints;
       least = std::min(least, (x.cwiseAbs() - half).cwiseMax(0).norm());
     }
-    const double distance = SegmentBoxDistance(p, u, half);
+    double at = 0;
+    const double distance = SegmentBoxDistance(p, u, half, &at);
+    EXPECT_NEAR(((p + at * u).cwiseAbs() - half).cwiseMax(0).norm(), distance, 1e-15);
     EXPECT_LE(distance, least + 1e-8) << k;
     EXPECT_GT(distance, least - 0.02) << k;
     if (least == 0) {
