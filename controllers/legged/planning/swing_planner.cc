@@ -136,9 +136,10 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
       const Eigen::Vector3d v_com = state.v_W + state.w_W.cross(R * stance.com_B);
       const Eigen::Vector2d v_error = (v_com - body.com_velocity_W).head<2>();
       leg.foothold.head<2>() = leg.blocked ? Eigen::Vector2d(leg.from.position + step.reflex.retreat * back)
-                               : planned.planned ? Eigen::Vector2d(planned.position_W[i])
-                                                 : Foothold(i, schedule, below, ground.slope,
-                                                            step.velocity_feedback * v_error + memory.shift);
+                               : planned.planned
+                                   ? Eigen::Vector2d(planned.position_W[i])
+                                   : Foothold(i, schedule, below, ground.slope,
+                                              Feedback(v_error, known_wrench, step) + memory.shift);
       if (map.known()) PlaceOnMap(map, lifts_off, step, &leg);
       leg.foothold[2] = leg.ground.HeightAt(leg.foothold.head<2>());
     } else {
@@ -181,6 +182,14 @@ void SwingPlanner::PlaceOnMap(const ElevationMap& map, bool lifts_off, const Ste
   leg->highest = HighestBetween(map, leg->lift_off.head<2>(), place.position) + radius;
   if (leg->highest > leg->lift_off[2] + step.height / 2) leg->rise = step.reflex.rise_phase;
   if (leg->highest > leg->ground.p_W[2] + step.height / 2) leg->sink = step.reflex.rise_phase;
+}
+
+Eigen::Vector2d SwingPlanner::Feedback(const Eigen::Vector2d& v_error, const WrenchEstimate& known_wrench,
+                                       const StepProperties& step) const {
+  const Eigen::Vector2d feedback = step.velocity_feedback * v_error;
+  if (!known_wrench.force_W.isZero(0)) return feedback;
+  const double capture = std::sqrt(stance.com_height / params.gravity);
+  return feedback + (capture - step.velocity_feedback) * (v_error - Shortened<2>(v_error, step.free_speed));
 }
 
 Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench, const StepProperties& step) const {

@@ -27,8 +27,8 @@ struct SwingPlannerParams {
 /// `footholds` are the next one of a swing foot and the present one of a stance foot.
 ///
 /// **Foothold.** The foothold is chosen at lift-off and updated horizontally at every tick until
-/// retarget_phase. It is the nominal place below the path in the middle of the coming stance, plus k (v -
-/// v_ref) with the horizontal velocity v of a CoM fixed to the trunk, plus the shift
+/// retarget_phase. It is the nominal place below the path in the middle of the coming stance, plus k d with
+/// the horizontal velocity error d of a CoM fixed to the trunk, plus the shift
 ///
 ///     s max(0, 1 - (d / |s|)^2),    s = ((h f_x + t_y) / N, (h f_y - t_x) / N),    N = max(m g - f_z, m g /
 ///     2),
@@ -36,6 +36,10 @@ struct SwingPlannerParams {
 /// where s is the displacement of the ground reaction that balances the wrench (f, t) on a CoM at height h,
 /// low-pass filtered and limited. The dead band d = free_shift leaves small wrenches to the whole-body
 /// controller, since moving footholds disturb the walk more than they do.
+///
+/// The part of d beyond `free_speed` displaces the foothold by sqrt(h / g) instead of k: to the capture
+/// point, where the inverted pendulum of height h comes to rest (Pratt et al., Capture point, Humanoids
+/// 2006). It does not apply to a robot that ropes hold, which is no pendulum on its feet.
 ///
 /// A `known_wrench` (f, t), such as that of ropes, displaces the nominal places below the path by d, so that
 /// the ground reaction m g e_z - f on a plane of slope s balances it:
@@ -164,6 +168,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
   Eigen::Vector2d PushedBack(std::size_t leg, const ContactSchedule& schedule, const LegMemory& memory,
                              const Vec<3>& foot, const Vec<3>& force, const StepProperties& step) const;
   void PlaceOnMap(const ElevationMap& map, bool lifts_off, const StepProperties& step, LegMemory* leg) const;
+  Eigen::Vector2d Feedback(const Eigen::Vector2d& v_error, const WrenchEstimate& known_wrench,
+                           const StepProperties& step) const;
   Eigen::Vector2d Shift(const WrenchEstimate& wrench, const StepProperties& step) const;
   Eigen::Vector2d Displacement(const WrenchEstimate& known_wrench, const Vec<2>& slope) const;
   Eigen::Vector2d Foothold(std::size_t leg, const ContactSchedule& schedule, const PlanarPath& path,

@@ -41,6 +41,39 @@ Eigen::Vector3d WithinFriction(const Eigen::Vector3d& force, const Eigen::Vector
          std::clamp(force.dot(t_2), -most, most) * t_2;
 }
 
+/// The desired ground force on a robot with two stance feet, reduced as `tip_limit` demands: see **Tipping**
+/// in the header. `tilt` and `rate` are those of the robot relative to its reference, `torque` is external.
+Eigen::Vector3d WithoutTipping(const Eigen::Vector3d& force, const Eigen::Vector3d& torque,
+                               const Eigen::Vector3d& tilt, const Eigen::Vector3d& rate,
+                               const Eigen::Vector3d& reference_acceleration,
+                               const QuadrupedDynamics& dynamics, const ContactSchedule& schedule,
+                               const Eigen::Vector3d& normal, const WholeBodyGains& gains) {
+  if (schedule.num_stance() != 2) return force;
+  std::array<Eigen::Vector3d, 2> feet;
+  std::size_t count = 0;
+  double to_touchdown = 0;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const LegContact& contact = schedule.legs[static_cast<std::size_t>(leg)];
+    if (contact.stance()) {
+      feet[count++] = dynamics.foot(leg).p_W;
+    } else {
+      to_touchdown = std::max(to_touchdown, contact.time_to_touchdown);
+    }
+  }
+  const double time = to_touchdown + gains.tip_margin;
+  const Eigen::Vector3d line = (feet[1] - feet[0]).normalized(), across = normal.cross(line).normalized();
+  const Eigen::Vector3d arm = feet[0] - dynamics.com_W;
+  const double inertia = line.dot(dynamics.centroidal_inertia_W * line);
+  const double acceleration =
+      line.dot(arm.cross(force) + torque) / inertia - line.dot(reference_acceleration);
+  const double predicted = line.dot(tilt + time * rate) + time * time / 2 * acceleration;
+  const double excess = predicted - std::clamp(predicted, -gains.tip_limit, gains.tip_limit);
+  if (excess == 0) return force;
+  const double moment = inertia * excess / (time * time / 2);
+  return WithinFriction(force - moment / line.dot(arm.cross(across)) * across, normal,
+                        gains.grip_limit * gains.qp.friction);
+}
+
 }  // namespace
 
 Vec<12> WholeBodyController::TorqueLimit(const QuadrupedDescription& robot) {
@@ -105,8 +138,11 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
     task.wrench -= disturbance;
   }
   const Vec<3> by_others = task.disturbance.head<3>();
-  task.wrench.head<3>() = by_others + WithinFriction(task.wrench.head<3>() - by_others, task.normal_W,
-                                                     gains.grip_limit * gains.qp.friction);
+  const Vec<3> by_ground =
+      WithinFriction(task.wrench.head<3>() - by_others, task.normal_W, gains.grip_limit * gains.qp.friction);
+  task.wrench.head<3>() =
+      by_others + WithoutTipping(by_ground, task.disturbance.tail<3>(), -tilt, state.w_W - body.w_W,
+                                 body.alpha_W, dynamics, schedule, task.normal_W, gains);
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
     const FootReference& reference = feet[leg];

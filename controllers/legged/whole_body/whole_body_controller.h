@@ -42,6 +42,9 @@ struct WholeBodyGains {
   double stretch_limit = 0.97;      ///< r: extension of a stance leg, over its longest, not corrected
   double stretch_stiffness = 2500;  ///< k_l: acceleration towards the hip per length beyond that [1/s^2]
   double load_ramp = 0;             ///< time in which a foot takes and gives up the robot's weight [s]
+  /// predicted tilt about the line of two stance feet beyond which the CoM yields [rad]
+  double tip_limit = std::numeric_limits<double>::infinity();
+  double tip_margin = 0.05;  ///< time from a touchdown until the foot has stopped the tilt [s]
   BodyDynamics dynamics = BodyDynamics::kExact;
   LegCompensation compensation = LegCompensation::kExact;
   WholeBodyQpParams qp = {};
@@ -91,6 +94,10 @@ struct WholeBodyGains {
             .AtLeast(0)
             .Because("0 turns it off"),
         Field("load_ramp_s", &WholeBodyGains::load_ramp).AtLeast(0).Because("0 turns it off"),
+        Field("tip_limit_rad", &WholeBodyGains::tip_limit).Positive().OrInfinite(),
+        Field("tip_margin_s", &WholeBodyGains::tip_margin)
+            .Positive()
+            .Scaled("tip_margin_t", [](double time, const Scale& s) { return time * s.Time(); }),
         {"dynamics", &WholeBodyGains::dynamics},
         {"leg_compensation", &WholeBodyGains::compensation},
         {"qp", &WholeBodyGains::qp}};
@@ -161,6 +168,22 @@ struct WholeBodyPlan {
 /// their distance l exceeds the fraction r of the longest that the knee's range allows
 /// (QuadrupedDescription::LongestExtension), since a leg that the trunk pulls straight snaps through its
 /// singularity or hits an end stop.
+///
+/// **Tipping.** Two feet exert no moment about the line between them, with direction n. A force F of the
+/// ground that holds the CoM x against an external wrench (f, t) therefore turns the robot, whose inertia is
+/// I_com, by
+///
+///     alpha = n . ((p - x) x F + t) / (n . I_com n)        with the position p of one of the feet,
+///
+/// and with the tilt e and the rate w relative to the reference, the tilt about the line is
+///
+///     n . (e + w T) + (alpha - n . alpha_ref) T^2 / 2,     T = time to touchdown + tip_margin,
+///
+/// when the feet in the air have landed and stop it. (I_com is that of the robot with locked joints. A trunk
+/// whose swing legs stay behind turns by more.) If it exceeds `tip_limit`, the tangential component of F
+/// across the line is reduced until it does not: the CoM yields to the push. The angular momentum about the
+/// line is the same, but as a motion of the CoM the next stance of all feet can return it, while as a
+/// rotation of the trunk it moves the feet out of reach.
 ///
 /// **Load ramps.** With a `load_ramp` T above 0, the normal force of a foot is at most s m g while s < 1: s
 /// grows from 0 to 1 within T after touchdown and falls to 0 within T before the planned lift-off. T is

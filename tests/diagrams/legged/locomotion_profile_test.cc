@@ -18,6 +18,7 @@ TEST(LocomotionProfileTest, IsRoundInSiUnitsForDogBot) {
   EXPECT_NEAR(gains.com_damping / 400, 1, kDigits);
   EXPECT_NEAR(gains.com_limit / 0.08, 1, kDigits);
   EXPECT_NEAR(gains.swing_limit / 200, 1, kDigits);
+  EXPECT_NEAR(gains.tip_margin, 0.05, 2e-4);
   EXPECT_NEAR(gains.qp.wrench_weight, 100, 0);
   EXPECT_NEAR(gains.qp.moment_weight / 30, 1, kDigits);
   EXPECT_NEAR(gains.qp.tilt_weight / 500, 1, kDigits);

@@ -20,6 +20,13 @@ SwingPlannerParams Params() {
   return params;
 }
 
+/// Planner whose footholds follow the velocity error by velocity_feedback alone.
+SwingPlannerParams WithoutCapture() {
+  SwingPlannerParams params = Params();
+  params.step.free_speed = std::numeric_limits<double>::infinity();
+  return params;
+}
+
 /// A trotting robot whose front-left and rear-right legs the test moves from state to state.
 class Trot {
  public:
@@ -165,14 +172,15 @@ TEST(SwingPlannerTest, FootIsAtItsNominalPlaceInTheMiddleOfItsStance) {
 }
 
 TEST(SwingPlannerTest, FootInTheAirGoesToANewFoothold) {
-  Trot pushed, still;
+  Trot pushed(WithoutCapture()), still;
   still.Swing();
   ExpectConsistent(pushed.Swing(40));  // into the first tick of the late foot, which is at its foothold
   EXPECT_THAT(pushed.Foothold(kFrontLeft) - still.Foothold(kFrontLeft), IsNear(Vec<3>(0, 0.03, 0), 1e-12));
 }
 
 TEST(SwingPlannerTest, FootholdStaysFromTheRetargetPhaseOn) {
-  Trot still, before, after, never({.robot = test::DogBot(), .step = {.retarget_phase = 0}});
+  Trot still, before(WithoutCapture()), after(WithoutCapture()),
+      never({.robot = test::DogBot(), .step = {.retarget_phase = 0}});
   still.Swing();
   before.Swing(80);  // 0.696 of the swing
   after.Swing(81);   // 0.704
@@ -266,11 +274,29 @@ TEST(SwingPlannerTest, FootholdFollowsTheVelocityError) {
   still.body.com_velocity_W << 0.1, 0, 0;
   pushed.body = still.body;
   still.state.v_W << 0.1, 0, 0;
-  pushed.state.v_W << 0.3, -0.1, 0.2;
+  pushed.state.v_W << 0.16, -0.08, 0.2;
   still.Swing();
   pushed.Swing();
   EXPECT_THAT(pushed.Foothold(kFrontLeft) - still.Foothold(kFrontLeft),
-              IsNear(0.03 * Eigen::Vector3d(0.2, -0.1, 0), 1e-12));
+              IsNear(0.03 * Eigen::Vector3d(0.06, -0.08, 0), 1e-12));
+}
+
+// Beyond the dead band of 0.1 m/s, an inverted pendulum on the foothold's displacement d that moves with v
+// comes to rest: x(t) = d (1 - cosh(w t)) + v / w sinh(w t) tends to d, with w = sqrt(g / h).
+TEST(SwingPlannerTest, FootholdsCatchAPushedRobot) {
+  const auto foothold = [](double velocity, const Vec<3>& ropes) {
+    Trot trot;
+    trot.state.v_W[1] = velocity;
+    trot.known_wrench.force_W = ropes;
+    trot.Swing();
+    return trot.Foothold(kFrontLeft)[1];
+  };
+  const double v = 0.3, w = std::sqrt(9.81 / NominalStance(Params().robot).com_height), t = 5 / w;
+  const double d = foothold(0.1 + v, {0, 0, 0}) - foothold(0.1, {0, 0, 0});
+  EXPECT_NEAR(d * (1 - std::cosh(w * t)) + v / w * std::sinh(w * t), d, 0.01 * d);
+  EXPECT_NEAR(foothold(-0.1 - v, {0, 0, 0}) - foothold(-0.1, {0, 0, 0}), -d, 1e-12);
+  const Vec<3> ropes(0, 0, 50);  // a robot on ropes is no pendulum on its feet
+  EXPECT_NEAR(foothold(0.1 + v, ropes) - foothold(0.1, ropes), 0.03 * v, 1e-12);
 }
 
 TEST(SwingPlannerTest, FootholdStaysInReach) {
@@ -587,6 +613,7 @@ TEST(SwingPlannerTest, TheStepIsSetInARun) {
                   .touchdown_speed = 0.3,
                   .search_depth = 0.07,
                   .velocity_feedback = 0.1,
+                  .free_speed = 0.2,
                   .retarget_phase = 0.3,
                   .free_shift = 0.01,
                   .shift_bandwidth = 30,

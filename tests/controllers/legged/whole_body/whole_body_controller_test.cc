@@ -194,6 +194,48 @@ TEST(WholeBodyController, LimitsTheRequiredForceByFriction) {
               IsNear(Vec<3>(-0.3 * weight, -10, weight), 1e-9));
 }
 
+// A push on a robot on two feet turns it about their line by alpha = n . ((p - x) x F) / (n . I n), which is
+// integrated here over the 0.1 s until its swing feet land. It would be tilted by alpha T^2 / 2 at T = 0.15
+// s.
+TEST(WholeBodyController, TheCoMYieldsBeforeTheTrunkTips) {
+  Inputs inputs(Params().robot);
+  inputs.Swing({kFrontRight, kRearLeft});
+  inputs.wrench.force_W = Vec<3>(10, -100, 0);
+  const auto& feet = inputs.dynamics.feet;
+  const Vec<3> line = (feet[kRearRight].p_W - feet[kFrontLeft].p_W).normalized();
+  const Vec<3> arm = feet[kFrontLeft].p_W - inputs.dynamics.com_W;
+  const double inertia = line.dot(inputs.dynamics.centroidal_inertia_W * line);
+  const auto by_ground = [&](double limit) {
+    return Vec<3>(TaskFor(inputs, inputs.body, {.tip_limit = limit}).wrench.head<3>() -
+                  inputs.wrench.force_W);
+  };
+  const auto acceleration = [&](const Vec<3>& force) { return line.dot(arm.cross(force)) / inertia; };
+  const auto tilt_at_the_end = [&](double limit) {
+    double tilt = 0, rate = 0;
+    for (int n = 0;; ++n) {
+      for (const Leg leg : {kFrontRight, kRearLeft})
+        inputs.schedule.legs[leg].time_to_touchdown = (100 - n) * 1e-3;
+      inputs.state.q_WB = QuaternionFromRotationVector(tilt * line);
+      inputs.state.w_W = rate * line;
+      const double alpha = acceleration(by_ground(limit));
+      if (n == 100) return std::abs(tilt + rate * 0.05 + alpha * 0.05 * 0.05 / 2);
+      tilt += rate * 1e-3 + alpha * 1e-6 / 2;
+      rate += alpha * 1e-3;
+    }
+  };
+  const double free = std::abs(acceleration(Vec<3>(-10, 100, inputs.model.mass() * 9.81))) * 0.15 * 0.15 / 2;
+  EXPECT_GT(free, 0.4) << "the limits below have nothing to do";
+  for (const Leg leg : {kFrontRight, kRearLeft}) inputs.schedule.legs[leg].time_to_touchdown = 0.1;
+  EXPECT_EQ(by_ground(free + 1e-6), by_ground(std::numeric_limits<double>::infinity()));
+  const Vec<3> change = by_ground(0.2) - by_ground(10);
+  EXPECT_THAT(Vec<2>(change[2], change.dot(line)), IsNear(Vec<2>(0, 0), 1e-12)) << "not across the line";
+  EXPECT_NEAR(std::abs(acceleration(by_ground(0.2))) * 0.15 * 0.15 / 2, 0.2, 1e-12);
+  inputs.schedule.legs[kRearLeft].state = ContactState::kStance;
+  EXPECT_EQ(by_ground(0.01), by_ground(10)) << "three feet exert any moment";
+  inputs.schedule.legs[kRearLeft].state = ContactState::kSwing;
+  EXPECT_NEAR(tilt_at_the_end(0.2), 0.2, 1e-3);
+}
+
 TEST(WholeBodyController, SwingFeetFollowTheirReferences) {
   Inputs inputs(Params().robot);
   inputs.Swing({kFrontRight, kRearLeft});
