@@ -182,7 +182,8 @@ TEST_F(TenonQuadrupedTest, ADrivenRunIsRepeatedWithEqualChecksums) {
               AllOf(HasSubstr("driving the robot"), HasSubstr("built-in mode")));
   EXPECT_THAT(Run(fmt::format("pushed --duration 0.3 --drive unitree:lo,{}", domain)),
               HasSubstr("driving the robot"));
-  EXPECT_THAT(ReadText(out / "scenario.yaml"), HasSubstr(fmt::format("unitree: \"lo,{}\"", domain)));
+  EXPECT_THAT(ReadText(out / "scenario.yaml"),
+              AllOf(HasSubstr(fmt::format("unitree: \"lo,{}\"", domain)), HasSubstr("hardware: standard")));
   const nlohmann::json same = Replayed();
   EXPECT_EQ(same.at("messages_equal"), 151);
   EXPECT_EQ(same.at("messages_different"), 0);
