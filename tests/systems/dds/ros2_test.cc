@@ -69,7 +69,6 @@ M Distinct(M message) {
   return message;
 }
 
-/// All numbers and texts of a message, as bytes.
 template <class M>
 std::vector<char> Contents(const M& message) {
   std::vector<char> bytes;
