@@ -2,6 +2,7 @@
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/io/external_input.h>
+#include <tenon/systems/yaml/resources.h>
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>
