@@ -36,7 +36,7 @@ std::string SetDriven(const std::string& name, const std::string& option, YamlDo
   if (document.Value("robot.file") == "dogbot") document.Set("robot.file", "go2");
   document.Set("walk.state", "estimated");
   // The estimator would take what the sensors of a robot say as exact, and keep every error.
-  if (document.Value("hardware") == "ideal") document.Set("hardware", "standard");
+  if (ResourceName(scenario.hardware) == "ideal") document.Set("hardware", "standard");
   document.Set("sensors.foot_force.mounted", "none");
   if (!scenario.deployment) document.Set("deployment", "{initial: passive}");
   return link;

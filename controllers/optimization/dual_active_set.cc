@@ -35,6 +35,11 @@ std::string QpReport::Message() const {
   return {};
 }
 
+/// Reserves the lists so that no step allocates. A copy has only what its original held.
+static void Reserve(std::initializer_list<std::vector<int>*> lists, std::size_t size) {
+  for (std::vector<int>* list : lists) list->reserve(size);
+}
+
 DualActiveSet::DualActiveSet(int max_variables, int max_constraints, int max_iterations)
     : max_variables_(max_variables),
       max_constraints_(max_constraints),
@@ -60,6 +65,7 @@ DualActiveSet::DualActiveSet(int max_variables, int max_constraints, int max_ite
   for (std::vector<int>* list : {&active_, &column_ends_}) list->resize(rows);
   ends_.resize(static_cast<std::size_t>(n));
   is_active_.resize(rows);
+  Reserve({&independent_, &violated_, &active_inequalities_, &guess_}, active_.size() + ends_.size());
 }
 
 void DualActiveSet::CheckSizes(const QuadraticProgram& qp) const {
@@ -316,9 +322,7 @@ TENON_VECTOR_CLONES QpReport DualActiveSet::Run(const QuadraticProgram& qp, Size
 
 QpReport DualActiveSet::Solve(const QuadraticProgram& qp, std::span<const int> guess) {
   CheckSizes(qp);
-  for (std::vector<int>* list :
-       {&independent_, &violated_, &active_inequalities_, &guess_})  // also of a copy
-    list->reserve(active_.size() + ends_.size());
+  Reserve({&independent_, &violated_, &active_inequalities_, &guess_}, active_.size() + ends_.size());
   n_ = static_cast<int>(qp.g.size());
   num_equalities_ = static_cast<int>(qp.b_eq.size());
   num_inequalities_ = static_cast<int>(qp.b_in.size());
