@@ -231,7 +231,7 @@ void McapFile::WriteChunk() {
   made.length = record_.size();
   for (const auto& [topic, messages] : index) {
     made.indices.emplace_back(topic, made.start + record_.size());
-    PutRecord(record_, kMessageIndex, [&] {
+    PutRecord(record_, kMessageIndex, [&, topic = topic, &messages = messages] {
       Put(record_, topic);
       PutList(record_, [&] {
         for (const auto& [time, at] : messages) {
