@@ -13,14 +13,6 @@ namespace {
 
 constexpr double kLying = -1;  // least height of a served robot, which may lie down [m]
 
-/// `commanded` is the distance that a walk should have covered [m].
-void JudgeTask(const QuadrupedScenario& scenario, double commanded, Summary& summary) {
-  const double due = scenario.walk ? EndOfWalk(*scenario.walk) : 0;
-  if (scenario.walk && scenario.task.arrives && commanded > 0)
-    summary.Require("distance_m", {.low = std::max(1 - scenario.walk->path_tolerance, 0.0) * commanded}, due);
-  scenario.task.AddTo(summary, due);
-}
-
 /// Runs a scenario by a diagram of class Loop; `observer` is given for a walk. Figures are made of the
 /// diagram and `judging`.
 template <class Loop, class Figures>
@@ -76,7 +68,10 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
     outputs.AddTo(summary);
     double commanded = 0;
     if constexpr (requires { figures->commanded(); }) commanded = figures->commanded();
-    if (!options.live && !wire.any()) JudgeTask(scenario, commanded, summary);
+    if (!options.live && !wire.any()) {
+      JudgeArrival(scenario, commanded, summary);
+      scenario.task.AddTo(summary, scenario.walk ? EndOfWalk(*scenario.walk) : 0);
+    }
   };
   std::vector<const Source*> signals = Figures::Signals(loop);
   signals.insert(signals.end(), faults.begin(), faults.end());
@@ -90,6 +85,12 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
 }
 
 }  // namespace
+
+void JudgeArrival(const QuadrupedScenario& scenario, double commanded, Summary& summary) {
+  if (scenario.walk && scenario.task.arrives && commanded > 0)
+    summary.Require("distance_m", {.low = std::max(1 - scenario.walk->path_tolerance, 0.0) * commanded},
+                    EndOfWalk(*scenario.walk));
+}
 
 void SetDeployment(const DeploymentStatus& status, Summary& summary) {
   summary.Set("mode", EnumName(status.mode));

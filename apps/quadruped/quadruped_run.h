@@ -21,6 +21,10 @@ void CheckQuadruped(const QuadrupedScenario& scenario, const Customisation<Quadr
 RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& options,
                        const Customisation<QuadrupedWalk>& customisation = {}, const Wire& wire = {});
 
+/// Demands that a walk to its end covers `commanded` [m] within the tolerance of its path, if it is to
+/// arrive.
+void JudgeArrival(const QuadrupedScenario& scenario, double commanded, Summary& summary);
+
 /// Sets the mode of a supervisor at the end, what damped the joints, and when.
 void SetDeployment(const DeploymentStatus& status, Summary& summary);
 

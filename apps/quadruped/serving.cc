@@ -147,6 +147,11 @@ class RoundTrip final : public LogSink {
   TimeQuantiles times_;
 };
 
+static std::string DampedAt(const DeploymentStatus& status) {
+  return fmt::format("the joints were damped at {:.4g} s (fault: {})", status.fault_time,
+                     EnumName(status.fault));
+}
+
 RunResult Drive(const Wire& wire, QuadrupedScenario scenario, RunOptions options) {
   const bool repeats = !wire.replay.empty();
   const DdsLink link = LinkOf("--drive", wire);
@@ -203,6 +208,11 @@ RunResult Drive(const Wire& wire, QuadrupedScenario scenario, RunOptions options
       if (SignalGuard::caught() != 0) last->Damp();
       return Verdict();
     });
+    simulator.AddMonitor([&](Context& context) -> Verdict {
+      const DeploymentStatus& status = context.Eval(loop.deployment->status);
+      if (status.fault == DeploymentFault::kNone || status.mode != DeploymentMode::kPassive) return {};
+      return DampedAt(status);
+    });
     Say(fmt::format(
         "driving the robot of domain {} at {}; Ctrl-C, or L2 and B of the remote, damp its joints\n",
         link.domain, link.interface));
@@ -215,7 +225,14 @@ RunResult Drive(const Wire& wire, QuadrupedScenario scenario, RunOptions options
     }
     recorder.AddTo(summary);
     ros2.AddTo(summary, simulator);
-    SetDeployment(simulator.context().Eval(loop.deployment->status), summary);
+    const Context& context = simulator.context();
+    const DeploymentStatus& status = context.Eval(loop.deployment->status);
+    SetDeployment(status, summary);
+    if (status.fault != DeploymentFault::kNone) summary.Break(status.fault_time, DampedAt(status));
+    const Vec<2> begin = params.world.plant.initial.p_WB.head<2>();
+    summary.Set("distance_m", (context.Eval(loop.estimator->estimate).state.p_WB.head<2>() - begin).norm());
+    JudgeArrival(scenario, (context.Eval(loop.locomotion.com_planner.path).position_W - begin).norm(),
+                 summary);
   };
   return RunScenario(options, given, Describe(given, duration), duration, simulator, signals,
                      {&loop.view.geometry}, {}, judge);
