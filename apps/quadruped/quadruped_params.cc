@@ -182,7 +182,7 @@ QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario, const SizeRatio& rat
     StepProperties& step = scenario.walk->step;
     for (double* const part :
          {&step.height, &step.touchdown_speed, &step.search_depth, &step.free_shift, &step.free_offset,
-          &step.free_speed, &step.largest_shift, &step.reflex.lag, &step.reflex.retreat, &step.reflex.height})
+          &step.largest_shift, &step.reflex.lag, &step.reflex.retreat, &step.reflex.height})
       *part *= length;
   }
   return scenario;

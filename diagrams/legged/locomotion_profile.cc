@@ -5,16 +5,21 @@
 namespace tenon {
 
 FieldList LocomotionProfile::Fields() {
-  return {Required("whole_body", &LocomotionProfile::whole_body),
-          Required("sway_limit_rad_per_s2", &LocomotionProfile::sway_limit)
-              .AtLeast(0)
-              .Because("0 keeps the trunk level"),
-          {"step_timing", &LocomotionProfile::step_timing},
-          Required("ground", &LocomotionProfile::ground),
-          Required("qp_rate_hz", &LocomotionProfile::qp_rate_hz).In(Range().Positive().Also([](double hz) {
-            Hz(hz);
-          })),
-          Required("observer", &LocomotionProfile::observer)};
+  return {
+      Required("whole_body", &LocomotionProfile::whole_body),
+      Required("sway_limit_rad_per_s2", &LocomotionProfile::sway_limit)
+          .AtLeast(0)
+          .Because("0 keeps the trunk level"),
+      Field("capture_speed_m_per_s", &LocomotionProfile::capture_speed)
+          .AtLeast(0)
+          .OrInfinite()
+          .Scaled("capture_speed_l_per_t", [](double v, const Scale& s) { return v * s.length / s.Time(); }),
+      {"step_timing", &LocomotionProfile::step_timing},
+      Required("ground", &LocomotionProfile::ground),
+      Required("qp_rate_hz", &LocomotionProfile::qp_rate_hz).In(Range().Positive().Also([](double hz) {
+        Hz(hz);
+      })),
+      Required("observer", &LocomotionProfile::observer)};
 }
 
 std::vector<RenamedKey> LocomotionProfile::Renamed() {
@@ -42,6 +47,7 @@ LeggedLocomotionParams MakeLocomotion(const QuadrupedDescription& robot, const L
   params.ground = {.robot = robot, .belief = profile.ground};
   params.com_planner.robot = robot;
   params.swing_planner.robot = robot;
+  params.swing_planner.capture_speed = profile.capture_speed;
   params.trunk_planner = {.robot = robot, .sway_limit = profile.sway_limit};
   params.step_timing.timing = profile.step_timing;
   params.whole_body.robot = robot;

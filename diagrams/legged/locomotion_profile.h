@@ -89,6 +89,8 @@ struct ObserverProfile {
 struct LocomotionProfile {
   WholeBodyGains whole_body;
   double sway_limit = 80;  ///< parameter of the TrunkPlanner [rad/s^2]
+  /// CoM velocity error beyond which footholds capture the robot, see SwingPlanner [m/s]
+  double capture_speed = std::numeric_limits<double>::infinity();
   StepTiming step_timing;  ///< limits of the StepTimingAdapter
   GroundBelief ground;
   double qp_rate_hz = 1000;

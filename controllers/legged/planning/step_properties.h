@@ -31,7 +31,6 @@ struct StepProperties {
   double touchdown_speed = 0.5;     ///< planned downward speed of the foot at touchdown [m/s]
   double search_depth = 0.2;        ///< largest depth of a searching foot below its foothold [m]
   double velocity_feedback = 0.03;  ///< displacement of the foothold per CoM velocity error [s]
-  double free_speed = 0.1;          ///< CoM velocity error beyond which footholds capture the robot [m/s]
   double retarget_phase = 0.7;      ///< swing phase up to which the foothold is updated at every tick
   bool wrench_shift = true;         ///< whether the estimated wrench shifts the footholds
   double free_shift = 0.08;         ///< dead band of the foothold shift [m]
@@ -49,7 +48,6 @@ struct StepProperties {
                 .Because("a late foot must reach the ground"),
             Field("search_depth_m", &StepProperties::search_depth).Positive(),
             Field("velocity_feedback_s", &StepProperties::velocity_feedback).AtLeast(0),
-            Field("free_speed_m_per_s", &StepProperties::free_speed).AtLeast(0).OrInfinite(),
             Field("retarget_phase", &StepProperties::retarget_phase)
                 .AtLeast(0)
                 .Below(1)

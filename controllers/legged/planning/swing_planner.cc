@@ -189,7 +189,8 @@ Eigen::Vector2d SwingPlanner::Feedback(const Eigen::Vector2d& v_error, const Wre
   const Eigen::Vector2d feedback = step.velocity_feedback * v_error;
   if (!known_wrench.force_W.isZero(0)) return feedback;
   const double capture = std::sqrt(stance.com_height / params.gravity);
-  return feedback + (capture - step.velocity_feedback) * (v_error - Shortened<2>(v_error, step.free_speed));
+  return feedback +
+         (capture - step.velocity_feedback) * (v_error - Shortened<2>(v_error, params.capture_speed));
 }
 
 Eigen::Vector2d SwingPlanner::Shift(const WrenchEstimate& wrench, const StepProperties& step) const {

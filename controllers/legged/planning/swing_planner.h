@@ -15,6 +15,8 @@ namespace tenon {
 struct SwingPlannerParams {
   QuadrupedDescription robot;
   StepProperties step;
+  /// CoM velocity error beyond which footholds capture the robot [m/s]
+  double capture_speed = std::numeric_limits<double>::infinity();
   double gravity = kGravity;  ///< [m/s^2]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
@@ -37,7 +39,7 @@ struct SwingPlannerParams {
 /// low-pass filtered and limited. The dead band d = free_shift leaves small wrenches to the whole-body
 /// controller, since moving footholds disturb the walk more than they do.
 ///
-/// The part of d beyond `free_speed` displaces the foothold by sqrt(h / g) instead of k: to the capture
+/// The part of d beyond `capture_speed` displaces the foothold by sqrt(h / g) instead of k: to the capture
 /// point, where the inverted pendulum of height h comes to rest (Pratt et al., Capture point, Humanoids
 /// 2006). It does not apply to a robot that ropes hold, which is no pendulum on its feet.
 ///

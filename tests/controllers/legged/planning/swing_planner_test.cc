@@ -20,13 +20,6 @@ SwingPlannerParams Params() {
   return params;
 }
 
-/// Planner whose footholds follow the velocity error by velocity_feedback alone.
-SwingPlannerParams WithoutCapture() {
-  SwingPlannerParams params = Params();
-  params.step.free_speed = std::numeric_limits<double>::infinity();
-  return params;
-}
-
 /// A trotting robot whose front-left and rear-right legs the test moves from state to state.
 class Trot {
  public:
@@ -172,15 +165,14 @@ TEST(SwingPlannerTest, FootIsAtItsNominalPlaceInTheMiddleOfItsStance) {
 }
 
 TEST(SwingPlannerTest, FootInTheAirGoesToANewFoothold) {
-  Trot pushed(WithoutCapture()), still;
+  Trot pushed, still;
   still.Swing();
   ExpectConsistent(pushed.Swing(40));  // into the first tick of the late foot, which is at its foothold
   EXPECT_THAT(pushed.Foothold(kFrontLeft) - still.Foothold(kFrontLeft), IsNear(Vec<3>(0, 0.03, 0), 1e-12));
 }
 
 TEST(SwingPlannerTest, FootholdStaysFromTheRetargetPhaseOn) {
-  Trot still, before(WithoutCapture()), after(WithoutCapture()),
-      never({.robot = test::DogBot(), .step = {.retarget_phase = 0}});
+  Trot still, before, after, never({.robot = test::DogBot(), .step = {.retarget_phase = 0}});
   still.Swing();
   before.Swing(80);  // 0.696 of the swing
   after.Swing(81);   // 0.704
@@ -281,11 +273,11 @@ TEST(SwingPlannerTest, FootholdFollowsTheVelocityError) {
               IsNear(0.03 * Eigen::Vector3d(0.06, -0.08, 0), 1e-12));
 }
 
-// Beyond the dead band of 0.1 m/s, an inverted pendulum on the foothold's displacement d that moves with v
+// Beyond a speed of 0.1 m/s, an inverted pendulum on the foothold's displacement d that moves with v
 // comes to rest: x(t) = d (1 - cosh(w t)) + v / w sinh(w t) tends to d, with w = sqrt(g / h).
 TEST(SwingPlannerTest, FootholdsCatchAPushedRobot) {
   const auto foothold = [](double velocity, const Vec<3>& ropes) {
-    Trot trot;
+    Trot trot({.robot = test::DogBot(), .capture_speed = 0.1});
     trot.state.v_W[1] = velocity;
     trot.known_wrench.force_W = ropes;
     trot.Swing();
@@ -613,7 +605,6 @@ TEST(SwingPlannerTest, TheStepIsSetInARun) {
                   .touchdown_speed = 0.3,
                   .search_depth = 0.07,
                   .velocity_feedback = 0.1,
-                  .free_speed = 0.2,
                   .retarget_phase = 0.3,
                   .free_shift = 0.01,
                   .shift_bandwidth = 30,
