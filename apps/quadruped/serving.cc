@@ -228,7 +228,8 @@ RunResult Drive(const Wire& wire, QuadrupedScenario scenario, RunOptions options
     const Context& context = simulator.context();
     const DeploymentStatus& status = context.Eval(loop.deployment->status);
     SetDeployment(status, summary);
-    if (status.fault != DeploymentFault::kNone) summary.Break(status.fault_time, DampedAt(status));
+    if (status.fault != DeploymentFault::kNone)  // also where the controller of a damped robot ended the run
+      summary.EndedBy(DampedAt(status), kLimitBroken);
     const Vec<2> begin = params.world.plant.initial.p_WB.head<2>();
     summary.Set("distance_m", (context.Eval(loop.estimator->estimate).state.p_WB.head<2>() - begin).norm());
     JudgeArrival(scenario, (context.Eval(loop.locomotion.com_planner.path).position_W - begin).norm(),
