@@ -26,10 +26,6 @@ inline constexpr std::uint64_t kRecommendedSeed = 1;
 /// for 6 s. Stabilized, with absolute tolerances of 1e-3, 1e-1 and 1e-5, it takes 3.0 and stays within 0.08
 /// mm.
 enum class LeggedIntegrator { kRungeKutta, kStabilized };
-constexpr auto EnumNames(LeggedIntegrator) {
-  return std::array{Named{LeggedIntegrator::kRungeKutta, "runge_kutta"},
-                    Named{LeggedIntegrator::kStabilized, "stabilized"}};
-}
 
 /// Integration of a diagram with a QuadrupedWorld. The defaults are those that QuadrupedPlant recommends.
 struct LeggedIntegration {

@@ -14,12 +14,6 @@ enum class ShapeKind {
   kMesh,      ///< triangles, in coordinates of its frame
   kTrace,     ///< path of p_W during the whole run; size: radius of a ball at p_W, or 0 [m]
 };
-constexpr auto EnumNames(ShapeKind) {
-  return std::array{Named{ShapeKind::kBox, "box"},           Named{ShapeKind::kSphere, "sphere"},
-                    Named{ShapeKind::kCylinder, "cylinder"}, Named{ShapeKind::kCapsule, "capsule"},
-                    Named{ShapeKind::kSegment, "segment"},   Named{ShapeKind::kArrow, "arrow"},
-                    Named{ShapeKind::kMesh, "mesh"},         Named{ShapeKind::kTrace, "trace"}};
-}
 
 /// Category of a shape, which sets its colour; shapes of a category can be shown and hidden together.
 enum class ShapeRole {

@@ -123,9 +123,6 @@ struct QuantileGoal {
 
 /// Termination of a campaign: after all runs, or when the probability of survival is known.
 enum class Estimate { kAll, kSurvival };
-constexpr auto EnumNames(Estimate) {
-  return std::array{Named{Estimate::kAll, "all"}, Named{Estimate::kSurvival, "survival"}};
-}
 
 /// The file of a campaign.
 struct CampaignFile {

@@ -13,7 +13,6 @@
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/sensors/terrain_mapper.h>
 #include <tenon/systems/io/slow.h>
-#include <tenon/systems/yaml/yaml.h>
 
 namespace tenon::apps {
 
@@ -59,9 +58,6 @@ ContactAidedNoise BelievedNoise(const QuadrupedSensors& sensors);
 
 /// The state that the walking controller reads.
 enum class StateSource { kTrue, kEstimated };
-constexpr auto EnumNames(StateSource) {
-  return std::array{Named{StateSource::kTrue, "true"}, Named{StateSource::kEstimated, "estimated"}};
-}
 
 /// The commanded walk, and the settings of the walking controller that a scenario may change.
 struct WalkScenario {
@@ -144,11 +140,6 @@ struct LiveScenario {
 };
 
 enum class Part { kTrunk, kFrontLeft, kFrontRight, kRearLeft, kRearRight };
-constexpr auto EnumNames(Part) {
-  return std::array{Named{Part::kTrunk, "trunk"}, Named{Part::kFrontLeft, "front_left"},
-                    Named{Part::kFrontRight, "front_right"}, Named{Part::kRearLeft, "rear_left"},
-                    Named{Part::kRearRight, "rear_right"}};
-}
 
 /// A force on the robot for some time: constant, or a sine of the time since its start if a frequency is
 /// given.

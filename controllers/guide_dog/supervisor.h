@@ -11,10 +11,6 @@ enum class GuideMode {
   kTurn,  ///< turns to a new direction
   kStop,  ///< stands and waits for a pull
 };
-constexpr auto EnumNames(GuideMode) {
-  return std::array{Named{GuideMode::kMove, "move"}, Named{GuideMode::kTurn, "turn"},
-                    Named{GuideMode::kStop, "stop"}};
-}
 
 /// Gains of Supervisor. The defaults are explained in docs/guide_dog.md.
 struct SupervisorGains {

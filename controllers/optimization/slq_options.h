@@ -2,17 +2,10 @@
 
 #include <tenon/systems/framework/types/fields.h>
 
-#include <utility>
-
 namespace tenon {
 
 /// Integration method of a step x' = F(x, u) of dx/dt = f(x, u), u constant.
 enum class StepMethod { kEuler, kMidpoint, kRungeKutta4 };
-
-constexpr auto EnumNames(StepMethod) {
-  return std::array{Named{StepMethod::kEuler, "euler"}, Named{StepMethod::kMidpoint, "midpoint"},
-                    Named{StepMethod::kRungeKutta4, "runge_kutta_4"}};
-}
 
 enum class SlqBounds {
   kProjectedNewton,    ///< the backward pass minimises over the box; inputs at a bound have no feedback

@@ -17,12 +17,6 @@ enum class CdprFaultPlace {
   kImu,        ///< ImuMeasurement, to the estimators
   kEstimate,   ///< PlatformEstimate, to the MPC and the load estimator
 };
-constexpr auto EnumNames(CdprFaultPlace) {
-  using enum CdprFaultPlace;
-  return std::array{Named{kCommand, "command"}, Named{kWinch, "winch"},         Named{kCable, "cable"},
-                    Named{kLengths, "lengths"}, Named{kReference, "reference"}, Named{kPose, "pose"},
-                    Named{kImu, "imu"},         Named{kEstimate, "estimate"}};
-}
 using CdprFault = FaultAt<CdprFaultPlace>;
 
 /// Adds faults to a diagram before it is built. Returns the signals of the faults to log. Throws FaultError

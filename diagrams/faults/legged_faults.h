@@ -22,20 +22,6 @@ enum class LeggedFaultPlace {
   kLink,          ///< time of the last state from the robot, to the supervisor of a walk [s]
   kObstacle,      ///< output of the guide dog's obstacle detector
 };
-constexpr auto EnumNames(LeggedFaultPlace) {
-  using enum LeggedFaultPlace;
-  return std::array{Named{kTorque, "torque"},
-                    Named{kJoint, "joint"},
-                    Named{kEncoders, "encoders"},
-                    Named{kTorqueSensor, "torque_sensor"},
-                    Named{kFootForce, "foot_force"},
-                    Named{kImu, "imu"},
-                    Named{kState, "state"},
-                    Named{kWrench, "wrench"},
-                    Named{kRope, "rope"},
-                    Named{kLink, "link"},
-                    Named{kObstacle, "obstacle"}};
-}
 using LeggedFault = FaultAt<LeggedFaultPlace>;
 
 /// Adds faults to a diagram before it is built. Returns the signals of the faults to log. Throws FaultError

@@ -29,16 +29,6 @@ enum class ObserverKind {
   kNdoInverse,  ///< forces on the legs by NonlinearDisturbanceObserver with NdoReading::kInverse
   kNdoHybrid,   ///< kNdoM and kCom
 };
-constexpr auto EnumNames(ObserverKind) {
-  return std::array{Named{ObserverKind::kNone, "none"},
-                    Named{ObserverKind::kLegs, "legs"},
-                    Named{ObserverKind::kCom, "com"},
-                    Named{ObserverKind::kHybrid, "hybrid"},
-                    Named{ObserverKind::kFocchi, "focchi"},
-                    Named{ObserverKind::kNdoM, "ndo_m"},
-                    Named{ObserverKind::kNdoInverse, "ndo_inverse"},
-                    Named{ObserverKind::kNdoHybrid, "ndo_hybrid"}};
-}
 
 /// Parameters of a DisturbanceObserver. `kind` selects the blocks that are made. For kFocchi `focchi`
 /// replaces the gains of `com`; `ndo.reading` follows from the kind.

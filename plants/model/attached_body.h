@@ -12,10 +12,6 @@ enum class AttachedJoint {
   kSlider,  ///< translation along `axis`
   kBall,    ///< any rotation
 };
-constexpr auto EnumNames(AttachedJoint) {
-  return std::array{Named{AttachedJoint::kWeld, "weld"}, Named{AttachedJoint::kPin, "pin"},
-                    Named{AttachedJoint::kSlider, "slider"}, Named{AttachedJoint::kBall, "ball"}};
-}
 
 /// A rigid body on a joint: a swinging load, a backpack on springs, a link of a tail or an arm. See Attach in
 /// plants/attached_bodies.h.

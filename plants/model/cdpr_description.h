@@ -99,10 +99,6 @@ enum class WinchMode {
   kTorque,   ///< the command is the motor's torque, as tension at the drum
 };
 
-constexpr auto EnumNames(WinchMode) {
-  return std::array{Named{WinchMode::kTension, "tension"}, Named{WinchMode::kTorque, "torque"}};
-}
-
 /// A drum with several layers of cable, see plants/cdpr/layered_drum.h.
 struct DrumProperties {
   double radius = 0;           ///< radius of the first layer, to the cable's centreline [m]

@@ -14,9 +14,6 @@ class RobotMultibody;
 /// Source of the accelerations of a robot without additions: the equations of its plant, or the forward
 /// dynamics of Simbody. A plant takes Simbody's if its `extend` is a function, even one that adds nothing.
 enum class Dynamics { kClosedForm, kSimbody };
-constexpr auto EnumNames(Dynamics) {
-  return std::array{Named{Dynamics::kClosedForm, "closed_form"}, Named{Dynamics::kSimbody, "simbody"}};
-}
 
 /// Rates of the added states.
 struct AddedRates {

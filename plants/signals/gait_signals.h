@@ -9,10 +9,6 @@ namespace tenon {
 
 /// Gaits, by the legs that swing together: none, single legs, diagonal, lateral, front and rear pairs.
 enum class Gait { kStand, kCrawl, kTrot, kPace, kGallop };
-constexpr auto EnumNames(Gait) {
-  return std::array{Named{Gait::kStand, "stand"}, Named{Gait::kCrawl, "crawl"}, Named{Gait::kTrot, "trot"},
-                    Named{Gait::kPace, "pace"}, Named{Gait::kGallop, "gallop"}};
-}
 
 /// Contact state of a leg.
 enum class ContactState {
@@ -21,10 +17,6 @@ enum class ContactState {
   kLate,       ///< no contact at the end of the swing: the foot is lowered and the gait clock waits
   kSearching,  ///< no contact in stance: the foot is lowered and no leg lifts off
 };
-constexpr auto EnumNames(ContactState) {
-  return std::array{Named{ContactState::kStance, "stance"}, Named{ContactState::kSwing, "swing"},
-                    Named{ContactState::kLate, "late"}, Named{ContactState::kSearching, "searching"}};
-}
 
 /// Contact state and timing of a leg.
 struct LegContact {

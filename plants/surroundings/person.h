@@ -11,10 +11,6 @@ enum class Activity {
   kWalk,    ///< walks in a given direction; stands at speed 0
   kPull,    ///< pulls with a given force in a given direction
 };
-constexpr auto EnumNames(Activity) {
-  return std::array{Named{Activity::kFollow, "follow"}, Named{Activity::kWalk, "walk"},
-                    Named{Activity::kPull, "pull"}};
-}
 
 /// Phase of a person's motion. The speed is speed + speed_amplitude sin(angular_frequency t), with t from the
 /// start of the phase.

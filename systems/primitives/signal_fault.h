@@ -45,12 +45,6 @@ enum class SignalFaultKind {
   kLate,     ///< u from `samples` ticks ago
   kLost,     ///< with `probability`, drawn at each tick, y of the tick before, else u
 };
-constexpr auto EnumNames(SignalFaultKind) {
-  using enum SignalFaultKind;
-  return std::array{Named{kDropOut, "drop_out"}, Named{kStuck, "stuck"},   Named{kNan, "nan"},
-                    Named{kSpike, "spike"},      Named{kOffset, "offset"}, Named{kLoss, "loss"},
-                    Named{kLate, "late"},        Named{kLost, "lost"}};
-}
 
 template <class T = double>
 struct SignalFaultParams {

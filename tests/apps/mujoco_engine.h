@@ -6,9 +6,6 @@
 namespace tenon::test {
 
 enum class Engine { kTenon, kMujoco };
-constexpr auto EnumNames(Engine) {
-  return std::array{Named{Engine::kTenon, "tenon"}, Named{Engine::kMujoco, "mujoco"}};
-}
 
 /// Keys of the apps that run with MuJoCo in the place of the plant.
 struct MujocoEngine {

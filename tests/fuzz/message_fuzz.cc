@@ -6,9 +6,6 @@
 namespace {
 
 enum class Phase { kStance, kSwing };
-constexpr auto EnumNames(Phase) {
-  return std::array{tenon::Named{Phase::kStance, "stance"}, tenon::Named{Phase::kSwing, "swing"}};
-}
 
 /// Elements of each kind that a message stores in a different way.
 struct Signal {

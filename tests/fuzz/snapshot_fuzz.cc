@@ -17,9 +17,6 @@ void Put(std::uint64_t value, std::size_t at, std::vector<std::byte>& bytes) {
 }
 
 enum class Mode { kRest, kRun };
-constexpr auto EnumNames(Mode) {
-  return std::array{tenon::Named{Mode::kRest, "rest"}, tenon::Named{Mode::kRun, "run"}};
-}
 
 /// One state of each kind that a snapshot stores in a way of its own.
 class Kinds final : public tenon::LeafSystem<void> {

@@ -11,9 +11,6 @@ enum class NdoReading {
   kM,        ///< Lambda = X M_q^-1
   kInverse,  ///< Lambda = X^-1 M_q^-1
 };
-constexpr auto EnumNames(NdoReading) {
-  return std::array{Named{NdoReading::kM, "m"}, Named{NdoReading::kInverse, "inverse"}};
-}
 
 struct NonlinearDisturbanceObserverParams {
   QuadrupedDescription robot;  ///< model of the observer

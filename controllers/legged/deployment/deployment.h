@@ -15,18 +15,9 @@ enum class DeploymentMode {
   kLieDown,  ///< folds the legs by joint PD
   kDamp,     ///< damped joints, after a fault and after lying down
 };
-constexpr auto EnumNames(DeploymentMode) {
-  using enum DeploymentMode;
-  return std::array{Named{kPassive, "passive"}, Named{kStandUp, "stand_up"}, Named{kStand, "stand"},
-                    Named{kWalk, "walk"},       Named{kLieDown, "lie_down"}, Named{kDamp, "damp"}};
-}
 
 /// The wish of the operator.
 enum class DeploymentGoal { kLie, kStand, kWalk, kStop };
-constexpr auto EnumNames(DeploymentGoal) {
-  using enum DeploymentGoal;
-  return std::array{Named{kLie, "lie"}, Named{kStand, "stand"}, Named{kWalk, "walk"}, Named{kStop, "stop"}};
-}
 
 /// Why joints are damped.
 enum class DeploymentFault {
@@ -40,12 +31,6 @@ enum class DeploymentFault {
   kSpeed,      ///< a joint is too fast
   kEstimator,  ///< the estimated velocity of the trunk is impossible
 };
-constexpr auto EnumNames(DeploymentFault) {
-  using enum DeploymentFault;
-  return std::array{Named{kNone, "none"},     Named{kStop, "stop"},     Named{kLost, "lost"},
-                    Named{kMissed, "missed"}, Named{kFrozen, "frozen"}, Named{kTilt, "tilt"},
-                    Named{kAngle, "angle"},   Named{kSpeed, "speed"},   Named{kEstimator, "estimator"}};
-}
 
 /// Conditions of the mode's transitions at a tick.
 struct DeploymentEvents {

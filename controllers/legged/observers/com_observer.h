@@ -12,9 +12,6 @@ enum class ForceSource {
   kImu,       ///< the IMU of the trunk, and the CoM's velocity relative to it
   kMomentum,  ///< the CoM's velocity, which requires the trunk's velocity
 };
-constexpr auto EnumNames(ForceSource) {
-  return std::array{Named{ForceSource::kImu, "imu"}, Named{ForceSource::kMomentum, "momentum"}};
-}
 
 /// Gains of ComObserver.
 struct ComObserverGains {

@@ -12,9 +12,6 @@ enum class LegDynamics {
   kExact,   ///< the joints' rows of the floating-base dynamics, which forces on the trunk do not enter
   kThesis,  ///< decoupled from the trunk, neglecting forces on it; see DecoupledDynamics
 };
-constexpr auto EnumNames(LegDynamics) {
-  return std::array{Named{LegDynamics::kExact, "exact"}, Named{LegDynamics::kThesis, "thesis"}};
-}
 
 /// Gains of LegMomentumObserver.
 struct LegObserverGains {

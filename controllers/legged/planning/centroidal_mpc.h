@@ -19,11 +19,6 @@ enum class WrenchForecast {
   kDecaying,  ///< it decays exponentially to its steady part
   kSinusoid,  ///< it goes on as the sinusoid that it has been, see WrenchSinusoid
 };
-constexpr auto EnumNames(WrenchForecast) {
-  return std::array{Named{WrenchForecast::kNone, "none"}, Named{WrenchForecast::kHeld, "held"},
-                    Named{WrenchForecast::kDecaying, "decaying"},
-                    Named{WrenchForecast::kSinusoid, "sinusoid"}};
-}
 
 /// Weights of CentroidalMpc, in the units of CentroidalWalkProblem: of squared errors, per sqrt(h / g) of the
 /// horizon.

@@ -10,9 +10,6 @@ namespace tenon {
 
 /// The degree of a spline's polynomials.
 enum class SplineOrder { kCubic, kQuintic };
-constexpr auto EnumNames(SplineOrder) {
-  return std::array{Named{SplineOrder::kCubic, "cubic"}, Named{SplineOrder::kQuintic, "quintic"}};
-}
 
 /// Weights relative to that of the squared acceleration, which is 1.
 struct ZmpSplineParams {

@@ -13,18 +13,12 @@ enum class LegCompensation {
   kExact,   ///< torques: F_hat is subtracted from the torques of all legs, within their limits
   kThesis,  ///< accelerations: eq. (2.41) for the swing feet, torques unchanged
 };
-constexpr auto EnumNames(LegCompensation) {
-  return std::array{Named{LegCompensation::kExact, "exact"}, Named{LegCompensation::kThesis, "thesis"}};
-}
 
 /// Equations of motion in the optimisation.
 enum class BodyDynamics {
   kExact,      ///< all 18 coordinates, with the estimated wrench
   kDecoupled,  ///< eq. (2.3), see DecoupledDynamics: without the wrench, and without A' nu in L'
 };
-constexpr auto EnumNames(BodyDynamics) {
-  return std::array{Named{BodyDynamics::kExact, "exact"}, Named{BodyDynamics::kDecoupled, "decoupled"}};
-}
 
 /// Gains of the whole-body controller, read from a file such as diagrams/profiles/standard.yaml.
 struct WholeBodyGains {
@@ -194,8 +188,6 @@ struct WholeBodyPlan {
 /// trunk's dynamics, joint torques by `compensation`, except a torque that pushes a joint back into its
 /// range: an end stop exerts it. Connect zeros to compensate nothing. `known_wrench` is added to the wrench:
 /// forces that are not estimated, such as those of ropes (see RopeTensions).
-///
-/// `gains` and `max_failures_in_a_row` are Parameters: a run can change them.
 class WholeBodyController final : public LeafSystem<WholeBodyParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -12,11 +12,6 @@ enum class FrictionPyramid {
   kInscribed,  ///< four sides within the cone, with an edge along the tangential force that the task wants
   kOctagonal,  ///< eight sides within the cone, with an edge in the same direction
 };
-constexpr auto EnumNames(FrictionPyramid) {
-  return std::array{Named{FrictionPyramid::kCircumscribed, "circumscribed"},
-                    Named{FrictionPyramid::kInscribed, "inscribed"},
-                    Named{FrictionPyramid::kOctagonal, "octagonal"}};
-}
 
 /// Weights of the cost and the friction coefficient of WholeBodyQp. In files for robots of all sizes they
 /// hold for forces in m g, torques in m g l and accelerations in g: the whole cost is multiplied by (m g)^2.

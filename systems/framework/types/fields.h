@@ -9,8 +9,10 @@
 #include <cstring>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <type_traits>
 #include <typeinfo>
+#include <utility>
 #include <vector>
 
 namespace tenon {
@@ -264,11 +266,69 @@ struct Named {
 template <class E>
 Named(E, const char*) -> Named<E>;
 
-/// An enum whose enumerators have names. Define a function beside the enum:
+namespace internal {
+
+/// The text of an enumerator in the program, `tenon::Gait::kTrot`, or of another value, `(tenon::Gait)7`.
+template <auto value>
+consteval std::string_view ProgramText() {
+  const std::string_view text = __PRETTY_FUNCTION__;  // "… [with auto value = TEXT; …]", "… [value = TEXT]"
+  const std::size_t begin = text.find("value = ") + 8;
+  return text.substr(begin, text.find_first_of(";]", begin) - begin);
+}
+
+/// The name of an enumerator: that in the program without its k, in lower case; empty for another value.
+template <auto value>
+consteval std::array<char, 64> MakeEnumeratorName() {
+  std::string_view text = ProgramText<value>();
+  text.remove_prefix(text.rfind(':') + 1);
+  if (text.find(')') != text.npos) return {};
+  const auto upper = [](char c) { return c >= 'A' && c <= 'Z'; };
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  if (text.size() > 1 && text[0] == 'k' && upper(text[1])) text.remove_prefix(1);
+  std::array<char, 64> name{};
+  std::size_t end = 0;
+  char before = 0;
+  for (const char c : text) {
+    if (end > 0 && ((upper(c) && !upper(before)) || (digit(c) && !digit(before)))) name[end++] = '_';
+    name[end++] = static_cast<char>(upper(c) ? c - 'A' + 'a' : c);
+    before = c;
+  }
+  return name;
+}
+template <auto value>
+inline constexpr std::array<char, 64> kEnumeratorName = MakeEnumeratorName<value>();
+
+/// Number of enumerators with the values 0, 1, 2, …
+template <class E, int n = 0>
+consteval int CountEnumerators() {
+  if constexpr (static_cast<int>(static_cast<E>(n)) != n || kEnumeratorName<static_cast<E>(n)>[0] == 0)
+    return n;
+  else
+    return CountEnumerators<E, n + 1>();
+}
+
+template <class E>
+concept ScopedEnum = std::is_enum_v<E> && !std::is_convertible_v<E, std::underlying_type_t<E>>;
+
+template <class E, int... n>
+constexpr auto NamesOf(std::integer_sequence<int, n...>) {
+  return std::array{Named{static_cast<E>(n), kEnumeratorName<static_cast<E>(n)>.data()}...};
+}
+
+}  // namespace internal
+
+/// The enumerators and names of an enum class whose values are 0, 1, 2, …: `kRungeKutta4` has the name
+/// runge_kutta_4. For other values or names, define a function beside the enum:
 ///
 ///     constexpr auto EnumNames(SwitchMode) {
-///       return std::array{Named{SwitchMode::kOff, "off"}, Named{SwitchMode::kOn, "on"}};
+///       return std::array{Named{SwitchMode::kOff, "0"}, Named{SwitchMode::kOn, "1"}};
 ///     }
+template <internal::ScopedEnum E>
+requires(internal::CountEnumerators<E>() > 0) constexpr auto EnumNames(E) {
+  return internal::NamesOf<E>(std::make_integer_sequence<int, internal::CountEnumerators<E>()>());
+}
+
+/// An enum whose enumerators have names.
 template <class E>
 concept NamedEnum = std::is_enum_v<E> && requires(E e) {
   EnumNames(e);

@@ -6,9 +6,6 @@
 namespace tenon::apps::scenario_keys_test {
 
 enum class Mode { kOff, kOn };
-constexpr auto EnumNames(Mode) {
-  return std::array{Named{Mode::kOff, "off"}, Named{Mode::kOn, "on"}};
-}
 
 struct Push {
   Eigen::Vector3d force_N{1, 2, 3};

@@ -154,9 +154,6 @@ TEST(SignalTest, FlattensAndBack) {
 }
 
 enum class Side { kLeft, kRight };
-constexpr auto EnumNames(Side) {
-  return std::array{Named{Side::kLeft, "left"}, Named{Side::kRight, "right"}};
-}
 
 struct Step {
   double length = 0;
@@ -183,6 +180,16 @@ std::string DoublesError(const std::vector<double>& numbers) {
   }
   EXPECT_EQ(Doubles(value), numbers);
   return "no error";
+}
+
+enum class Order { kFirst, kRungeKutta4, kXy };
+
+TEST(SignalTest, EnumeratorsHaveTheirNamesInTheProgram) {
+  EXPECT_EQ(EnumNames(Order()).size(), 3u);
+  EXPECT_STREQ(EnumName(Order::kRungeKutta4), "runge_kutta_4");
+  EXPECT_STREQ(EnumName(Order::kXy), "xy");
+  EXPECT_STREQ(EnumName(static_cast<Order>(3)), "?");
+  static_assert(!NamedEnum<Phase>, "its values do not begin at 0");
 }
 
 TEST(SignalTest, RefusesDoublesThatNoElementCanHold) {

@@ -9,9 +9,6 @@ struct EngineParams {
   double force = 0;  // N
 };
 enum class Gear { kLow, kHigh };
-constexpr auto EnumNames(Gear) {
-  return std::array{Named{Gear::kLow, "low"}, Named{Gear::kHigh, "high"}};
-}
 /// A force set by a parameter, with noise: the run depends on every command and on the seed.
 class Engine final : public LeafSystem<EngineParams> {
  public:

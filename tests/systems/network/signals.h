@@ -5,9 +5,6 @@
 namespace tenon::test {
 
 enum class Phase : std::uint8_t { kStance, kSwing };
-constexpr auto EnumNames(Phase) {
-  return std::array{Named{Phase::kStance, "stance"}, Named{Phase::kSwing, "swing"}};
-}
 
 struct Leg {
   Phase phase = Phase::kStance;

@@ -12,9 +12,6 @@ namespace tenon::yaml_test {
 using ::testing::AllOf, ::testing::HasSubstr, ::testing::Not, ::testing::StartsWith;
 
 enum class Gait { kStand, kTrot };
-constexpr auto EnumNames(Gait) {
-  return std::array{Named{Gait::kStand, "stand"}, Named{Gait::kTrot, "trot"}};
-}
 
 struct Leg {
   double mass = 1;
