@@ -22,17 +22,16 @@ struct SlidingLoadParams {
 
   static FieldList Fields() {
     using P = SlidingLoadParams;
-    return {Undescribed(&P::mass),
-            Undescribed(&P::position_B),
+    return {Undescribed("mass", &P::mass).AtLeast(0),
+            Undescribed("position_B", &P::position_B).Finite(),
             Field("reach_m", &P::reach).AtLeast(0),
             Field("friction", &P::friction).Between(0, 10),
-            Undescribed(&P::slip_speed),
-            Undescribed(&P::stiffness),
-            Undescribed(&P::damping_ratio),
+            Undescribed("slip_speed", &P::slip_speed).Positive(),
+            Undescribed("stiffness", &P::stiffness).Positive(),
+            Undescribed("damping_ratio", &P::damping_ratio).AtLeast(0),
             Undescribed(&P::robot),
-            Undescribed(&P::gravity)};
+            Undescribed("gravity", &P::gravity).Positive()};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Motion of the load in W.
@@ -58,15 +57,10 @@ class SlidingLoad final : public LeafSystem<SlidingLoadParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<LeggedState> robot{this, {"robot"}};
-  Parameter<double> mass{
-      this, {"mass", "kg"}, params.mass, "mass of the load; 0: no load", Range().AtLeast(0)};
-  Parameter<double> friction{
-      this, {"friction"}, params.friction, "friction coefficient between trunk and load", Range().AtLeast(0)};
-  Parameter<double> slip_speed{this,
-                               {"slip_speed", "m/s"},
-                               params.slip_speed,
-                               "speed at which friction is 71 % of its bound",
-                               Range().Positive()};
+  Parameter<double> mass{this, {"mass", "kg"}, params.mass, "mass of the load; 0: no load"};
+  Parameter<double> friction{this, {"friction"}, params.friction, "friction between trunk and load"};
+  Parameter<double> slip_speed{
+      this, {"slip_speed", "m/s"}, params.slip_speed, "speed at which friction is 71 % of its bound"};
   ContinuousState<LoadMotion> motion{this, {"motion"}, Start(params)};
   OutputPort<Vec<3>> place{this, {"place", "m"}, Uses(robot, motion), &SlidingLoad::CalcPlace};
   OutputPort<ExternalForce> force{

@@ -17,7 +17,7 @@ struct CableSensorsParams {
 
   static FieldList Fields() {
     using P = CableSensorsParams;
-    return {Undescribed(&P::num_cables),
+    return {Undescribed("num_cables", &P::num_cables).Positive(),
             {"rate_hz", &P::rate},
             Field("resolution_m", &P::resolution).AtLeast(0),
             Field("offset_m", &P::length_offset).AtLeast(0),
@@ -25,7 +25,6 @@ struct CableSensorsParams {
             Field("tension_noise_ratio", &P::tension_noise).AtLeast(0),
             Field("tension_offset_N", &P::tension_offset).AtLeast(0)};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Measures the lengths of cables by encoders on the drums and their tensions by load cells. The strain of

@@ -22,14 +22,13 @@ struct ImuParams {
   static FieldList Fields() {
     using P = ImuParams;
     return {{"rate_hz", &P::rate},
-            Undescribed(&P::p_B),
+            Undescribed("p_B", &P::p_B).Finite(),
             Field("angular_velocity_noise_rad_per_s", &P::angular_velocity_noise).AtLeast(0).Uniform(),
             Field("angular_velocity_bias_rad_per_s", &P::angular_velocity_bias).Finite(),
             Field("acceleration_noise_m_per_s2", &P::specific_force_noise).AtLeast(0).Uniform(),
             Field("acceleration_bias_m_per_s2", &P::specific_force_bias).Finite(),
-            Undescribed(&P::gravity)};
+            Undescribed("gravity", &P::gravity).Finite()};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// An inertial measurement unit at the point p_B, aligned with B, with constant bias and white noise:
@@ -39,8 +38,6 @@ struct ImuParams {
 ///
 /// with r = R_WB p_B and g = (0, 0, -gravity).
 /// The specific force is 9.81 m/s^2 upwards at rest and 0 in free fall.
-///
-/// Noise and biases are Parameters: a run can change them.
 ///
 /// Imu is for the platform of a cable robot, TrunkImu for the trunk of a quadruped.
 template <class State, class Acceleration>
@@ -52,23 +49,13 @@ class BasicImu final : public LeafSystem<ImuParams> {
   Parameter<Vec<3>> angular_velocity_noise{this,
                                            {"angular_velocity_noise", "rad/s"},
                                            params.angular_velocity_noise,
-                                           "standard deviation per axis",
-                                           Range().AtLeast(0)};
-  Parameter<Vec<3>> specific_force_noise{this,
-                                         {"specific_force_noise", "m/s^2"},
-                                         params.specific_force_noise,
-                                         "standard deviation per axis",
-                                         Range().AtLeast(0)};
-  Parameter<Vec<3>> angular_velocity_bias{this,
-                                          {"angular_velocity_bias", "rad/s"},
-                                          params.angular_velocity_bias,
-                                          "bias of all samples",
-                                          Range().Finite()};
-  Parameter<Vec<3>> specific_force_bias{this,
-                                        {"specific_force_bias", "m/s^2"},
-                                        params.specific_force_bias,
-                                        "bias of all samples",
-                                        Range().Finite()};
+                                           "standard deviation per axis"};
+  Parameter<Vec<3>> specific_force_noise{
+      this, {"specific_force_noise", "m/s^2"}, params.specific_force_noise, "standard deviation per axis"};
+  Parameter<Vec<3>> angular_velocity_bias{
+      this, {"angular_velocity_bias", "rad/s"}, params.angular_velocity_bias, "bias of all samples"};
+  Parameter<Vec<3>> specific_force_bias{
+      this, {"specific_force_bias", "m/s^2"}, params.specific_force_bias, "bias of all samples"};
   Random noise{this, "noise"};
   OutputPort<ImuMeasurement> measurement{
       this,

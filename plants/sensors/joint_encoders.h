@@ -42,8 +42,6 @@ struct JointEncodersParams {
 ///     qd[n] = a qd[n - 1] + (1 - a) (q[n] - q[n - 1]) / h,   a = exp(-2 pi f h),
 ///
 /// which lags by about 1 / (2 pi f) and contains the quantisation noise of the angles.
-///
-/// The errors `angle` and `speed` are Parameters: a run can change them.
 class JointEncoders final : public LeafSystem<JointEncodersParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -15,7 +15,8 @@ struct PoseSensorParams {
 
   static FieldList Fields() {
     using P = PoseSensorParams;
-    return {Undescribed(&P::rate), Undescribed(&P::position_noise), Undescribed(&P::attitude_noise),
+    return {Undescribed(&P::rate), Undescribed("position_noise", &P::position_noise).AtLeast(0),
+            Undescribed("attitude_noise", &P::attitude_noise).AtLeast(0),
             Field("offset_m", &P::position_offset).AtLeast(0),
             Field("offset_rad", &P::attitude_offset).AtLeast(0)};
   }
@@ -27,8 +28,6 @@ struct PoseSensorParams {
 ///
 /// with n_p and n_a normal, independent in their components and in time, o_p and o_a normal and drawn at the
 /// start, and exp(a / 2) the rotation by |a| about a.
-///
-/// `position_noise` and `attitude_noise` are Parameters: a run can change them.
 class PoseSensor final : public LeafSystem<PoseSensorParams> {
  public:
   using LeafSystem::LeafSystem;
@@ -43,16 +42,10 @@ class PoseSensor final : public LeafSystem<PoseSensorParams> {
   };
 
   InputPort<PlatformState> platform{this, {"platform"}};
-  Parameter<Vec<3>> position_noise{this,
-                                   {"position_noise", "m"},
-                                   params.position_noise,
-                                   "standard deviation along x, y, z of W",
-                                   Range().AtLeast(0)};
-  Parameter<Vec<3>> attitude_noise{this,
-                                   {"attitude_noise", "rad"},
-                                   params.attitude_noise,
-                                   "standard deviation about x, y, z of B",
-                                   Range().AtLeast(0)};
+  Parameter<Vec<3>> position_noise{
+      this, {"position_noise", "m"}, params.position_noise, "standard deviation along x, y, z of W"};
+  Parameter<Vec<3>> attitude_noise{
+      this, {"attitude_noise", "rad"}, params.attitude_noise, "standard deviation about x, y, z of B"};
   Random noise{this, "noise"};
   Random calibration{this, "calibration"};
   DiscreteState<Offset> offset{this, {"offset"}};

@@ -4,18 +4,12 @@
 #include <tenon/plants/sensors/pose_sensor.h>
 #include <tenon/plants/sensors/sensor_noise.h>
 #include <tenon/plants/sensors/terrain_mapper.h>
-#include <tenon/plants/signals/quaternion.h>
 
 #include <Eigen/Geometry>
-#include <fmt/format.h>
 
 #include <numbers>
 
 namespace tenon {
-
-void CableSensorsParams::Validate() const {
-  Demand(num_cables > 0, fmt::format("num_cables = {} must be positive", num_cables));
-}
 
 void CableSensors::Draw(RandomStream& random, Offsets* offsets) const {
   *offsets = {Zero(), Zero()};
@@ -44,11 +38,6 @@ void CableSensors::CalcMeasured(const CableSignals& cables, const Offsets& offse
     memory.rate[i] = measured->length_rate[i];
   }
   memory.started = true;
-}
-
-void ImuParams::Validate() const {
-  if (!p_B.allFinite()) throw ParameterError("p_B, the position of the IMU, is not finite; give metres in B");
-  if (!std::isfinite(gravity)) throw ParameterError(fmt::format("gravity is {}; give m/s^2", gravity));
 }
 
 template <class State, class Acceleration>

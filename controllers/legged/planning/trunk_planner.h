@@ -41,8 +41,6 @@ struct TrunkPlannerParams {
 ///
 /// The sway is a rotation in W composed with the attitude of `body`, small in angle, and is added to its
 /// rates. All other entries of `body` are passed on.
-///
-/// `bandwidth` and `sway_limit` are Parameters: a run can change them.
 class TrunkPlanner final : public LeafSystem<TrunkPlannerParams> {
  public:
   using LeafSystem::LeafSystem;

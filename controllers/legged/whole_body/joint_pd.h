@@ -34,8 +34,7 @@ Vec<12> StandingTorque(const QuadrupedDescription& robot, double gravity);
 ///
 ///     tau = K_p (q_ref - q) - K_d qd + StandingTorque,   kept within the torque limits of the joints.
 ///
-/// Without `reference`, q_ref is the nominal stance. `stiffness` and `damping` are Parameters: a run can
-/// change them.
+/// Without `reference`, q_ref is the nominal stance.
 class JointPd final : public LeafSystem<JointPdParams> {
  public:
   explicit JointPd(const JointPdParams& params);

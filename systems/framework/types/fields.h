@@ -132,6 +132,7 @@ class Field {
         whole(offset),
         whole_size(size),
         initializers(internal::kInitializers<Member>),
+        described(false),
         constant(internal::kPointsToConstant<Member>) {}
 
   /// The range of the member's numbers, see Range.
@@ -179,9 +180,10 @@ class Field {
   std::size_t whole;          ///< place of the struct's member that is, or contains, this one [bytes]
   std::size_t whole_size;     ///< size of that member [bytes]
   std::size_t initializers;   ///< number of initialisers of that member in the braces of its struct
-  const internal::TypeInfo& (*type)() = nullptr;  ///< type of the member; null if it is not described
+  const internal::TypeInfo& (*type)() = nullptr;  ///< type of the member; null if the list tells no name
   const std::type_info* owner = nullptr;          ///< struct that declares the member
   bool required = false;
+  bool described = true;  ///< whether logs, files and snapshots contain the member
   bool constant = false;  ///< a member without description that points to data that no run changes
   bool uniform = false;   ///< one number may stand for all elements of the vector
   const char* scaled_name = "";
@@ -206,6 +208,13 @@ Field Required(const char* name, Member Struct::*member) {
 template <class Struct, class Member>
 Field Undescribed(Member Struct::*member) {
   return Field(member);
+}
+/// Such a member of a block's parameters that has a range: Undescribed("gravity", &P::gravity).Positive().
+template <class Struct, class Member>
+Field Undescribed(const char* name, Member Struct::*member) {
+  Field field(name, member);
+  field.described = false;
+  return field;
 }
 
 /// Adds the fields of a member, whose keys stand beside those of the struct that contains it.

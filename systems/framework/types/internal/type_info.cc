@@ -255,9 +255,9 @@ void SetFields(TypeInfo& info, FieldList fields, int members, std::size_t begin)
         Described(gaps));
   }
   if (members < 0 && !gaps.empty()) ThrowForgotten(info, "some are missing", Described(gaps));
-  info.omits = std::ranges::any_of(
-      fields, [](const Field& field) { return field.type == nullptr && !field.constant; });
-  std::erase_if(fields, [](const Field& field) { return field.type == nullptr; });
+  info.omits =
+      std::ranges::any_of(fields, [](const Field& field) { return !field.described && !field.constant; });
+  std::erase_if(fields, [](const Field& field) { return !field.described; });
   info.fields = std::move(fields);
 }
 
