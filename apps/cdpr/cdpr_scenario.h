@@ -8,11 +8,6 @@
 #include <tenon/diagrams/recommended_options.h>
 #include <tenon/plants/model/attached_body.h>
 
-#include <Eigen/Core>
-
-#include <string>
-#include <vector>
-
 namespace tenon::apps {
 
 /// The sensors of a cable robot, but for the noise of pose sensor and inertial unit, which is the scenario's
@@ -43,18 +38,9 @@ struct CdprHardware {
 void SetHardware(const YamlFile& what, CdprLoopParams& loop);
 
 enum class PathKind { kHold, kLine, kCircle, kSpline, kWaypoints, kFile };
-constexpr auto EnumNames(PathKind) {
-  return std::array{Named{PathKind::kHold, "hold"},           Named{PathKind::kLine, "line"},
-                    Named{PathKind::kCircle, "circle"},       Named{PathKind::kSpline, "spline"},
-                    Named{PathKind::kWaypoints, "waypoints"}, Named{PathKind::kFile, "file"}};
-}
 
 /// The plane of a circle, and the axes between which it turns.
 enum class CirclePlane { kXy, kXz, kYz };
-constexpr auto EnumNames(CirclePlane) {
-  return std::array{Named{CirclePlane::kXy, "xy"}, Named{CirclePlane::kXz, "xz"},
-                    Named{CirclePlane::kYz, "yz"}};
-}
 
 /// Waypoint of the platform. The platform rests at the first and the last waypoint and wherever it dwells; it
 /// passes through the others without stopping.
@@ -168,9 +154,7 @@ struct HangingLoadScenario : HangingLoadParams {
   Vec<2> swing_m = Vec<2>::Zero();  ///< initial horizontal offset of the load
 
   static FieldList Fields() {
-    FieldList fields = HangingLoadParams::Fields();
-    fields.push_back({"swing_m", &HangingLoadScenario::swing_m});
-    return fields;
+    return HangingLoadParams::Fields() + FieldList{{"swing_m", &HangingLoadScenario::swing_m}};
   }
   void Validate() const;  ///< throws ParameterError
 };
@@ -218,15 +202,6 @@ enum class CdprController {
   kPdFeedforward,  ///< PD with a feedforward of the platform's acceleration
   kPdOffsetFree,   ///< PD with a feedforward of the estimated load
 };
-constexpr auto EnumNames(CdprController) {
-  return std::array{Named{CdprController::kMpcEquilibrium, "mpc_equilibrium"},
-                    Named{CdprController::kMpcZero, "mpc_zero"},
-                    Named{CdprController::kMpcThesis, "mpc_thesis"},
-                    Named{CdprController::kLqr, "lqr"},
-                    Named{CdprController::kPd, "pd"},
-                    Named{CdprController::kPdFeedforward, "pd_feedforward"},
-                    Named{CdprController::kPdOffsetFree, "pd_offset_free"}};
-}
 constexpr bool IsMpc(CdprController controller) {
   return controller == CdprController::kMpcEquilibrium || controller == CdprController::kMpcZero ||
          controller == CdprController::kMpcThesis || controller == CdprController::kLqr;

@@ -15,26 +15,22 @@ QuadrupedScenario WithoutPerson(const GuideDogScenario& scenario) {
 
 FieldList GuideDogTask::Fields() {
   using T = GuideDogTask;
-  FieldList fields = Task::Fields();
-  fields.insert(fields.end(),
-                {Field("crossing_s", &T::crossing).Positive(), Field("stop_s", &T::stop).Positive(),
-                 Field("restart_s", &T::restart).Positive(), Field("heading_deg", &T::heading).Positive()});
-  return fields;
+  return Task::Fields() +
+         FieldList{Field("crossing_s", &T::crossing).Positive(), Field("stop_s", &T::stop).Positive(),
+                   Field("restart_s", &T::restart).Positive(), Field("heading_deg", &T::heading).Positive()};
 }
 
 FieldList GuideDogScenario::Fields() {
   using S = GuideDogScenario;
-  FieldList fields = LeggedScenario::Fields();
-  fields.insert(fields.end(), {Required("walk", &S::walk),
-                               {"observer", &S::observer},
-                               {"supervisor", &S::supervisor},
-                               {"admittance", &S::admittance},
-                               Required("person", &S::person),
-                               {"leash", &S::leash},
-                               {"surroundings", &S::surroundings},
-                               {"task", &S::task},
-                               Field("log_rate_hz", &S::log_rate_hz).In(Rates())});
-  return fields;
+  return LeggedScenario::Fields() + FieldList{Required("walk", &S::walk),
+                                              {"observer", &S::observer},
+                                              {"supervisor", &S::supervisor},
+                                              {"admittance", &S::admittance},
+                                              Required("person", &S::person),
+                                              {"leash", &S::leash},
+                                              {"surroundings", &S::surroundings},
+                                              {"task", &S::task},
+                                              Field("log_rate_hz", &S::log_rate_hz).In(Rates())};
 }
 
 double Duration(const GuideDogScenario& scenario) {

@@ -1,6 +1,5 @@
 #include <tenon/apps/quadruped/legged_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/controllers/legged/whole_body/joint_pd.h>
 #include <tenon/plants/attached_bodies.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
@@ -19,30 +18,26 @@ RigidInertia TrunkLoadScenario::Make() const {
 }
 
 FieldList WalkTask::Fields() {
-  FieldList fields = Task::Fields();
-  fields.push_back({"arrives", &WalkTask::arrives});
-  return fields;
+  return Task::Fields() + FieldList{{"arrives", &WalkTask::arrives}};
 }
 
 FieldList QuadrupedScenario::Fields() {
   using S = QuadrupedScenario;
-  FieldList fields = LeggedScenario::Fields();
-  fields.insert(
-      fields.end(),
-      {Field("start_height_m", &S::start_height_m).AtLeast(0).Because("below 0 the feet start in the ground"),
-       {"pd", &S::pd},
-       {"walk", &S::walk},
-       {"deployment", &S::deployment},
-       {"observer", &S::observer},
-       {"random_forces", &S::random_forces},
-       {"ropes", &S::ropes},
-       {"payload", &S::payload},
-       {"attached", &S::attached},
-       {"known_additions", &S::known_additions},
-       {"task", &S::task},
-       {"compare", &S::compare},
-       Field("log_rate_hz", &S::log_rate_hz).In(Rates())});
-  return fields;
+  return LeggedScenario::Fields() + FieldList{Field("start_height_m", &S::start_height_m)
+                                                  .AtLeast(0)
+                                                  .Because("below 0 the feet start in the ground"),
+                                              {"pd", &S::pd},
+                                              {"walk", &S::walk},
+                                              {"deployment", &S::deployment},
+                                              {"observer", &S::observer},
+                                              {"random_forces", &S::random_forces},
+                                              {"ropes", &S::ropes},
+                                              {"payload", &S::payload},
+                                              {"attached", &S::attached},
+                                              {"known_additions", &S::known_additions},
+                                              {"task", &S::task},
+                                              {"compare", &S::compare},
+                                              Field("log_rate_hz", &S::log_rate_hz).In(Rates())};
 }
 
 std::vector<RenamedKey> QuadrupedScenario::Renamed() {
@@ -125,13 +120,12 @@ std::string Describe(const LeggedScenario& scenario, double duration) {
 
 FieldList DriveRatings::Fields() {
   using S = DriveRatings;
-  FieldList fields = DriveErrorsParams::Fields();
-  fields.insert(fields.end(), {Field("rotor_acceleration_rad_per_s2", &S::rotor_acceleration).Positive(),
-                               Field("friction_ratio", &S::friction_ratio).Between(0, 1),
-                               Field("damping_ratio", &S::damping_ratio).Between(0, 1),
-                               Field("bandwidth_hz", &S::bandwidth).Between(0.1, 1e6),
-                               {"limit_speed", &S::limit_speed}});
-  return fields;
+  return DriveErrorsParams::Fields() +
+         FieldList{Field("rotor_acceleration_rad_per_s2", &S::rotor_acceleration).Positive(),
+                   Field("friction_ratio", &S::friction_ratio).Between(0, 1),
+                   Field("damping_ratio", &S::damping_ratio).Between(0, 1),
+                   Field("bandwidth_hz", &S::bandwidth).Between(0.1, 1e6),
+                   {"limit_speed", &S::limit_speed}};
 }
 
 FieldList QuadrupedHardware::Fields() {

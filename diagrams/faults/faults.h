@@ -7,12 +7,6 @@ namespace tenon {
 
 /// The kinds of SignalFaultKind under the same names, and `broken` for mechanical parts.
 enum class FaultKind { kDropOut, kStuck, kNan, kSpike, kOffset, kLoss, kLate, kLost, kBroken };
-constexpr auto EnumNames(FaultKind) {
-  using enum FaultKind;
-  return std::array{Named{kDropOut, "drop_out"}, Named{kStuck, "stuck"},   Named{kNan, "nan"},
-                    Named{kSpike, "spike"},      Named{kOffset, "offset"}, Named{kLoss, "loss"},
-                    Named{kLate, "late"},        Named{kLost, "lost"},     Named{kBroken, "broken"}};
-}
 
 /// A fault of a signal or of a mechanical part, without its place. A number that the kind does not use must
 /// not be given, see SignalFault.
@@ -41,11 +35,7 @@ struct Fault {
 template <NamedEnum Place>
 struct FaultAt : Fault {
   Place at{};  ///< signal or mechanical part at which the fault occurs
-  static FieldList Fields() {
-    FieldList fields{Required("at", &FaultAt::at)};
-    for (const Field& field : Fault::Fields()) fields.push_back(field);
-    return fields;
-  }
+  static FieldList Fields() { return FieldList{Required("at", &FaultAt::at)} + Fault::Fields(); }
 };
 
 /// Error for a fault that is not possible in the diagram.

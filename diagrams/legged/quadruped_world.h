@@ -21,10 +21,6 @@ enum class FootSensing {
   kShank,  ///< sensors in the shanks: forces are measured in the axes of the shanks
   kNone,   ///< no sensors: nothing reads `foot_forces`
 };
-constexpr auto EnumNames(FootSensing) {
-  return std::array{Named{FootSensing::kWorld, "world"}, Named{FootSensing::kShank, "shank"},
-                    Named{FootSensing::kNone, "none"}};
-}
 
 /// Sensors of the ground forces on the feet.
 struct FootForceSensors : Delayed<FootForceSensorParams> {
@@ -32,11 +28,7 @@ struct FootForceSensors : Delayed<FootForceSensorParams> {
   /// sensors the forces are estimated from the joint torques.
   FootSensing mounted = FootSensing::kWorld;
 
-  static FieldList Fields() {
-    FieldList fields = Delayed::Fields();
-    fields.push_back({"mounted", &FootForceSensors::mounted});
-    return fields;
-  }
+  static FieldList Fields() { return Delayed::Fields() + FieldList{{"mounted", &FootForceSensors::mounted}}; }
 };
 
 /// Inertial unit on the trunk, which measures angular velocity and specific force; by default without errors.

@@ -47,9 +47,7 @@ struct Delayed : Params {
   int latency = 0;  ///< delay of the output [samples]
 
   static FieldList Fields() {
-    FieldList fields = Params::Fields();
-    fields.push_back(Field("latency_samples", &Delayed::latency).Between(0, 10'000));
-    return fields;
+    return Params::Fields() + FieldList{Field("latency_samples", &Delayed::latency).Between(0, 10'000)};
   }
 };
 

@@ -194,6 +194,12 @@ class Field {
 /// The members of a struct that logs, snapshots and files contain, in order.
 using FieldList = std::vector<Field>;
 
+/// The fields of a base and those of the struct that is derived from it.
+inline FieldList operator+(FieldList fields, const FieldList& more) {
+  fields.insert(fields.end(), more.begin(), more.end());
+  return fields;
+}
+
 /// A field without a default: a file that omits it is rejected.
 template <class Struct, class Member>
 Field Required(const char* name, Member Struct::*member) {
