@@ -1,5 +1,4 @@
-#include <tenon/apps/campaign/campaign_results.h>
-#include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/apps/campaign/campaign_desk.h>
 #include <tenon/systems/report/campaign_report.h>
 #include <tenon/systems/report/internal/run_log.h>
 #include <tenon/systems/text/text.h>

@@ -1,5 +1,4 @@
 #include <tenon/apps/campaign/campaign_desk.h>
-#include <tenon/apps/campaign/campaign_results.h>
 #include <tenon/systems/campaign/sampling.h>
 #include <tenon/systems/report/campaign_report.h>
 #include <tenon/systems/text/text.h>

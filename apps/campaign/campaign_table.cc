@@ -1,14 +1,10 @@
-#include <tenon/apps/campaign/campaign_plan.h>
-#include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/framework/types/internal/fnv1a.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cctype>
-#include <unordered_map>
 
 namespace tenon::apps {
 namespace {

@@ -1,7 +1,6 @@
 // tenon-campaign: runs variations of a scenario in threads, across machines, or in parts.
 
 #include <tenon/apps/campaign/campaign_desk.h>
-#include <tenon/apps/campaign/campaign_results.h>
 #include <tenon/apps/cdpr/cdpr_app.h>
 #include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/figure_text.h>

@@ -1,4 +1,10 @@
 #include <tenon/apps/cdpr/cdpr_figures.h>
+#include <tenon/apps/common/customisation.h>
+#include <tenon/apps/common/figure_text.h>
+
+#include <fmt/core.h>
+
+#include <numbers>
 
 namespace tenon::apps {
 namespace {
@@ -100,6 +106,167 @@ void MpcFigures::AddTo(Summary& summary) const {
   summary.Set("mpc_time_median_us", Microseconds(times_.Quantile(0.5)));
   summary.Set("mpc_time_p99_us", Microseconds(times_.Quantile(0.99)));
   summary.Set("mpc_fallbacks", fallbacks_);
+}
+
+namespace {
+
+constexpr double kQuarterTurn = std::numbers::pi / 2;
+
+AddedShapes ShapesAddedTo(const CdprPlant& plant) {
+  return AddedShapes::Of(plant, MakeCdprGeometry(CurrentAs(plant).params.robot).size());
+}
+
+bool Sags(const CdprDescription& robot) {
+  return robot.cable.mass_per_length > 0;
+}
+
+}  // namespace
+
+std::vector<const Source*> CdprLimits::Signals(const CdprLoop& loop) {
+  std::vector<const Source*> signals{&loop.world.plant.platform, &loop.world.plant.euler,
+                                     &loop.world.plant.cables, &loop.reference.reference,
+                                     &loop.world.payload.payload};
+  if (loop.world.hanging_load != nullptr) signals.push_back(&loop.world.hanging_load->load);
+  if (Sags(RobotOf(loop.world.plant)) || !ShapesAddedTo(loop.world.plant).empty())
+    signals.push_back(&loop.world.plant.geometry);
+  return Present(signals);
+}
+
+CdprLimits::CdprLimits(const CdprLoop& loop, double cable_diameter)
+    : loop_(loop),
+      known_(KnowsLimits<CdprPlantParams>(loop.world.plant)),
+      robot_(RobotOf(loop.world.plant)),
+      anchors_(robot_),
+      added_(ShapesAddedTo(loop.world.plant)),
+      cable_diameter_(cable_diameter),
+      pull_(robot_.cables.size(), true),
+      pulling_(robot_),
+      box_(PlatformBox(robot_)),
+      interference_(robot_) {}
+
+void CdprLimits::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
+  const CdprPlant& plant = loop_.world.plant;
+  position_ = Columns(names, plant.platform, &PlatformState::p_WB);
+  attitude_ = Columns(names, plant.platform, &PlatformState::q_WB);
+  euler_ = Columns(names, plant.euler);
+  reference_ = Columns(names, loop_.reference.reference, &CdprReference::euler);
+  tension_ = Columns(names, plant.cables, &CableSignals::tension);
+  payload_ = Columns(names, loop_.world.payload.payload, &Payload::p_B);
+  payload_mass_ = Column(names, loop_.world.payload.payload, &Payload::mass);
+  if (const HangingLoad* hanging = loop_.world.hanging_load)
+    load_ = Columns(names, hanging->load, &HangingLoadState::p_W);
+  added_.Begin(names, plant.geometry);
+  if (!Sags(robot_)) return;
+  const Geometry shapes = MakeCdprGeometry(robot_);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    if (shapes[i].role != ShapeRole::kLine) continue;
+    pieces_.push_back(
+        {Columns(names, plant.geometry, i, &Shape::p_W)[2], Column(names, plant.geometry, i, &Shape::value)});
+  }
+}
+
+void CdprLimits::Row(std::span<const double> row) {
+  if (!known_) return;
+  const Eigen::Vector3d p_WB = VectorIn<3>(row, position_);
+  const Eigen::Matrix3d R_WB = RotationFromQuaternion(VectorIn<4>(row, attitude_));
+  CalcCableKinematics(robot_, p_WB, R_WB, &all_, anchors_, row[0]);
+  DistanceRow(row, p_WB, R_WB);
+  PlatformRow(row, p_WB, R_WB);
+  FloorRow(row, p_WB, R_WB);
+
+  started_ = true;
+
+  const double turn = std::abs(std::remainder(row[euler_[2]] - row[reference_[2]], 2 * std::numbers::pi));
+  turns_.Add(turn);
+  if (turn <= kQuarterTurn) return;
+  const auto [turned, limit] = Beside(turn, kQuarterTurn);
+  breaches_.Add(row[0], "the platform turned beyond the reach of its cables",
+                fmt::format("by {} rad from its reference, more than {} rad", turned, limit));
+}
+
+void CdprLimits::DistanceRow(std::span<const double> row, const Eigen::Vector3d& p_WB,
+                             const Eigen::Matrix3d& R_WB) {
+  if (!started_) clearance_ = CdprClearance(robot_, 0, cable_diameter_, all_);
+  const auto slack = [&](int cable) {
+    return cable >= 0 && row[tension_[static_cast<std::size_t>(cable)]] <= 0;
+  };
+  const auto exit_W = [&](int i) { return all_.exit_W.col(i); };
+  clearance_.ForEach(p_WB, R_WB, exit_W, [&](int a, int b, const PoseDistance& distance) {
+    if (slack(a) || slack(b)) return;
+    (b < 0 ? clearances_ : distances_).Add(distance.value);
+    if (distance.value >= distance.kept) return;
+    if (b < 0) {
+      const std::string name = a < 0 ? "the platform" : fmt::format("cable {}", a);
+      breaches_.Add(row[0], "the robot ran into an obstacle",
+                    fmt::format("{} by {:.3g} m", name, -distance.value));
+      return;
+    }
+    const auto [apart, limit] = Beside(distance.value, cable_diameter_);
+    breaches_.Add(row[0], "two cables touched",
+                  fmt::format("the axes of {} and {} were {} m apart, less than {} m", a, b, apart, limit));
+  });
+}
+
+void CdprLimits::PlatformRow(std::span<const double> row, const Eigen::Vector3d& p_WB,
+                             const Eigen::Matrix3d& R_WB) {
+  bool changed = false;
+  for (std::size_t i = 0; i < pull_.size(); ++i) {
+    const bool pulls = row[tension_[i]] > 0;
+    changed = changed || pulls != pull_[i];
+    pull_[i] = pulls;
+  }
+  if (changed) {
+    pulling_.cables.clear();
+    for (std::size_t i = 0; i < pull_.size(); ++i)
+      if (pull_[i]) pulling_.cables.push_back(robot_.cables[i]);
+    interference_ = CableInterference(pulling_);
+    pulling_anchors_ = MovingAnchors(pulling_);
+  }
+  if (pulling_.cables.empty()) return;
+  const bool all_pull = pulling_.cables.size() == robot_.cables.size();
+  if (!all_pull) CalcCableKinematics(pulling_, p_WB, R_WB, &cables_, pulling_anchors_, row[0]);
+  const double sine = interference_.At(all_pull ? all_ : cables_, R_WB).platform;
+  if (!started_) open_frame_ = sine < 0;
+  if (open_frame_) return;
+  const double angle = std::asin(std::clamp(sine, -1.0, 1.0));
+  angles_.Add(angle);
+  if (angle < 0)
+    breaches_.Add(row[0], "a cable ran through the platform",
+                  fmt::format("{:.3g} rad below its surface", -angle));
+}
+
+void CdprLimits::FloorRow(std::span<const double> row, const Eigen::Vector3d& p_WB,
+                          const Eigen::Matrix3d& R_WB) {
+  if (robot_.on_table) return;
+  double lowest = LowestCorner(box_, p_WB, R_WB);
+  const char* name = "the platform";
+  const auto add = [&](double height, const char* of) {
+    if (height >= lowest) return;
+    lowest = height;
+    name = of;
+  };
+  if (row[payload_mass_] > 0) add(p_WB[2] + R_WB.row(2).dot(VectorIn<3>(row, payload_)), "the payload");
+  if (!load_.empty()) add(row[load_[2]], "the hanging load");
+  for (const auto& [height, tension] : pieces_)
+    if (row[tension] > 0) add(row[height], "a cable");
+  added_.Visit(row, [&](const std::string& of, const Vec<3>& p_W, double radius) {
+    add(p_W[2] - radius, of.c_str());
+  });
+  lowest -= robot_.floor;
+  heights_.Add(lowest);
+  if (lowest < 0)
+    breaches_.Add(row[0], "platform, load or cables went through the floor",
+                  fmt::format("{} by {:.3g} m", name, -lowest));
+}
+
+void CdprLimits::AddTo(Summary& summary) const {
+  if (!known_) return;
+  summary.Set("cable_distance_min_m", distances_.min(), {.low = cable_diameter_});
+  summary.Set("cable_platform_angle_min_rad", angles_.min(), {.low = 0});
+  if (!robot_.obstacles.empty()) summary.Set("clearance_min_m", clearances_.min(), {.low = 0});
+  summary.Set("floor_clearance_min_m", heights_.min(), {.low = 0});
+  summary.Set("turn_max_rad", turns_.max(), {.high = kQuarterTurn});
+  breaches_.AddTo(summary);
 }
 
 }  // namespace tenon::apps

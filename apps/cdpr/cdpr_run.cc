@@ -1,5 +1,4 @@
 #include <tenon/apps/cdpr/cdpr_figures.h>
-#include <tenon/apps/cdpr/cdpr_limits.h>
 #include <tenon/apps/cdpr/cdpr_run.h>
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/ros2_outputs.h>

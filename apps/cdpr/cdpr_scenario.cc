@@ -5,14 +5,12 @@
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include <cmath>
 #include <numbers>
 
 namespace tenon::apps {

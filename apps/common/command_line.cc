@@ -1,5 +1,4 @@
 #include <tenon/apps/common/command_line.h>
-#include <tenon/apps/common/figure_list.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>
 

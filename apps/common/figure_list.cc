@@ -1,4 +1,4 @@
-#include <tenon/apps/common/figure_list.h>
+#include <tenon/apps/common/command_line.h>
 #include <tenon/apps/common/tenon_report.h>
 #include <tenon/systems/report/internal/browser.h>
 #include <tenon/systems/text/text.h>

@@ -1,4 +1,4 @@
-#include <tenon/apps/quadruped/quadruped_live.h>
+#include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/diagrams/legged/foot_forces_of_legs.h>
 #include <tenon/diagrams/legged/quadruped_messages.h>
 #include <tenon/plants/robots/load_robot.h>

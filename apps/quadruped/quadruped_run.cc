@@ -1,6 +1,5 @@
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/quadruped/limit_figures.h>
-#include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/systems/yaml/resources.h>
@@ -141,6 +140,157 @@ RunResult RunQuadruped(const QuadrupedScenario& scenario, const RunOptions& give
 std::vector<ScenarioFile> LeggedFiles() {
   return {
       {"robot", "robots"}, {"walk.gaits", "gaits"}, {"profile", "profiles"}, {"hardware", "hardware/legged"}};
+}
+
+namespace {
+
+constexpr double kDropHeight = 0.1;  // height above the trunk from which the load drops [m]
+constexpr double kLoadEdge = 0.12;   // edge of the load as SlidingLoad draws it [m]
+constexpr std::array kGaits{Gait::kTrot, Gait::kCrawl, Gait::kPace, Gait::kGallop};
+
+Geometry ShapesOf(const QuadrupedPlant& plant) {
+  const QuadrupedPlantParams& params = ParamsOf(plant);
+  return MakeQuadrupedGeometry(params.robot, params.payload, params.terrain);
+}
+
+SlidingLoadParams LoadOn(const QuadrupedPlant& plant) {
+  SlidingLoadParams params;
+  const QuadrupedPlantParams& on = ParamsOf(plant);
+  const RigidInertia& trunk = on.robot.trunk;
+  const double half_height = ShapesOf(plant).front().size[2] / 2;
+  params.position_B = trunk.com + Vec<3>(0, 0, half_height + kLoadEdge / 2);
+  params.robot = on.initial;
+  params.gravity = on.gravity;
+  return params;
+}
+
+/// Adds a pull and a load to the forces on the robot, behind the first `params` ones.
+class LiveForces final : public LeafSystem<std::size_t> {
+ public:
+  using LeafSystem::LeafSystem;
+  InputPort<ExternalForces> others{this, {"others"}, ExternalForces{}};
+  InputPort<ExternalForce> pull{this, {"pull"}}, load{this, {"load"}};
+  OutputPort<ExternalForces> forces{this, {"forces"}, Uses(others, pull, load), &LiveForces::CalcForces};
+
+ private:
+  ExternalForces CalcForces(const ExternalForces& others, const ExternalForce& pull,
+                            const ExternalForce& load) const {
+    ExternalForces all = others;
+    all[params] = pull;
+    all[params + 1] = load;
+    return all;
+  }
+};
+
+/// The body of each shape of the robot, by the index of the shape. Other shapes are omitted.
+std::map<std::size_t, int> BodiesOf(const QuadrupedPlant& plant) {
+  std::map<std::string, int> by_name{{"trunk", 0}};
+  for (int j = 0; j < kNumJoints; ++j) by_name["link of " + ParamsOf(plant).robot.joint(j).name] = 1 + j;
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    by_name[std::string("foot ") + kLegNames[static_cast<std::size_t>(leg)]] = kJointsPerLeg * (leg + 1);
+  std::map<std::size_t, int> bodies;
+  const Geometry shapes = ShapesOf(plant);
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    if (by_name.contains(shapes[i].name)) bodies[i] = by_name[shapes[i].name];
+  return bodies;
+}
+
+}  // namespace
+
+QuadrupedLive::QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, WalkSchedule* walk,
+                             const LiveScenario& limits)
+    : limits_(limits),
+      world_(world),
+      pull_(builder.Add<SpringPull>("live_pull", SpringPullParams{.robot = ParamsOf(world.plant).robot})),
+      load_(builder.Add<SlidingLoad>("live_load", LoadOn(world.plant))) {
+  if (walk != nullptr) {
+    const WalkScheduleParams& planned = CurrentAs<LeafSystem<WalkScheduleParams>>(*walk).params;
+    drive_ =
+        &builder.Add<WalkDrive>("live_drive", WalkDriveParams{.acceleration = planned.acceleration,
+                                                              .yaw_acceleration = planned.yaw_acceleration,
+                                                              .rate = planned.rate});
+    builder.Insert(walk->command, drive_->planned, drive_->command);
+  }
+  builder.Connect(world.plant.state, pull_.state);
+  builder.Connect(world.plant.state, load_.robot);
+  acts_ = FindCurrent(world.plant.external) != nullptr && KnowsLimits<QuadrupedPlantParams>(world.plant);
+  if (!acts_) return;
+  const std::size_t used = CurrentAs<LeafSystem<ForceBundleParams>>(world.disturbances).params.count;
+  Demand(used + 2 <= kMaxExternalForces,
+         fmt::format("the scenario has {} forces, but a live run allows at most {}: remove some", used - 1,
+                     kMaxExternalForces - 3));
+  auto& forces = builder.Add<LiveForces>("live_forces", used);
+  builder.Connect(pull_.force, forces.pull);
+  builder.Connect(load_.force, forces.load);
+  builder.InsertBefore(world.plant.external, forces.others, forces.forces);
+}
+
+void QuadrupedLive::AddTo(std::vector<const Source*>& signals,
+                          std::vector<const OutputPort<Geometry>*>& shapes) const {
+  if (drive_ != nullptr) signals.push_back(&drive_->command);
+  signals.push_back(&pull_.force);
+  signals.push_back(&load_.force);
+  shapes.push_back(&load_.geometry);
+}
+
+LiveControls QuadrupedLive::Controls() const {
+  LiveControls controls;
+  if (drive_ != nullptr) {
+    const WalkDrive& drive = *drive_;
+    const LiveSet active = SetTo(drive.active, true);
+    const auto range = [](const Vec<2>& limits) { return std::array{limits[0], limits[1]}; };
+    controls.drive = {range(limits_.forward_m_per_s), range(limits_.sideways_m_per_s),
+                      range(limits_.yaw_rad_per_s), [&drive, active](const Vec<3>& velocity) {
+                        return LiveSets{active, SetTo(drive.velocity, velocity)};
+                      }};
+    controls.gaits = {{}, [&drive, active](std::size_t i) {
+                        return LiveSets{active, SetTo(drive.gait, kGaits[i])};
+                      }};
+    for (const Gait gait : kGaits) controls.gaits->names.emplace_back(EnumName(gait));
+    controls.postures = {
+        {"walk", "stand", "squat"}, [&drive, active, squat = limits_.squat_m](std::size_t i) {
+          return LiveSets{active, SetTo(drive.stands, i != 0), SetTo(drive.height, i == 2 ? -squat : 0.0)};
+        }};
+  }
+
+  if (!acts_) return controls;
+  const QuadrupedPlant& plant = world_.plant;
+  const QuadrupedDescription& robot = ParamsOf(plant).robot;
+  const std::map<std::size_t, int> bodies = BodiesOf(plant);
+  LiveControls::Pull pull;
+  pull.stiffness = pull_.params.stiffness;
+  pull.max_force = pull_.params.max_force;
+  const Geometry shapes = ShapesOf(plant);
+  for (const auto& [shape, body] : bodies) pull.bodies[shape] = shapes[shape].name;
+  pull.set = [this, &robot, bodies](Context& context, std::size_t shape, const Vec<3>& point_W,
+                                    const Vec<3>& target_W, bool first) {
+    SpringGrip grip = context.Eval(pull_.grip);
+    grip.on = true;
+    grip.target_W = target_W;
+    if (first) {
+      grip.body = bodies.at(shape);
+      grip.p_B = PointInBody(robot, context.Eval(world_.plant.state), grip.body, point_W);
+    }
+    return LiveSets{SetTo(pull_.grip, grip)};
+  };
+  pull.release = [this] { return LiveSets{SetTo(pull_.grip, {})}; };
+  pull.state = [this, &robot](Context& context) {
+    const SpringGrip& grip = context.Eval(pull_.grip);
+    const LeggedState& x = context.Eval(world_.plant.state);
+    return std::pair(PointOfBody(robot, x, grip.body, grip.p_B).p_W, context.Eval(pull_.force).force_W);
+  };
+  controls.pull = std::move(pull);
+
+  const double largest = std::round(limits_.load_ratio * robot.mass());
+  controls.load = {
+      "trunk load", {0.1, largest}, std::min(5.0, largest / 2), [this](Context& context, double mass) {
+        const LeggedState& x = context.Eval(world_.plant.state);
+        const Eigen::Vector3d arm =
+            x.R_WB() * (load_.params.position_B + Vec<3>(0, 0, mass > 0 ? kDropHeight : 0));
+        const Vec<3> place = x.p_WB + arm, velocity = x.v_W + x.w_W.cross(arm);
+        return LiveSets{SetTo(load_.mass, mass), SetTo(load_.motion, {place, velocity})};
+      }};
+  return controls;
 }
 
 }  // namespace tenon::apps

@@ -5,7 +5,6 @@
 #include <tenon/diagrams/legged/quadruped_stand.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 #include <tenon/plants/model/attached_body.h>
-#include <tenon/plants/model/quadruped_description.h>
 
 namespace tenon::apps {
 

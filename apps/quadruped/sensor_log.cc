@@ -1,4 +1,4 @@
-#include <tenon/apps/quadruped/sensor_log.h>
+#include <tenon/apps/quadruped/log_estimator.h>
 #include <tenon/plants/signals/ros2_signals.h>
 #include <tenon/systems/ros2/mcap.h>
 #include <tenon/systems/text/text.h>

@@ -1,11 +1,9 @@
 #include <tenon/apps/common/faults.h>
 #include <tenon/apps/common/real_time.h>
-#include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/plants/robots/load_robot.h>
 #ifdef TENON_WITH_UNITREE
-#include <tenon/diagrams/unitree/motion_switcher.h>
 #include <tenon/diagrams/unitree/unitree_server.h>
 #include <tenon/diagrams/unitree/unitree_world.h>
 #endif

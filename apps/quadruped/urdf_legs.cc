@@ -1,4 +1,4 @@
-#include <tenon/apps/quadruped/urdf_legs.h>
+#include <tenon/apps/quadruped/quadruped_proposal.h>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,10 +1,12 @@
 #include <tenon/plants/legged/disturbances.h>
+#include <tenon/plants/legged/joint_lock.h>
 #include <tenon/plants/legged/ropes.h>
 #include <tenon/plants/legged/sliding_load.h>
 #include <tenon/plants/legged/spring_pull.h>
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <numbers>
 
@@ -170,20 +172,7 @@ namespace {
 constexpr double kDrawnEdge = 0.12;  // [m]
 constexpr double kFollow = 50;       // rate at which a load without mass follows position_B [1/s]
 
-void DemandPositive(const char* name, double value, const char* unit) {
-  Demand(std::isfinite(value) && value > 0,
-         fmt::format("the sliding load's {} of {}{} must be positive", name, value, unit));
-}
-
 }  // namespace
-
-void SlidingLoadParams::Validate() const {
-  DemandPositive("stiffness", stiffness, " N/m");
-  DemandPositive("gravity", gravity, " m/s^2");
-  Demand(std::isfinite(damping_ratio) && damping_ratio >= 0,
-         fmt::format("the sliding load's damping_ratio of {} must not be negative", damping_ratio));
-  Demand(position_B.allFinite(), "the sliding load's position_B must be finite: give metres");
-}
 
 /// Motion of a point fixed to the trunk.
 static LoadMotion OnTrunk(const LeggedState& robot, const Vec<3>& p_B) {
@@ -279,6 +268,32 @@ void Ropes::CalcGeometry(const LeggedState& robot, const CableVector& tension, G
     shape.vector_W = line.length * line.direction_W;
     shape.value = tension[static_cast<Eigen::Index>(i)];
   }
+}
+
+void JointLockParams::Validate() const {
+  for (const int j : joints)
+    Demand(j >= 0 && j < kNumJoints,
+           fmt::format("joint {} does not exist: give 3 leg + i, from 0 to {}", j, kNumJoints - 1));
+  Demand(std::isfinite(stiffness) && stiffness > 0,
+         fmt::format("stiffness = {} must be positive: give N m/rad", stiffness));
+  Demand(std::isfinite(damping) && damping >= 0,
+         fmt::format("damping = {} must not be negative: give N m s/rad", damping));
+}
+
+JointLocks JointLock::CalcLocks(const LeggedState& x, const JointLocks& others, bool acting,
+                                Memory& memory) const {
+  if (acting && !memory.acts) memory.angle = x.q;
+  memory.acts = acting;
+  JointLocks locks = others;
+  if (!acting) return locks;
+  const auto lock = [&](int j) {
+    locks.angle[j] = memory.angle[j];
+    locks.stiffness[j] = params.stiffness;
+    locks.damping[j] = params.damping;
+  };
+  for (const int j : params.joints) lock(j);
+  for (int j = 0; params.joints.empty() && j < kNumJoints; ++j) lock(j);
+  return locks;
 }
 
 }  // namespace tenon

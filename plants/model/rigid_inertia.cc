@@ -1,11 +1,8 @@
 #include <tenon/plants/model/attached_body.h>
 #include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <fmt/format.h>
-
-#include <cmath>
 
 namespace tenon {
 namespace {

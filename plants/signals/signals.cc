@@ -1,4 +1,3 @@
-// Type information of the signals, instantiated once for all libraries.
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/elevation_map.h>
@@ -8,6 +7,8 @@
 #include <tenon/plants/signals/joint_command.h>
 #include <tenon/plants/signals/leash_signals.h>
 #include <tenon/plants/signals/motion_signals.h>
+#include <tenon/plants/signals/quaternion.h>
+#include <tenon/plants/signals/ros2_signals.h>
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>
@@ -39,6 +40,51 @@ PlanarPath PlanarPath::At(double t) const {
 }
 
 }  // namespace tenon
+
+namespace tenon::ros2 {
+
+sensor_msgs::JointState MakeJointState(const std::vector<std::string>& names) {
+  const std::vector<double> zeros(names.size());
+  return {.header = {}, .name = names, .position = zeros, .velocity = zeros, .effort = zeros};
+}
+
+sensor_msgs::Imu MakeImu(const std::string& frame) {
+  sensor_msgs::Imu imu{.header = {{}, frame}};
+  imu.orientation_covariance[0] = -1;
+  return imu;
+}
+
+nav_msgs::Odometry MakeOdometry(const std::string& parent, const std::string& child) {
+  return {.header = {{}, parent}, .child_frame_id = child};
+}
+
+geometry_msgs::TransformStamped MakeTransform(const std::string& parent, const std::string& child) {
+  return {{{}, parent}, child, {}};
+}
+
+geometry_msgs::Quaternion QuaternionOf(const Vec<4>& q) {
+  return {.x = q[1], .y = q[2], .z = q[3], .w = q[0]};
+}
+
+void SetImu(const ImuMeasurement& measured, sensor_msgs::Imu* to) {
+  Set(measured.angular_velocity_B, &to->angular_velocity);
+  Set(measured.specific_force_B, &to->linear_acceleration);
+}
+
+void SetOdometry(const Vec<3>& p_WB, const Vec<4>& q_WB, const Vec<3>& v_W, const Vec<3>& w_W,
+                 nav_msgs::Odometry* to) {
+  const Eigen::Matrix3d R_BW = RotationFromQuaternion(q_WB).transpose();
+  Set(p_WB, &to->pose.pose.position);
+  to->pose.pose.orientation = QuaternionOf(q_WB);
+  Set(R_BW * v_W, &to->twist.twist.linear);
+  Set(R_BW * w_W, &to->twist.twist.angular);
+}
+
+ImuMeasurement ImuOf(const sensor_msgs::Imu& imu) {
+  return {VectorOf(imu.angular_velocity), VectorOf(imu.linear_acceleration)};
+}
+
+}  // namespace tenon::ros2
 
 TENON_DEFINE_SIGNAL(tenon::CableVector);
 TENON_DEFINE_SIGNAL(tenon::PlatformState);

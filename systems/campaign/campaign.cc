@@ -1,17 +1,13 @@
 #include <tenon/systems/campaign/campaign.h>
 #include <tenon/systems/campaign/sampling.h>
 #include <tenon/systems/campaign/statistics.h>
-#include <tenon/systems/framework/types/errors.h>
 
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/random/sobol.hpp>
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <limits>
 #include <mutex>
 #include <numeric>
 #include <thread>

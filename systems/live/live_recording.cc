@@ -1,5 +1,5 @@
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/live/internal/live_file.h>
+#include <tenon/systems/live/internal/live_run.h>
 #include <tenon/systems/live/live_recording.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>

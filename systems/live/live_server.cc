@@ -1,6 +1,5 @@
 #include <tenon/systems/live/internal/live_run.h>
 #include <tenon/systems/live/live_server.h>
-#include <tenon/systems/report/internal/page.h>
 
 #include <fmt/format.h>
 

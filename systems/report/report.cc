@@ -1,4 +1,3 @@
-#include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/internal/run.h>
 #include <tenon/systems/report/report.h>

@@ -1,7 +1,6 @@
 #include <tenon/systems/framework/context/internal/profiler.h>
 #include <tenon/systems/framework/diagram/internal/schedule.h>
 #include <tenon/systems/simulation/internal/sundials_integrator.h>
-#include <tenon/systems/simulation/internal/time_tolerance.h>
 #include <tenon/systems/simulation/simulator.h>
 
 #include <fmt/core.h>

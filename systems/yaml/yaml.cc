@@ -1,7 +1,7 @@
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/framework/block/distribution.h>
 #include <tenon/systems/text/text.h>
-#include <tenon/systems/yaml/internal/yaml_node.h>
+#include <tenon/systems/yaml/internal/yaml_tree.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <fmt/format.h>

@@ -3,8 +3,6 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/framework/types/internal/type_info.h>
 
-#include <string_view>
-
 namespace tenon {
 
 namespace internal {

@@ -2,7 +2,6 @@
 // shipped block has are null.
 
 #include <tenon/apps/cdpr/cdpr_figures.h>
-#include <tenon/apps/cdpr/cdpr_limits.h>
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/run_scenario.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>

@@ -1,6 +1,6 @@
 // Every figure of the thesis is made by its command.
 
-#include <tenon/apps/common/figure_list.h>
+#include <tenon/apps/common/command_line.h>
 #include <tenon/tests/apps/run_app.h>
 
 #include <set>

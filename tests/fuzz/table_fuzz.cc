@@ -1,6 +1,6 @@
 // Text as the table of a campaign.
 
-#include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/tests/fuzz/refusals.h>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,8 +2,6 @@
 #include <tenon/plants/robots/internal/xml_elements.h>
 #include <tenon/systems/text/text.h>
 
-#include <expat.h>
-
 namespace tenon::internal {
 namespace {
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <string_view>
 
 namespace tenon::internal {
 

@@ -1,4 +1,4 @@
-#include <tenon/plants/robots/internal/urdf_file.h>
+#include <tenon/plants/robots/internal/quadruped_urdf.h>
 #include <tenon/plants/robots/internal/xml_elements.h>
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/text/text.h>
@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <regex>
 
 namespace tenon::internal {

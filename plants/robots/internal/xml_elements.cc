@@ -1,8 +1,6 @@
 #include <tenon/plants/robots/internal/xml_elements.h>
 #include <tenon/systems/text/text.h>
 
-#include <expat.h>
-
 #include <algorithm>
 #include <exception>
 #include <filesystem>

@@ -1,8 +1,11 @@
 #include <tenon/systems/analysis/internal/small_matrices.h>
+#include <tenon/systems/analysis/matrix_functions.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <Eigen/SVD>
+#include <unsupported/Eigen/MatrixFunctions>
 
 namespace tenon::internal {
 
@@ -93,3 +96,38 @@ template SmallMatrix<18, 1> Cholesky<18>::Solve(const SmallMatrix<18, 1>&) const
 template SmallMatrix<18, 12> Cholesky<18>::Solve(const SmallMatrix<18, 12>&) const;
 
 }  // namespace tenon::internal
+
+namespace tenon {
+
+Eigen::VectorXcd Eigenvalues(const Eigen::MatrixXd& A) {
+  return Eigen::EigenSolver<Eigen::MatrixXd>(A, /*computeEigenvectors=*/false).eigenvalues();
+}
+
+Eigen::VectorXd SymmetricEigenvalues(const Eigen::MatrixXd& A) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+Eigen::MatrixXd Exponential(const Eigen::MatrixXd& A) {
+  return A.exp();
+}
+
+Eigen::VectorXd SolveLinear(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  return A.partialPivLu().solve(b);
+}
+
+LeastSquares SolveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors(A);
+  return {factors.solve(b), factors.rank()};
+}
+
+Eigen::VectorXd SolveLeastSquaresBasic(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  return A.colPivHouseholderQr().solve(b);
+}
+
+RangeBasis CalcRangeBasis(const Eigen::MatrixXd& A, double threshold) {
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors(A);
+  if (threshold > 0) factors.setThreshold(threshold);
+  return {factors.householderQ(), factors.rank()};
+}
+
+}  // namespace tenon

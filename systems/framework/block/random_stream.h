@@ -3,7 +3,6 @@
 #include <tenon/systems/framework/types/fields.h>
 
 #include <cstdint>
-#include <string_view>
 
 namespace tenon {
 

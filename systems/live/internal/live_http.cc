@@ -3,7 +3,6 @@
 #include <tenon/systems/live/internal/live_channel.h>
 
 #include <fmt/format.h>
-#include <httplib.h>
 #include <unistd.h>
 
 #include <algorithm>

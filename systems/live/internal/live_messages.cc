@@ -1,5 +1,4 @@
-#include <tenon/systems/live/internal/live_messages.h>
-#include <tenon/systems/report/internal/page.h>
+#include <tenon/systems/live/internal/live_run.h>
 
 #include <charconv>
 
@@ -125,8 +124,7 @@ Json Hello(const LiveView& view, const Geometry& shapes, Context& context,
 
 Json TimesJson(const TimeQuantiles& times) {
   Json below = Json::array();
-  for (const int limit : {10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10'000, 20'000, 50'000})
-    below.push_back({limit, times.Below(1e-6 * limit)});
+  for (const int limit : times.kLimits) below.push_back({limit, times.Below(1e-6 * limit)});
   const auto quantile = [&](double share) { return 1e6 * times.Quantile(share).value_or(0); };
   return {{"below_us", below}, {"count", times.count()}, {"quantiles_us", {quantile(0.5), quantile(0.99)}}};
 }

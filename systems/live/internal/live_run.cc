@@ -1,6 +1,5 @@
 #include <tenon/systems/framework/diagram/internal/program.h>
 #include <tenon/systems/live/internal/live_run.h>
-#include <tenon/systems/report/internal/run_log.h>
 
 #include <fmt/format.h>
 

@@ -1,11 +1,9 @@
-#include <tenon/systems/files/output_file.h>
-#include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/page_parts.h>
+#include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/version.h>
 
 #include <fmt/core.h>
 
-#include <cstdlib>
 #include <fstream>
 
 namespace tenon::internal {

@@ -1,5 +1,4 @@
 #include <tenon/systems/files/input_file.h>
-#include <tenon/systems/report/internal/page.h>
 #include <tenon/systems/report/internal/report_json.h>
 #include <tenon/systems/report/internal/run.h>
 #include <tenon/systems/text/text.h>

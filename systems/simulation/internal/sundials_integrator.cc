@@ -2,7 +2,6 @@
 #include <tenon/systems/framework/diagram/internal/program.h>
 #include <tenon/systems/simulation/internal/step_interpolant.h>
 #include <tenon/systems/simulation/internal/sundials_integrator.h>
-#include <tenon/systems/simulation/internal/time_tolerance.h>
 
 #include <fmt/core.h>
 

@@ -1,6 +1,5 @@
 #include <tenon/systems/framework/types/errors.h>
 #include <tenon/systems/simulation/internal/sundials_solver.h>
-#include <tenon/systems/simulation/internal/sundials_vector.h>
 
 #include <arkode/arkode_arkstep.h>
 #include <arkode/arkode_erkstep.h>
@@ -12,7 +11,6 @@
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
-#include <algorithm>
 #include <cstdio>  // arkode_butcher.h uses FILE without it
 #include <cstdlib>
 #include <initializer_list>

@@ -1,9 +1,7 @@
-#include <tenon/systems/simulation/internal/sundials_vector.h>
+#include <tenon/systems/simulation/internal/sundials_solver.h>
 
 #include <nvector/nvector_serial.h>
 
-#include <array>
-#include <cmath>
 #include <cstring>
 
 namespace tenon::internal {

@@ -1,6 +1,6 @@
 #include <tenon/systems/framework/block/rate.h>
 #include <tenon/systems/text/text.h>
-#include <tenon/systems/yaml/internal/yaml_node.h>
+#include <tenon/systems/yaml/internal/yaml_tree.h>
 #include <tenon/systems/yaml/yaml.h>
 
 #include <fmt/format.h>

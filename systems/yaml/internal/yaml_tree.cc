@@ -8,7 +8,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cctype>
-#include <map>
 #include <sstream>
 
 namespace tenon::internal {

@@ -1,6 +1,6 @@
 // The search of a campaign, with an app whose figures are functions of its keys with known minima.
 
-#include <tenon/apps/campaign/campaign_results.h>
+#include <tenon/apps/campaign/campaign_desk.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 

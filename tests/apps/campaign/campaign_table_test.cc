@@ -1,4 +1,4 @@
-#include <tenon/apps/campaign/campaign_table.h>
+#include <tenon/apps/campaign/campaign_runner.h>
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 

@@ -8,8 +8,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <iterator>
-
 // The shipped examples, called by their main functions.
 namespace tenon::customisation_test {
 #define main Main

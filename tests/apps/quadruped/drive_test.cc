@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include <atomic>
-#include <thread>
 
 namespace tenon::drive_test {
 

@@ -8,8 +8,6 @@
 
 #include <fmt/core.h>
 
-#include <thread>
-
 namespace tenon::apps_ros2_test {
 
 using namespace ros2;

@@ -1,7 +1,6 @@
 #include <tenon/systems/io/slow.h>
 #include <tenon/systems/primitives/adder.h>
 #include <tenon/tests/systems/framework/test_blocks.h>
-#include <tenon/tests/testing/allocation_guard.h>
 
 #include <atomic>
 #include <thread>

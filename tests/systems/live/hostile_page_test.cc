@@ -4,7 +4,6 @@
 #include <tenon/tests/systems/report/browser.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <httplib.h>
 
 #include <atomic>

@@ -1,7 +1,6 @@
 // The page of a live run, with a server in place of the run.
 
-#include <tenon/systems/report/internal/page.h>
-#include <tenon/systems/report/report.h>
+#include <tenon/systems/report/internal/report_json.h>
 #include <tenon/tests/systems/report/page_layout.h>
 #include <tenon/tests/testing/temporary_path.h>
 
