@@ -26,18 +26,12 @@ int CompareControllers(const RunOptions& options, const CdprScenario& scenario,
   return Compare(options, ScenarioReport(scenario, Describe(scenario, names)), variants);
 }
 
-CdprScenario ReadScenario(const YamlDocument& document, const CdprCustomisation& customisation) {
-  auto scenario = document.Read<CdprScenario>();
-  customisation.Read(document, scenario.custom);
-  return scenario;
-}
-
 int RunOnce(const CommonArguments& arguments, const std::string& controller, bool compare,
             const RunOptions& options, const CdprCustomisation& customisation) {
   YamlDocument document = LoadScenario(arguments, "tenon-cdpr");
   if (!controller.empty()) document.Set("controller", controller);
   return RunBlaming(document, [&] {
-    CdprScenario scenario = ReadScenario(document, customisation);
+    auto scenario = customisation.ReadScenario<CdprScenario>(document);
     if (arguments.duration) scenario.duration_s = *arguments.duration;
     if (compare) return CompareControllers(options, scenario, customisation);
     return PrintResult(RunCdpr(scenario, options, customisation).summary, options);
@@ -47,20 +41,13 @@ int RunOnce(const CommonArguments& arguments, const std::string& controller, boo
 }  // namespace
 
 ScenarioApp CdprApp::AsScenarioApp() const {
-  ScenarioApp app = MakeScenarioApp(
+  const auto read = [](const YamlDocument& document, const CdprCustomisation& customisation) {
+    return customisation.ReadScenario<CdprScenario>(document);
+  };
+  return MakeApp(
       "tenon-cdpr", "Flies a cable-driven parallel robot along a path and reports how well it did.",
-      [customisation = customisation_](const YamlDocument& document) {
-        return ReadScenario(document, customisation);
-      },
-      [customisation = customisation_](const CdprScenario& scenario) { CheckCdpr(scenario, customisation); },
-      [customisation = customisation_](const CdprScenario& scenario, const RunOptions& options) {
-        return RunCdpr(scenario, options, customisation);
-      });
-  app.keys = [customisation = customisation_] { return customisation.Keys(KeysOf<CdprScenario>()); };
-  app.figures = "thesis";
-  app.files = {
-      {"robot", "robots", &KeysOf<CdprDescription>}, {"profile", "profiles"}, {"hardware", "hardware/cdpr"}};
-  return app;
+      {{"robot", "robots", &KeysOf<CdprDescription>}, {"profile", "profiles"}, {"hardware", "hardware/cdpr"}},
+      read, CheckCdpr, RunCdpr);
 }
 
 int CdprApp::Run(int argc, char** argv) const {

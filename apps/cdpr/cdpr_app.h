@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/apps/common/customisation.h>
-#include <tenon/apps/common/scenario_app.h>
 #include <tenon/diagrams/cdpr/cdpr_loop.h>
 
 namespace tenon::apps {

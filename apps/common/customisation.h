@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tenon/apps/common/outputs.h>
+#include <tenon/apps/common/scenario_app.h>
 #include <tenon/apps/common/scenario_file.h>
-#include <tenon/apps/common/scenario_keys.h>
 
 namespace tenon::apps {
 
@@ -13,9 +13,6 @@ struct NoKeys {
 
 /// The blocks of a run: those of the user's program, or the shipped ones to compare with.
 enum class Blocks { kMine, kShipped };
-constexpr auto EnumNames(Blocks) {
-  return std::array{Named{Blocks::kMine, "mine"}, Named{Blocks::kShipped, "shipped"}};
-}
 /// Name of the customised variant in a comparison, and of a user's block in figures.
 inline constexpr const char* kMine = EnumName(Blocks::kMine);
 
@@ -23,11 +20,7 @@ inline constexpr const char* kMine = EnumName(Blocks::kMine);
 template <class Keys>
 struct CustomKeys : Keys {
   Blocks blocks = Blocks::kMine;
-  static FieldList Fields() {
-    FieldList fields = Keys::Fields();
-    fields.push_back({"blocks", &CustomKeys::blocks});
-    return fields;
-  }
+  static FieldList Fields() { return Keys::Fields() + FieldList{{"blocks", &CustomKeys::blocks}}; }
 };
 
 /// Throws KeyError if a scenario has the key `custom`, whose contents are known only to another program.
@@ -98,6 +91,14 @@ class Customisation {
     custom = YamlText{YamlDocument::Parse(read_(scenario), "custom").Flow()};
   }
 
+  /// Reads a scenario with its map `custom`, see Read.
+  template <class Scenario>
+  Scenario ReadScenario(const YamlDocument& document) const {
+    auto scenario = document.Read<Scenario>();
+    Read(document, scenario.custom);
+    return scenario;
+  }
+
   /// Applies the change with keys that Read has stored, unless these choose the shipped blocks, and says
   /// which connections the new blocks have dropped. Throws KeyError of `custom` for errors of the change.
   void Apply(DiagramBuilder& builder, Diagram& diagram, const std::optional<YamlText>& custom,
@@ -150,6 +151,21 @@ class Customisable {
   }
 
  protected:
+  /// Makes an app, see MakeScenarioApp, of functions whose last argument is the customisation.
+  ScenarioApp MakeApp(const char* name, const char* description, std::vector<ScenarioFile> files, auto read,
+                      auto check, auto run) const {
+    using Scenario = decltype(read(std::declval<const YamlDocument&>(), customisation_));
+    const auto customised = [own = customisation_](auto call) {
+      return [own, call](const auto&... arguments) { return call(arguments..., own); };
+    };
+    ScenarioApp app =
+        MakeScenarioApp(name, description, customised(read), customised(check), customised(run));
+    app.keys = [own = customisation_] { return own.Keys(KeysOf<Scenario>()); };
+    app.files = std::move(files);
+    app.figures = "thesis";
+    return app;
+  }
+
   Customisation<Diagram> customisation_;
 };
 

@@ -2,7 +2,6 @@
 #include <tenon/apps/guide_dog/guide_dog_app.h>
 #include <tenon/apps/guide_dog/guide_dog_figures.h>
 #include <tenon/apps/quadruped/limit_figures.h>
-#include <tenon/apps/quadruped/quadruped_live.h>
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/apps/quadruped/walk_figures.h>
 #include <tenon/plants/robots/load_robot.h>
@@ -99,27 +98,21 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
 }  // namespace
 
 ScenarioApp GuideDogApp::AsScenarioApp() const {
-  ScenarioApp app = MakeScenarioApp(
-      "tenon-guide-dog", "Lets a quadruped lead a person on a leash and reports how well it did.",
-      [customisation = customisation_](const YamlDocument& document) {
-        auto scenario = document.Read<GuideDogScenario>();
-        customisation.Read(document, scenario.custom);
-        CheckJudged(scenario.walk.judged_from_s, Duration(scenario));
-        return scenario;
-      },
-      [customisation = customisation_](const GuideDogScenario& scenario) {
-        DiagramBuilder builder;
-        Outputs outputs(builder);
-        std::vector<const Source*> faults;
-        ObserverKind observer{};
-        AddGuideDog(builder, scenario, customisation, outputs, faults, observer);
-      },
-      [customisation = customisation_](const GuideDogScenario& scenario, const RunOptions& options) {
-        return RunGuideDog(scenario, options, customisation);
-      });
-  app.keys = [customisation = customisation_] { return customisation.Keys(KeysOf<GuideDogScenario>()); };
-  app.files = LeggedFiles();
-  app.figures = "thesis";
+  const auto read = [](const YamlDocument& document, const Customisation<GuideDog>& customisation) {
+    auto scenario = customisation.ReadScenario<GuideDogScenario>(document);
+    CheckJudged(scenario.walk.judged_from_s, Duration(scenario));
+    return scenario;
+  };
+  const auto check = [](const GuideDogScenario& scenario, const Customisation<GuideDog>& customisation) {
+    DiagramBuilder builder;
+    Outputs outputs(builder);
+    std::vector<const Source*> faults;
+    ObserverKind observer{};
+    AddGuideDog(builder, scenario, customisation, outputs, faults, observer);
+  };
+  ScenarioApp app =
+      MakeApp("tenon-guide-dog", "Lets a quadruped lead a person on a leash and reports how well it did.",
+              LeggedFiles(), read, check, RunGuideDog);
   app.warnings = [](const YamlDocument& document) {
     return RunBlaming(document, [&] {
       const auto scenario = document.Read<GuideDogScenario>();

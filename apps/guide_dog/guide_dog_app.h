@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/apps/common/customisation.h>
-#include <tenon/apps/common/scenario_app.h>
 #include <tenon/diagrams/guide_dog/guide_dog.h>
 
 namespace tenon::apps {

@@ -114,8 +114,7 @@ void SetWalk(const WalkArguments& walk, const std::string& name, YamlDocument& d
 
 /// Reads a scenario with the keys of the customisation. Throws ParameterError and KeyError.
 QuadrupedScenario ReadScenario(const YamlDocument& document, const WalkCustomisation& customisation) {
-  auto scenario = document.Read<QuadrupedScenario>();
-  customisation.Read(document, scenario.custom);
+  auto scenario = customisation.ReadScenario<QuadrupedScenario>(document);
   if (customisation && !scenario.walk)
     throw KeyError("pd", "this program changes the diagram of a walk: choose a scenario that walks");
   return scenario;
@@ -214,24 +213,17 @@ int RunLog(CommonArguments arguments, const WalkArguments& walk, const std::stri
 }  // namespace
 
 ScenarioApp QuadrupedApp::AsScenarioApp() const {
-  const auto read = [customisation = customisation_](const YamlDocument& document) {
+  const auto read = [](const YamlDocument& document, const WalkCustomisation& customisation) {
     QuadrupedScenario scenario = ReadScenario(document, customisation);
     if (scenario.walk) CheckJudged(scenario.walk->judged_from_s, Duration(scenario));
     return scenario;
   };
-  const auto prepare = [customisation = customisation_](const QuadrupedScenario& scenario) {
-    CheckQuadruped(scenario, customisation);
-  };
-  const auto run = [customisation = customisation_](const QuadrupedScenario& scenario,
-                                                    const RunOptions& options) {
+  const auto run = [](const QuadrupedScenario& scenario, const RunOptions& options,
+                      const WalkCustomisation& customisation) {
     return RunQuadruped(scenario, options, customisation);
   };
-  ScenarioApp app = MakeScenarioApp(
-      "tenon-quadruped", "Lets a quadruped stand or walk and reports how well it did.", read, prepare, run);
-  app.keys = [customisation = customisation_] { return customisation.Keys(KeysOf<QuadrupedScenario>()); };
-  app.files = LeggedFiles();
-  app.figures = "thesis";
-  return app;
+  return MakeApp("tenon-quadruped", "Lets a quadruped stand or walk and reports how well it did.",
+                 LeggedFiles(), read, CheckQuadruped, run);
 }
 
 int QuadrupedApp::Run(int argc, char** argv) const {

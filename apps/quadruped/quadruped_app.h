@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tenon/apps/common/customisation.h>
-#include <tenon/apps/common/scenario_app.h>
 #include <tenon/diagrams/legged/quadruped_walk.h>
 
 namespace tenon::apps {
