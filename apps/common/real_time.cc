@@ -32,7 +32,7 @@ void SetTimes(const std::string& name, const TimeQuantiles& times, Summary& summ
     quantiles.emplace_back(quantile, Microseconds(times.Quantile(share)));
   std::string histogram;
   long before = 0;
-  for (const int limit : {10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10'000, 20'000, 50'000}) {
+  for (const int limit : times.kLimits) {
     const long below = times.Below(1e-6 * limit);
     if (below > before) histogram += fmt::format("{} below {} us, ", below - before, limit);
     before = below;

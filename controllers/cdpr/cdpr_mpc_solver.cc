@@ -1,7 +1,6 @@
 #include <tenon/controllers/cdpr/cdpr_mpc_solver.h>
 #include <tenon/controllers/cdpr/cdpr_tracking_problem.h>
 #include <tenon/controllers/optimization/slq.h>
-#include <tenon/plants/signals/euler.h>
 #include <tenon/systems/analysis/lqr.h>
 #include <tenon/systems/framework/block/system.h>
 
@@ -165,7 +164,7 @@ CdprMpcCost CdprMpcSolver::Cost(const CdprMpcParams& params, const CdprMpcWeight
   CdprMpcCost cost;
   cost.Q = Diagonal(robot, weights);
   Demand(
-      ClearanceOf(params).size() == 0 || weights.position.maxCoeff() > 0,
+      weights.position.maxCoeff() > 0 || ClearanceOf(params).size() == 0,
       "weights.position is 0, but clearance is kept: give a positive weight, with which its penalty scales");
   cost.R = weights.tension;
   if (params.terminal == TerminalCost::kRiccati) {

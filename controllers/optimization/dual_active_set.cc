@@ -35,11 +35,6 @@ std::string QpReport::Message() const {
   return {};
 }
 
-/// Reserves the lists so that no step allocates. A copy has only what its original held.
-static void Reserve(std::initializer_list<std::vector<int>*> lists, std::size_t size) {
-  for (std::vector<int>* list : lists) list->reserve(size);
-}
-
 DualActiveSet::DualActiveSet(int max_variables, int max_constraints, int max_iterations)
     : max_variables_(max_variables),
       max_constraints_(max_constraints),
@@ -62,10 +57,10 @@ DualActiveSet::DualActiveSet(int max_variables, int max_constraints, int max_ite
     v->Resize(m + 4);
   transposed_.Resize(n * m);
   const auto rows = static_cast<std::size_t>(m);
-  for (std::vector<int>* list : {&active_, &column_ends_}) list->resize(rows);
-  ends_.resize(static_cast<std::size_t>(n));
+  for (std::vector<int>* list : {&active_, &column_ends_, &violated_}) list->resize(rows);
+  for (std::vector<int>* list : {&ends_, &independent_, &active_inequalities_, &guess_})
+    list->resize(static_cast<std::size_t>(n));
   is_active_.resize(rows);
-  Reserve({&independent_, &violated_, &active_inequalities_, &guess_}, active_.size() + ends_.size());
 }
 
 void DualActiveSet::CheckSizes(const QuadraticProgram& qp) const {
@@ -91,7 +86,7 @@ void DualActiveSet::CheckSizes(const QuadraticProgram& qp) const {
 // Collects the violated inequalities, the worst first. Returns false if a number is not finite.
 template <class Size>
 TENON_INLINE bool DualActiveSet::FindViolated(const QuadraticProgram& qp, Size n) {
-  violated_.clear();
+  num_violated_ = 0;
   const int count = num_inequalities_;
   const double* const b = qp.b_in.data();
   double* const slack = slack_.data();
@@ -125,11 +120,11 @@ TENON_INLINE bool DualActiveSet::FindViolated(const QuadraticProgram& qp, Size n
     }
     const double norm2 = lengths2_[i];
     if (!(excess * excess > kTolerance * kTolerance * norm2 * size2)) continue;
-    violated_.push_back(num_equalities_ + i);
+    violated_[num_violated_++] = num_equalities_ + i;
     const double distance2 = norm2 > 0 ? slack[i] * slack[i] / norm2 : kInfinity;
     if (distance2 > worst) {
       worst = distance2;
-      std::swap(violated_.front(), violated_.back());
+      std::swap(violated_[0], violated_[num_violated_ - 1]);
     }
   }
   return true;
@@ -263,14 +258,14 @@ TENON_INLINE DualActiveSet::Outcome DualActiveSet::Iterate(const QuadraticProgra
   if (const int e = FindContradiction(qp, n); e >= 0) return {QpStatus::kInfeasible, e};
   while (true) {
     if (!FindViolated(qp, n)) return {QpStatus::kInaccurate};
-    const int joining = static_cast<int>(violated_.size());
+    const int joining = num_violated_;
     if (joining > 0 && joining <= kFew && at_once && !z_is_formed_) {
       const int before = num_active_;
       const double gain = gain_;
       *iterations += joining;
       if (*iterations > max_iterations_) {
         *iterations = max_iterations_;
-        return {QpStatus::kIterationLimit, violated_.front()};
+        return {QpStatus::kIterationLimit, violated_[0]};
       }
       for (int k = 0; k < joining; ++k) {
         active_[before + k] = violated_[k];
@@ -280,8 +275,8 @@ TENON_INLINE DualActiveSet::Outcome DualActiveSet::Iterate(const QuadraticProgra
       at_once = gain_ > (1 + kTolerance) * gain;
       continue;
     }
-    if (!violated_.empty()) {
-      const Outcome outcome = AddViolated(qp, violated_.front(), iterations, n);
+    if (joining > 0) {
+      const Outcome outcome = AddViolated(qp, violated_[0], iterations, n);
       if (outcome.status != QpStatus::kSolved) return outcome;
       continue;
     }
@@ -315,21 +310,21 @@ TENON_VECTOR_CLONES QpReport DualActiveSet::Run(const QuadraticProgram& qp, Size
     report.status = outcome.status;
     report.constraint = outcome.constraint;
     if (report.ok() || report.status == QpStatus::kIterationLimit || report.restarts == 1) break;
-    guess_.assign(active_.begin(), active_.begin() + num_active_);
+    num_guess_ = num_active_;
+    std::copy_n(active_.begin(), num_guess_, guess_.begin());
   }
   return report;
 }
 
 QpReport DualActiveSet::Solve(const QuadraticProgram& qp, std::span<const int> guess) {
   CheckSizes(qp);
-  Reserve({&independent_, &violated_, &active_inequalities_, &guess_}, active_.size() + ends_.size());
   n_ = static_cast<int>(qp.g.size());
   num_equalities_ = static_cast<int>(qp.b_eq.size());
   num_inequalities_ = static_cast<int>(qp.b_in.size());
-  guess_.clear();
+  num_guess_ = 0;
   for (const int i : guess)
-    if (i >= 0 && i < num_inequalities_ && guess_.size() < static_cast<std::size_t>(max_variables_))
-      guess_.push_back(num_equalities_ + i);
+    if (i >= 0 && i < num_inequalities_ && num_guess_ < max_variables_)
+      guess_[num_guess_++] = num_equalities_ + i;
   QpReport report = n_ == 12 ? Run(qp, KnownSize<12>()) : Run(qp, n_);
   if (!report.ok()) {
     if (!AllFinite(qp)) report = {.status = QpStatus::kNotFinite};
@@ -337,10 +332,10 @@ QpReport DualActiveSet::Solve(const QuadraticProgram& qp, std::span<const int> g
   }
   for (int i = 0; i < num_equalities_; ++i) multipliers_[i] = lambda_[i];
   for (int i = 0; i < num_inequalities_; ++i) multipliers_[num_equalities_ + i] = 0;
-  active_inequalities_.clear();
+  num_solution_ = static_cast<std::size_t>(num_active_);
   for (int k = 0; k < num_active_; ++k) {
     multipliers_[active_[k]] = u_[k];
-    active_inequalities_.push_back(active_[k] - num_equalities_);
+    active_inequalities_[k] = active_[k] - num_equalities_;
   }
   return report;
 }

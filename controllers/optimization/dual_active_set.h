@@ -31,15 +31,6 @@ enum class QpStatus {
   kInaccurate,      ///< the residuals exceed the tolerance: H or the constraints are nearly singular
 };
 
-constexpr auto EnumNames(QpStatus) {
-  return std::array{Named{QpStatus::kSolved, "solved"},
-                    Named{QpStatus::kInfeasible, "infeasible"},
-                    Named{QpStatus::kNotConvex, "not_convex"},
-                    Named{QpStatus::kNotFinite, "not_finite"},
-                    Named{QpStatus::kIterationLimit, "iteration_limit"},
-                    Named{QpStatus::kInaccurate, "inaccurate"}};
-}
-
 struct QpReport {
   QpStatus status = QpStatus::kSolved;
   int constraint = -1;  ///< index for the status; equalities first, then inequalities
@@ -100,7 +91,7 @@ class DualActiveSet {
     return Eigen::Map<const Eigen::VectorXd>(multipliers_.data(), num_equalities_ + num_inequalities_);
   }
   /// The active inequalities at x(), a guess for a similar problem.
-  std::span<const int> active() const { return active_inequalities_; }
+  std::span<const int> active() const { return {active_inequalities_.data(), num_solution_}; }
 
  private:
   struct Outcome {
@@ -180,6 +171,8 @@ class DualActiveSet {
   Numbers x_, u_, lambda_, multipliers_;
   Numbers g_, slack_, residual_, pull_, misses_, lengths2_;
   Numbers row_, d_, r_, z_, w_;
+  std::size_t num_solution_ = 0;  // active inequalities at the last solution
+  int num_guess_ = 0, num_violated_ = 0;
   std::vector<int> active_inequalities_, guess_, violated_;
   std::vector<char> is_active_;
 };

@@ -11,6 +11,8 @@ namespace tenon {
 /// Quantiles of times, accurate to 1 %, in constant memory.
 class TimeQuantiles {
  public:
+  /// Limits of a histogram [us].
+  static constexpr std::array kLimits{10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10'000, 20'000, 50'000};
   void Add(double seconds) {
     const double bin = std::log(seconds / kShortest) / kWidth;
     const auto last = static_cast<double>(counts_.size() - 1);

@@ -108,7 +108,6 @@ TENON_INLINE void DualActiveSet::FactorEqualities(const QuadraticProgram& qp, Si
   cost_.MultiplyTransposed(g_.data(), slope, n);
   for (int i = 0; i < N; i += 4) *PacketAt(y_equalities_.data() + i) = Lanes{};
   int k = 0;
-  independent_.clear();
   for (int e = 0; e < count; ++e) {
     const double* const column = V + e * N;
     internal::Pivot pivot;
@@ -121,9 +120,8 @@ TENON_INLINE void DualActiveSet::FactorEqualities(const QuadraticProgram& qp, Si
       work_bounds_[c] -= V[c * N + k] * y;
       column_ends_[c] = std::max(column_ends_[c], pivot.end);
     }
-    independent_.push_back(e);
+    independent_[k++] = e;
     is_active_[e] = 1;
-    ++k;
   }
   num_independent_ = k;
   Copy(slope, slope_equalities_.data(), 0, N);
@@ -250,7 +248,8 @@ TENON_INLINE void DualActiveSet::Start(const QuadraticProgram& qp, Size n) {
   z_is_formed_ = false;
   FactorEqualities(qp, n);
   int count = 0;
-  for (const int constraint : guess_) {
+  for (int k = 0; k < num_guess_; ++k) {
+    const int constraint = guess_[k];
     if (is_active_[constraint] != 0) continue;
     is_active_[constraint] = 1;
     active_[count++] = constraint;
