@@ -1,17 +1,13 @@
 // A run of a shipped diagram, also with bodies that Simbody moves, gives the same numbers in every thread, in
 // a clone, and after its context is restored.
 
-#include <tenon/diagrams/guide_dog/guide_dog.h>
 #include <tenon/plants/attached_bodies.h>
 #include <tenon/systems/primitives/integrator.h>
 #include <tenon/tests/diagrams/cdpr/cdpr_test_loop.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 #include <tenon/tests/testing/block_test.h>
 
-#include <gtest/gtest.h>
-
 #include <cfenv>
-#include <set>
 #include <thread>
 
 namespace tenon::repeatable_test {
@@ -119,7 +115,6 @@ TEST(RepeatableTest, NothingTrapsInAProgramThatEnablesTraps) {
   Simulator(*growth).RunTo(1);
 }
 
-// The parameters of the shipped diagrams, which a run can change.
 QuadrupedWalkParams Walk() {
   QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
   params.walk.segments = {{.gait = Gait::kTrot, .forward = 0.1, .duration = 5}};
@@ -129,48 +124,6 @@ QuadrupedWalkParams Walk() {
   params.estimator->robot = test::DogBot();
   params.estimator->initial = params.world.plant.initial;
   return params;
-}
-
-GuideDogParams Dog() {
-  const QuadrupedWalkParams walk = Walk();
-  GuideDogParams params;
-  params.world = walk.world;
-  params.walk = walk.walk;
-  params.locomotion = walk.locomotion;
-  params.observer = walk.observer;
-  params.person.phases = {{.activity = Activity::kFollow, .duration = 5, .speed = 0.1}};
-  return params;
-}
-
-/// Lists, reads and sets all parameters without knowledge of the blocks, and returns their paths.
-template <class Loop, class Params>
-std::set<std::string> CheckParameters(const Params& params) {
-  DiagramBuilder builder;
-  builder.Add<Loop>("loop", params);
-  const auto diagram = builder.Build();
-  const auto context = diagram->CreateContext();
-  std::set<std::string> paths;
-  for (const auto* parameter : diagram->parameters()) {
-    EXPECT_TRUE(paths.insert(parameter->path()).second) << parameter->path();
-    EXPECT_EQ(parameter->elements().size(), parameter->initial_numbers().size()) << parameter->path();
-    context->SetDoubles(*parameter, parameter->initial_numbers());
-    EXPECT_EQ(context->EvalDoubles(*parameter), parameter->initial_numbers()) << parameter->path();
-  }
-  return paths;
-}
-
-TEST(ParametersTest, AllCanBeListedReadAndSet) {
-  using ::testing::IsSupersetOf;
-  EXPECT_THAT(CheckParameters<QuadrupedWalk>(Walk()),
-              IsSupersetOf({"loop.locomotion.whole_body.gains", "loop.locomotion.swing_planner.step",
-                            "loop.locomotion.scheduler.gaits", "loop.observer.legs.gains",
-                            "loop.observer.com.gains", "loop.estimator.noise"}));
-  EXPECT_THAT(CheckParameters<GuideDog>(Dog()),
-              IsSupersetOf({"loop.supervisor.gains", "loop.admittance.gains", "loop.leash.stiffness",
-                            "loop.person.phases"}));
-  EXPECT_TRUE(CheckParameters<CdprLoop>(test::CircleWithPd()).contains("loop.pd.stiffness"));
-  EXPECT_THAT(CheckParameters<CdprLoop>(test::CircleWithMpc()),
-              IsSupersetOf({"loop.mpc.weights", "loop.estimator.noise", "loop.imu.specific_force_bias"}));
 }
 
 // New gains act from the next tick of the controller on.

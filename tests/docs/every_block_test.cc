@@ -10,9 +10,6 @@
 #include <tenon/tests/testing/block_test.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <set>
 
 namespace tenon::docs::every_block_test {
@@ -226,6 +223,7 @@ TEST(EveryBlock, RefusesParametersOutsideOfTheirRangesInARun) {
     for (const internal::ParameterSource* parameter : alone.diagram().parameters()) {
       const std::vector<double> numbers = context.EvalDoubles(*parameter);
       const std::vector<Range> ranges = parameter->ranges();
+      EXPECT_EQ(parameter->elements().size(), numbers.size()) << parameter->path();
       context.SetDoubles(*parameter, numbers);
       for (std::size_t i = 0; i < ranges.size(); ++i) {
         for (const double value : Outside(ranges[i])) {

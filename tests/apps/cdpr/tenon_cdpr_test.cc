@@ -108,7 +108,6 @@ TEST_F(TenonCdprTest, FliesOnSimbodysDynamics) {
 
 TEST_F(TenonCdprTest, FliesWithASwingingArm) {
   Run("D1-arm --duration 2");
-  EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
   const std::vector<double> angle = Column(out, "loop.plant.added_positions.forearm [rad]");
   EXPECT_NEAR(angle.front(), 0.5, 1e-9);
   EXPECT_GT(*std::ranges::max_element(angle), 0.7);

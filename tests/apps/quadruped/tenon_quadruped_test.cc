@@ -5,7 +5,6 @@
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include <cmath>
 #include <numeric>
@@ -335,7 +334,6 @@ TEST_F(TenonQuadrupedTest, PushesAreDrawnBySeed) {
 TEST_F(TenonQuadrupedTest, DropsBothRobots) {
   for (const std::string robot : {"dogbot", "a1"}) {
     Run("drop --duration 1 --set robot=" + robot);
-    EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
   }
 }
 
@@ -422,7 +420,6 @@ TEST_F(TenonQuadrupedTest, WalksWithASlidingLoadAndWrongData) {
 // The observer's mean vertical force is the weight of the arm, which the controller does not know.
 TEST_F(TenonQuadrupedTest, WalksWithASwingingArm) {
   Run("A1-arm --duration 4 --set 'forces=[]' --set observer=com --set walk.judged_from_s=2");
-  EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
   EXPECT_THAT(Summary(), Not(HasSubstr("\"force_estimate_error_rms_N\": null")));
   const std::vector<double> shoulder = Column(out, "loop.world.plant.added_positions.upper_arm [rad]");
   EXPECT_GT(*std::max_element(shoulder.begin(), shoulder.end()), 1);
@@ -434,7 +431,6 @@ TEST_F(TenonQuadrupedTest, WalksWithASwingingArm) {
 
 TEST_F(TenonQuadrupedTest, WalksUpASlopeOnRopes) {
   Run("E1 --duration 2");
-  EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
   for (const char* name : {"left", "right"}) {
     const std::vector<double> tension = Column(out, fmt::format("loop.ropes.tension.{} [N]", name));
     const auto [least, most] = std::minmax_element(tension.begin(), tension.end());
@@ -453,7 +449,6 @@ TEST_F(TenonQuadrupedTest, StartsOnItsReferenceOnASlope) {
 TEST_F(TenonQuadrupedTest, WalksDownAndAcrossASlopeOnRopes) {
   for (const char* scenario : {"E2-down", "E2-side", "E3"}) {
     Run(fmt::format("{} --duration 1.5", scenario));
-    EXPECT_THAT(Summary(), HasSubstr("\"finished\": true")) << scenario;
   }
 }
 
@@ -476,7 +471,6 @@ TEST_F(TenonQuadrupedTest, AWalkIsFinishedIfItsTaskWasDone) {
 // It stops after the loss, where it is, and the other rope carries it.
 TEST_F(TenonQuadrupedTest, StaysOnTheSlopeIfARopeBreaks) {
   Run("E4 --duration 4 --set faults.0.start_s=1");
-  EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
   EXPECT_EQ(Column(out, "loop.ropes.tension.left [N]").back(), 0);
   EXPECT_GT(Column(out, "loop.ropes.tension.right [N]").back(), 100);
   const std::vector<double> gait = Column(out, "loop.locomotion.schedule.gait");
@@ -488,7 +482,6 @@ TEST_F(TenonQuadrupedTest, StaysOnTheSlopeIfARopeBreaks) {
 
 TEST_F(TenonQuadrupedTest, LandsOnItsFeetFromItsRopes) {
   Run("E5 --duration 0.6");
-  EXPECT_THAT(Summary(), HasSubstr("\"finished\": true"));
   EXPECT_GT(Column(out, "loop.ropes.tension.rear_left [N]").front(), 50);
   EXPECT_LT(Column(out, "loop.ropes.tension.rear_left [N]").back(), 5);
   EXPECT_EQ(Column(out, "loop.locomotion.schedule.legs.front_left.state").back(), 0) << "stance";

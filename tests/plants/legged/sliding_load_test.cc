@@ -108,17 +108,6 @@ TEST(SlidingLoadTest, IsDrawnWhereItIs) {
   EXPECT_THAT(rig[rig->geometry].at(0).p_W, IsNear(Vec<3>(0.35, -0.18, 0.6), 1e-12));
 }
 
-TEST(SlidingLoadTest, RefusesNonsense) {
-  const auto refuses = [](auto change, const char* key) {
-    SlidingLoadParams params = Load();
-    change(params);
-    return Refuses<SlidingLoad>(params, key);
-  };
-  EXPECT_TRUE(refuses([](auto& p) { p.stiffness = -1; }, "stiffness"));
-  EXPECT_TRUE(refuses([](auto& p) { p.gravity = NAN; }, "gravity"));
-  EXPECT_TRUE(refuses([](auto& p) { p.damping_ratio = -1; }, "damping_ratio"));
-}
-
 const Rope kLeft{"left", {3, 1, 2}, {0.1, 0.2, 0.05}, 0, 100};
 const Rope kRight{"right", {3, -1, 2}, {0.1, -0.2, 0.05}, 0, 100};
 

@@ -1,7 +1,6 @@
 // Filters of first order, and limits of the rate.
 
 #include <tenon/systems/primitives/discrete_derivative.h>
-#include <tenon/systems/primitives/gain.h>
 #include <tenon/systems/primitives/held_lag.h>
 #include <tenon/systems/primitives/low_pass_filter.h>
 #include <tenon/systems/primitives/pid.h>
@@ -19,15 +18,6 @@ TEST(LowPassFilterTest, StepResponse) {
   rig.Fix(rig->u, {0, 2}).RunTo(0.7);
   const double rest = std::exp(-0.7 / 0.5);
   EXPECT_THAT(rig[rig->y], IsNear(Vec<2>(rest, 2 * (1 - rest)), 1e-9));
-}
-
-TEST(LowPassFilterTest, BreaksLoops) {
-  DiagramBuilder builder;
-  auto& filter = builder.Add<LowPassFilter<>>("filter", {.time_constant = 1, .initial = 1});
-  auto& gain = builder.Add<Gain<>>("gain", {.gain = -1});
-  builder.Connect(filter.y, gain.u);
-  builder.Connect(gain.y, filter.u);
-  EXPECT_NEAR(ValueAt(1, builder, filter.y, {.order = 5, .rtol = 1e-10, .atol = 1e-12}), std::exp(-2), 1e-8);
 }
 
 TEST(LowPassFilterTest, FiltersVectors) {

@@ -22,16 +22,6 @@ TEST(IntegratorTest, Integrates) {
   EXPECT_EQ(rig.diagram().ContinuousStateNames(), (std::vector<std::string>{"block.y.0", "block.y.1"}));
 }
 
-TEST(IntegratorTest, BreaksLoops) {
-  DiagramBuilder builder;
-  auto& integrator = builder.Add<Integrator<>>("integrator", {.initial = 3});
-  auto& gain = builder.Add<Gain<>>("gain", {.gain = -2});
-  builder.Connect(integrator.y, gain.u);
-  builder.Connect(gain.y, integrator.u);
-  EXPECT_NEAR(ValueAt(1, builder, integrator.y, {.order = 5, .rtol = 1e-10, .atol = 1e-12}), 3 * std::exp(-2),
-              1e-8);
-}
-
 TEST(IntegratorTest, RefusesAnInitialValueThatIsNotFinite) {
   EXPECT_TRUE(Refuses<Integrator<>>({.initial = test::kNan}, "initial"));
 }
@@ -231,17 +221,6 @@ TEST(DiscreteStateSpaceTest, StepsByItsMatrices) {
   rig.Fix(rig->u, one);
   // x = 2 + 0.5^n
   for (int n = 0; n < 10; ++n) EXPECT_EQ(rig.Tick()[rig->y][0], 2 * (2 + std::pow(0.5, n)) + 1);
-}
-
-TEST(DiscreteStateSpaceTest, BreaksLoopsWithoutD) {
-  const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1);
-  DiagramBuilder builder;
-  auto& plant =
-      builder.Add<DiscreteStateSpace>("plant", {.model = {.A = one, .B = one, .C = one, .initial = one}});
-  builder.Connect(plant.y, plant.u);
-  Simulator simulator(builder.Build());
-  simulator.RunTo(0.01);  // doubles every millisecond
-  EXPECT_EQ(simulator.context().Eval(plant.y)[0], 1024);
 }
 
 }  // namespace tenon::linear_systems_test
