@@ -2,7 +2,6 @@
 
 #include <tenon/apps/cdpr/cdpr_scenario.h>
 #include <tenon/apps/common/customisation.h>
-#include <tenon/apps/common/run_scenario.h>
 #include <tenon/controllers/cdpr/goal_path.h>
 #include <tenon/plants/cdpr/platform_pull.h>
 

@@ -2,7 +2,6 @@
 
 #include <tenon/apps/common/outputs.h>
 #include <tenon/apps/common/scenario_app.h>
-#include <tenon/apps/common/scenario_file.h>
 
 namespace tenon::apps {
 

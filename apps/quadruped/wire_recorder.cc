@@ -1,5 +1,4 @@
-#include <tenon/apps/common/run_scenario.h>
-#include <tenon/apps/quadruped/wire_recorder.h>
+#include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/systems/files/input_file.h>
 
 #include <fmt/core.h>

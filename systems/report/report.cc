@@ -1,5 +1,4 @@
 #include <tenon/systems/report/internal/report_json.h>
-#include <tenon/systems/report/internal/run.h>
 #include <tenon/systems/report/report.h>
 #include <tenon/systems/simulation/background_log.h>
 #include <tenon/systems/text/text.h>

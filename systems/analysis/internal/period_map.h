@@ -1,10 +1,41 @@
 #pragma once
 
-#include <tenon/systems/analysis/internal/numbers.h>
 #include <tenon/systems/analysis/linearize_discrete.h>
 #include <tenon/systems/framework/block/internal/rational.h>
 
 namespace tenon {
+
+/// Returns the path of every number of the sources in order, such as "cart.x.velocity".
+std::vector<std::string> NumberNames(const Context& context, const std::vector<const Source*>& sources);
+
+/// Returns the concatenated numbers of the sources from EvalDoubles.
+Eigen::VectorXd EvalNumbers(Context& context, const std::vector<const Source*>& sources);
+
+/// The real numbers of settable sources as one vector, for central differences. Bools, integers, enumerations
+/// and values that are not numbers keep their values in the context.
+class RealNumbers {
+ public:
+  RealNumbers(const Context& context, std::vector<const Source*> sources);
+
+  Eigen::Index size() const { return static_cast<Eigen::Index>(names_.size()); }
+  const std::vector<std::string>& names() const { return names_; }
+  const std::vector<std::string>& units() const { return units_; }
+  /// Throws RunError that names the source if its size has changed.
+  Eigen::VectorXd Get(Context& context) const;
+  /// Throws RunError as SetDoubles does.
+  void Set(Context& context, const Eigen::VectorXd& values) const;
+
+ private:
+  struct Part {
+    const Source* source;
+    std::vector<bool> is_real;  ///< whether each of its numbers is real
+  };
+  std::vector<double> Eval(Context& context, const Part& part) const;
+
+  std::vector<Part> parts_;
+  std::vector<std::string> names_;
+  std::vector<std::string> units_;
+};
 
 class Simulator;
 
@@ -66,3 +97,7 @@ DiscreteLinearModel LinearizePeriod(const PeriodMap& map,
 
 }  // namespace internal
 }  // namespace tenon
+
+namespace tenon::internal {
+
+}  // namespace tenon::internal

@@ -1,6 +1,5 @@
 #include <tenon/systems/files/input_file.h>
 #include <tenon/systems/report/internal/report_json.h>
-#include <tenon/systems/report/internal/run.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/format.h>

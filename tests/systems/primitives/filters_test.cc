@@ -87,7 +87,6 @@ TEST(DiscreteDerivativeTest, DifferencesWithoutFilter) {
   EXPECT_THAT(rig.Fix(rig->u, {5, 1}).Tick()[rig->y], IsNear(Vec<2>(0, 0), 0));
   EXPECT_THAT(rig.Fix(rig->u, {6, 1}).Tick()[rig->y], IsNear(Vec<2>(10, 0), 1e-13));
   EXPECT_THAT(rig.Fix(rig->u, {6, 4}).Tick()[rig->y], IsNear(Vec<2>(0, 30), 1e-13));
-  EXPECT_EQ(rig->y.elements()[0].unit, "m/s");
 }
 
 TEST(DiscreteDerivativeTest, FiltersTheDerivativeOfARamp) {
@@ -105,7 +104,6 @@ TEST(RateLimiterTest, RampsToItsInput) {
   for (const double y : {1.0, 2.0, 2.5, 2.5}) EXPECT_NEAR(rig.Tick()[rig->y], y, 1e-15);
   rig.Fix(rig->u, -3);
   for (const double y : {0.5, -1.5, -3.0, -3.0}) EXPECT_NEAR(rig.Tick()[rig->y], y, 1e-15);
-  EXPECT_EQ(rig->rising.elements()[0].unit, "m/s");
 }
 
 TEST(RateLimiterTest, PassesAllByDefault) {
