@@ -108,9 +108,9 @@ struct PathScenario {
 
 /// PD control of the cable lengths, see CablePd. Empty gains are those of the profile.
 struct PdScenario {
-  std::optional<double> stiffness_N_per_m;    ///< K_p of the cable lengths
-  std::optional<double> damping_N_s_per_m;    ///< K_d of the rates of the cable lengths
-  Rate rate = CdprLoopParams().control_rate;  ///< sample rate of the controller
+  std::optional<DiagonalGains> stiffness_N_per_m;  ///< K_p of the cable lengths
+  std::optional<DiagonalGains> damping_N_s_per_m;  ///< K_d of the rates of the cable lengths
+  Rate rate = CdprLoopParams().control_rate;       ///< sample rate of the controller
 
   static FieldList Fields() {
     return {Field("stiffness_N_per_m", &PdScenario::stiffness_N_per_m).Positive(),

@@ -1,5 +1,6 @@
 #include <tenon/apps/common/scenario_keys.h>
 #include <tenon/systems/framework/block/rate.h>
+#include <tenon/systems/framework/types/diagonal_gains.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/resources.h>
 
@@ -62,7 +63,7 @@ std::string TypeText(const TypeInfo& type) {
     case Kind::kArray:
       return fmt::format("{} times: {}", type.count, TypeText(type.item()));
     case Kind::kList:
-      return "list: " + TypeText(type.item());
+      return (*type.id == typeid(DiagonalGains) ? "number, or list: " : "list: ") + TypeText(type.item());
     case Kind::kOptional:
       return TypeText(type.item());
     case Kind::kMap:

@@ -50,9 +50,11 @@ GuideDogParams MakeGuideDogParams(const GuideDogScenario& scenario) {
   PersonParams& person = params.person;
   for (double* const force :
        {&supervisor.threshold, &supervisor.release, &supervisor.leash_stiffness, &admittance.desired_tension,
-        &admittance.mass, &admittance.damping, &admittance.stiffness, &admittance.yield_tension, &person.mass,
-        &person.damping, &person.stiffness, &person.felt_tension, &params.leash.stiffness})
+        &admittance.stiffness, &admittance.yield_tension, &person.mass, &person.damping, &person.stiffness,
+        &person.felt_tension, &params.leash.stiffness})
     *force *= weight;
+  admittance.mass *= weight;
+  admittance.damping *= weight;
   for (PersonPhase& phase : person.phases) phase.force *= weight;
   params.leash.attachment_B = length * params.leash.attachment_B + offset;
   return params;

@@ -3,14 +3,21 @@
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/plants/signals/cdpr_signals.h>
 #include <tenon/systems/block.h>
+#include <tenon/systems/framework/types/diagonal_gains.h>
 
 namespace tenon {
 
 struct CablePdParams {
-  CdprDescription robot;         ///< model of the controller; its tension bounds limit the command
-  double stiffness_N_per_m = 0;  ///< gain K_p of the length error
-  double damping_N_s_per_m = 0;  ///< gain K_d of the error of the length's rate
+  CdprDescription robot;                ///< model of the controller; its tension bounds limit the command
+  DiagonalGains stiffness_N_per_m = 0;  ///< gain K_p of each cable's length error
+  DiagonalGains damping_N_s_per_m = 0;  ///< gain K_d of the error of each length's rate
   Rate rate = Hz(1000);
+
+  /// Throws ParameterError unless the gains have one number, or one for each cable.
+  void Validate() const {
+    stiffness_N_per_m.CheckSize("stiffness", robot.num_cables(), "cables");
+    damping_N_s_per_m.CheckSize("damping", robot.num_cables(), "cables");
+  }
 };
 
 /// Length controller with a tension feedforward for each cable (Morlando 2023, eq. (3.25)):
@@ -21,22 +28,23 @@ struct CablePdParams {
 /// l_des - l, which would slacken a cable that is too long and is unstable.
 ///
 /// Ports: input `cables`, the plant's lengths and rates; input `reference`; output `command` [N], sampled,
-/// with one entry per cable. `stiffness` and `damping` are Parameters: a run can change them.
+/// with one entry per cable. K_p and K_d are diagonal; `stiffness` and `damping` are Parameters: a run can
+/// change them.
 class CablePd final : public LeafSystem<CablePdParams> {
  public:
   using LeafSystem::LeafSystem;
   InputPort<CableSignals> cables{this, {"cables"}};
   InputPort<CdprReference> reference{this, {"reference"}};
-  Parameter<double> stiffness{this,
-                              {"stiffness", "N/m"},
-                              params.stiffness_N_per_m,
-                              "tension per length error",
-                              Range().Positive().Because("otherwise length errors are not corrected")};
-  Parameter<double> damping{this,
-                            {"damping", "N s/m"},
-                            params.damping_N_s_per_m,
-                            "tension per error of the length's rate",
-                            Range().AtLeast(0).Because("otherwise it amplifies oscillations")};
+  Parameter<DiagonalGains> stiffness{this,
+                                     {"stiffness", "N/m"},
+                                     params.stiffness_N_per_m,
+                                     "tension per length error",
+                                     Range().Positive().Because("otherwise length errors are not corrected")};
+  Parameter<DiagonalGains> damping{this,
+                                   {"damping", "N s/m"},
+                                   params.damping_N_s_per_m,
+                                   "tension per error of the length's rate",
+                                   Range().AtLeast(0).Because("otherwise it amplifies oscillations")};
   OutputPort<CableVector> command{this,
                                   {"command", "N"},
                                   CableVector::Zero(params.robot.num_cables()),
@@ -45,12 +53,13 @@ class CablePd final : public LeafSystem<CablePdParams> {
                                   &CablePd::CalcCommand};
 
  private:
-  void CalcCommand(const CableSignals& cables, const CdprReference& reference, double stiffness,
-                   double damping, CableVector* command) const {
+  void CalcCommand(const CableSignals& cables, const CdprReference& reference, const DiagonalGains& stiffness,
+                   const DiagonalGains& damping, CableVector* command) const {
     for (const Eigen::Index num : {cables.length.size(), reference.length.size()})
       CheckNumCables(params.robot.num_cables(), num, "CablePd");
-    *command = reference.tension + stiffness * (cables.length - reference.length) +
-               damping * (cables.length_rate - reference.length_rate);
+    for (Eigen::Index i = 0; i < command->size(); ++i)
+      (*command)[i] = reference.tension[i] + stiffness[i] * (cables.length[i] - reference.length[i]) +
+                      damping[i] * (cables.length_rate[i] - reference.length_rate[i]);
     params.robot.LimitTension(command);
   }
 };

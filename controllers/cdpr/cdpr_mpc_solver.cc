@@ -78,8 +78,7 @@ Eigen::Matrix<double, 12, 12> CostToGo(const EquilibriumPath& path, double perio
   Problem problem(robot, 1);
   problem.SetPose(robot, rest.position, RotationFromEuler(rest.euler));
   RungeKutta<Problem>(12, cables).Linearize(problem, StepMethod::kRungeKutta4, 1, &period, &x, &u, &AB);
-  const Eigen::MatrixXd A = AB.leftCols(12), B = AB.rightCols(cables),
-                        R = Eigen::VectorXd::Constant(cables, period * cost.R).asDiagonal(),
+  const Eigen::MatrixXd A = AB.leftCols(12), B = AB.rightCols(cables), R = (period * cost.R).asDiagonal(),
                         Q = (period * cost.Q).asDiagonal();
   const std::vector<int> motions = MotionsOf(robot);
   if (motions.size() == 6) return SolveDiscreteRiccati(A, B, Q, R);
@@ -102,9 +101,13 @@ void CdprMpcParams::Validate() const {
          fmt::format(
              "num_steps = {} exceeds the periods in horizon = {} s: a step is at least one period of {} s",
              num_steps, horizon, rate.period()));
-  Demand(weights.tension > 0,
-         fmt::format("weights.tension = {} must be positive: the tensions would not be unique",
-                     weights.tension));
+  for (const auto& [name, given] : {std::pair{"weights.tension", &weights.tension},
+                                    std::pair{"terminal_weights.tension", &terminal_weights.tension}})
+    given->CheckSize(name, path->robot().num_cables(), "cables");
+  for (int i = 0; i < path->robot().num_cables(); ++i)
+    Demand(weights.tension[i] > 0,
+           fmt::format("weights.tension = {} must be positive: the tensions would not be unique",
+                       weights.tension[i]));
   CheckRanges(weights, "weights");
   CheckRanges(terminal_weights, "terminal_weights");
   Demand(std::isfinite(unheld_time) && unheld_time >= 0,
@@ -166,7 +169,7 @@ CdprMpcCost CdprMpcSolver::Cost(const CdprMpcParams& params, const CdprMpcWeight
   Demand(
       weights.position.maxCoeff() > 0 || ClearanceOf(params).size() == 0,
       "weights.position is 0, but clearance is kept: give a positive weight, with which its penalty scales");
-  cost.R = weights.tension;
+  cost.R = CableVector::NullaryExpr(robot.num_cables(), [&](Eigen::Index i) { return weights.tension[i]; });
   if (params.terminal == TerminalCost::kRiccati) {
     cost.Q_f = ForCables(robot.num_cables(),
                          [&](auto n) { return CostToGo<n()>(*params.path, params.rate.period(), cost); });
@@ -347,7 +350,7 @@ class CdprMpcSolver::Impl {
     const Eigen::Vector3d force = load.rest.force_W, torque = load.rest.torque_W;
     problem.load << force, torque - com_W.cross(force);
     problem.Q = cost.Q;
-    problem.R.setConstant(cost.R);
+    CopyEntries(cost.R, problem.R);
     problem.Q_f = cost.Q_f;
     problem.coupled = false;
     if (load.payload.mass != 0)

@@ -2,6 +2,7 @@
 
 #include <tenon/controllers/cdpr/cdpr_plan.h>
 #include <tenon/systems/framework/block/rate.h>
+#include <tenon/systems/framework/types/diagonal_gains.h>
 
 namespace tenon {
 
@@ -12,7 +13,8 @@ struct CdprMpcWeights {
   Vec<3> attitude = Vec<3>::Zero();  ///< weights of the errors of roll, pitch and yaw [1/rad^2]
   /// weights of the errors of the angular velocity about the principal axes [s^2/rad^2]
   Vec<3> angular_velocity = Vec<3>::Zero();
-  double tension = 0;  ///< weight of each tension's deviation from its reference, or from 0 [1/N^2]
+  /// weights of the tensions' deviations from their references, or from 0 [1/N^2]
+  DiagonalGains tension = 0;
 
   static FieldList Fields() {
     using W = CdprMpcWeights;
@@ -47,7 +49,7 @@ struct CdprMpcWeights {
 /// The weights in the form of the solver: L_k and phi of CdprTrackingProblem.
 struct CdprMpcCost {
   Vec<12> Q = Vec<12>::Zero();  ///< diagonal, per second
-  double R = 0;                 ///< weight of each tension, per second
+  CableVector R;                ///< diagonal, per second
   Eigen::Matrix<double, 12, 12, Eigen::DontAlign> Q_f = Eigen::Matrix<double, 12, 12>::Zero();
 };
 

@@ -3,14 +3,15 @@
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
 #include <tenon/systems/block.h>
+#include <tenon/systems/framework/types/diagonal_gains.h>
 
 namespace tenon {
 
 /// Gains of AdmittanceFilter. The defaults are explained in docs/guide_dog.md.
 struct AdmittanceGains {
   double desired_tension = 30;  ///< desired tension f_d of the leash [N]
-  double mass = 8;              ///< mass M_a of the admittance [kg]
-  double damping = 40;          ///< damping D_a of the admittance [N s/m]
+  DiagonalGains mass = 8;       ///< mass M_a of the admittance, forward and left [kg]
+  DiagonalGains damping = 40;   ///< damping D_a of the admittance, forward and left [N s/m]
   double stiffness = 100;       ///< stiffness K_a of the admittance across the path [N/m]
   double min_forward = 0.03;    ///< minimum forward velocity; only the Supervisor stops the robot [m/s]
   double max_forward = 0.2;     ///< maximum forward velocity due to the leash [m/s]

@@ -17,9 +17,9 @@ struct ReferenceAdmittanceGains {
   static FieldList Fields() {
     using G = ReferenceAdmittanceGains;
     return {{"desired_force_N", &G::desired_force},
-            Field("mass_kg", &G::mass).Positive(),
-            Field("damping_N_s_per_m", &G::damping).Positive(),
-            Field("stiffness_N_per_m", &G::stiffness).AtLeast(0)};
+            Field("mass_kg", &G::mass).Positive().Uniform(),
+            Field("damping_N_s_per_m", &G::damping).Positive().Uniform(),
+            Field("stiffness_N_per_m", &G::stiffness).AtLeast(0).Uniform()};
   }
 };
 

@@ -133,17 +133,20 @@ void AdmittanceGains::Validate() const {
   Demand(yield_tension == 0 || yield_tension > desired_tension,
          fmt::format("yield_tension_N = {} must be 0 or above desired_tension_N = {}", yield_tension,
                      desired_tension));
+  mass.CheckSize("mass_kg", 2, "axes");
+  damping.CheckSize("damping_N_s_per_m", 2, "axes");
 }
 
 AdmittanceFilter::Steps AdmittanceFilter::CalcSteps(const AdmittanceGains& gains) const {
-  const auto step = [&](double stiffness) -> Eigen::Matrix3d {
+  const auto step = [&](int axis, double stiffness) -> Eigen::Matrix3d {
+    const double mass = gains.mass[axis], damping = gains.damping[axis];
     Eigen::Matrix3d rates;
-    rates << 0, 1, 0,                                                          //
-        -stiffness / gains.mass, -gains.damping / gains.mass, 1 / gains.mass,  //
+    rates << 0, 1, 0,                                  //
+        -stiffness / mass, -damping / mass, 1 / mass,  //
         0, 0, 0;
     return Exponential(params.rate.period() * rates);
   };
-  return {step(0), step(gains.stiffness)};
+  return {step(0, 0), step(1, gains.stiffness)};
 }
 
 AdmittanceFilter::Memory AdmittanceFilter::CalcProgress(const WalkCommand& command,
@@ -192,7 +195,7 @@ AdmittanceFilter::Memory AdmittanceFilter::CalcProgress(const WalkCommand& comma
   next.correction = next.velocity - nominal;
   next.offset = next.velocity[1] == wanted[1] ? across[0] : last.offset + period * next.correction[1];
   if (commanded && next.velocity[0] == wanted[0])
-    memory.adaptation += period * gains.adaptation_rate * drive[0] / gains.damping;
+    memory.adaptation += period * gains.adaptation_rate * drive[0] / gains.damping[0];
   memory.motion = next;
   return memory;
 }

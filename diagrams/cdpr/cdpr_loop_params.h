@@ -33,8 +33,8 @@ struct CdprLoopParams {
   /// The path to follow. The platform starts at rest at the equilibrium of its start.
   std::shared_ptr<const EquilibriumPath> path;
   Rate control_rate = Hz(1000);  ///< rate of the reference and the PD
-  double pd_stiffness_N_per_m = 0;
-  double pd_damping_N_s_per_m = 0;
+  DiagonalGains pd_stiffness_N_per_m = 0;
+  DiagonalGains pd_damping_N_s_per_m = 0;
   std::optional<CdprMpcParams> mpc;  ///< if it has a value, the MPC replaces the PD
   bool feedforward = false;          ///< the PD follows a reference that is balanced for its acceleration
   /// Whether a LoadEstimator gives PD or MPC the load; implies feedforward. Without a value, true for an MPC

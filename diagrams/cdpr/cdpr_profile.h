@@ -30,8 +30,8 @@ struct CdprMpcGains {
 
 /// Gains of a CablePd.
 struct CablePdGains {
-  double stiffness = 0;  ///< [N/m]
-  double damping = 0;    ///< [N s/m]
+  DiagonalGains stiffness = 0;  ///< [N/m]
+  DiagonalGains damping = 0;    ///< [N s/m]
 
   static FieldList Fields() {
     const auto masses = [](double gain, const Scale& scale) { return gain * scale.mass; };

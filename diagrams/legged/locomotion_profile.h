@@ -61,15 +61,16 @@ struct ObserverProfile {
   LegObserverGains legs;
   ComObserverGains com;
   ComObserverGains focchi = CentroidalMomentumObserver();  ///< gains of the kind `focchi`
-  double ndo_gain = 10;                                    ///< gain X of NonlinearDisturbanceObserver
+  DiagonalGains ndo_gain = 10;                             ///< gain X of NonlinearDisturbanceObserver
 
   static FieldList Fields() {
     return {Required("kind", &ObserverProfile::kind),
             Required("legs", &ObserverProfile::legs),
             Required("com", &ObserverProfile::com),
             {"focchi", &ObserverProfile::focchi},
-            Required("ndo_gain", &ObserverProfile::ndo_gain)};
+            Required("ndo_gain", &ObserverProfile::ndo_gain).Positive()};
   }
+  void Validate() const { ndo_gain.CheckSize("ndo_gain", 12, "joints"); }
 };
 
 /// Gains of the walking controller of one robot. Files such as diagrams/profiles/standard.yaml give them for

@@ -6,14 +6,13 @@ namespace tenon {
 
 void NonlinearDisturbanceObserverParams::Validate() const {
   Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  gain.CheckSize("gain", 12, "joints");
 }
 
-LegForceEstimate NonlinearDisturbanceObserver::CalcEstimate(const LeggedState& state,
-                                                            const QuadrupedDynamics& dynamics,
-                                                            const FootForces& foot_forces,
-                                                            const GroundPlane& ground,
-                                                            const Vec<12>& held_torque, double gain,
-                                                            double min_singular_value, Memory& memory) const {
+LegForceEstimate NonlinearDisturbanceObserver::CalcEstimate(
+    const LeggedState& state, const QuadrupedDynamics& dynamics, const FootForces& foot_forces,
+    const GroundPlane& ground, const Vec<12>& held_torque, const DiagonalGains& gain,
+    double min_singular_value, Memory& memory) const {
   DecoupledDynamics decoupled;
   model_.CalcDecoupled(state, dynamics, &decoupled);
 
@@ -22,13 +21,14 @@ LegForceEstimate NonlinearDisturbanceObserver::CalcEstimate(const LeggedState& s
       decoupled.coriolis;
   if (memory.started) {
     const double period = params.rate.period();
-    const double x = params.reading == NdoReading::kM ? gain : 1 / gain;
+    Vec<12> x = gain.As<12>();
+    if (params.reading == NdoReading::kInverse) x = x.cwiseInverse().eval();
     Eigen::Matrix<double, 12, 12> stiffened = decoupled.M_q;
-    stiffened.diagonal().array() += x * period;
+    stiffened.diagonal() += x * period;
     const Vec<12> impulse =
         decoupled.M_q * (state.qd - memory.qd) -
         period * ((known_torque + memory.known_torque) / 2 + held_torque + memory.estimate);
-    memory.estimate += x * internal::SolveCholesky<12>(stiffened, impulse);
+    memory.estimate += x.cwiseProduct(internal::SolveCholesky<12>(stiffened, impulse));
   }
   memory.started = true;
   memory.qd = state.qd;

@@ -3,6 +3,7 @@
 #include <tenon/plants/model/quadruped_model.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/systems/block.h>
+#include <tenon/systems/framework/types/diagonal_gains.h>
 
 namespace tenon {
 
@@ -15,7 +16,7 @@ enum class NdoReading {
 struct NonlinearDisturbanceObserverParams {
   QuadrupedDescription robot;  ///< model of the observer
   NdoReading reading = NdoReading::kM;
-  double gain = 10;                  ///< X of all joints [N m s/rad], or its inverse [rad/(N m s)]
+  DiagonalGains gain = 10;           ///< X of each joint [N m s/rad], or its inverse [rad/(N m s)]
   double min_singular_value = 0.02;  ///< least singular value of a leg's Jacobian, see SolveFootForces [m]
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
@@ -28,9 +29,9 @@ struct NonlinearDisturbanceObserverParams {
 ///     F_hat = z + p,   p = x qd,   Lambda = x M_q^-1,
 ///     z' = -Lambda z + Lambda (C_q nu - tau - J_q^T f - p),
 ///
-/// with x = X or X^-1, so that F_hat' = Lambda (F - F_hat), a first-order filter whose bandwidth grows as the
-/// inertia of the legs falls. It is discretised with step h by the implicit Euler method, which is stable for
-/// all x:
+/// with the diagonal matrix x = X or X^-1, so that F_hat' = Lambda (F - F_hat), a first-order filter whose
+/// bandwidth grows as the inertia of the legs falls. It is discretised with step h by the implicit Euler
+/// method, which is stable for all x:
 ///
 ///     F_hat[n] = F_hat[n-1] + x (M_q + x h)^-1 (M_q (qd[n] - qd[n-1]) + h (C_q nu - tau - J_q^T f
 ///                - F_hat[n-1])),
@@ -69,7 +70,7 @@ class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanc
   InputPort<Vec<12>> torque{this, {"torque", "N m"}};
   InputPort<FootForces> foot_forces{this, {"foot_forces"}};
   InputPort<GroundPlane> ground{this, {"ground"}, GroundPlane()};
-  Parameter<double> gain{
+  Parameter<DiagonalGains> gain{
       this, {"gain"}, params.gain, "observer gain X [N m s/rad], or its inverse", Range().Positive()};
   Parameter<double> min_singular_value{
       this,
@@ -93,8 +94,8 @@ class NonlinearDisturbanceObserver final : public LeafSystem<NonlinearDisturbanc
  private:
   LegForceEstimate CalcEstimate(const LeggedState& state, const QuadrupedDynamics& dynamics,
                                 const FootForces& foot_forces, const GroundPlane& ground,
-                                const Vec<12>& held_torque, double gain, double min_singular_value,
-                                Memory& memory) const;
+                                const Vec<12>& held_torque, const DiagonalGains& gain,
+                                double min_singular_value, Memory& memory) const;
 };
 
 }  // namespace tenon

@@ -4,6 +4,7 @@
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/imu_signals.h>
 #include <tenon/systems/block.h>
+#include <tenon/systems/framework/types/diagonal_gains.h>
 
 namespace tenon {
 
@@ -15,8 +16,8 @@ enum class ForceSource {
 
 /// Gains of ComObserver.
 struct ComObserverGains {
-  double force_bandwidth = 20;   ///< K_l [rad/s]
-  double torque_bandwidth = 20;  ///< K_a [rad/s]
+  DiagonalGains force_bandwidth = 20;   ///< K_l, along the axes of W [rad/s]
+  DiagonalGains torque_bandwidth = 20;  ///< K_a, about the axes of W [rad/s]
   ForceSource force_source = ForceSource::kImu;
 
   static FieldList Fields() {
@@ -28,11 +29,12 @@ struct ComObserverGains {
                 .Because("with 0 the estimate stays at its initial value"),
             {"force_source", &ComObserverGains::force_source}};
   }
+  void Validate() const;  ///< throws ParameterError unless K_l and K_a have 1 or 3 numbers
 };
 
 /// Gains that make ComObserver the centroidal momentum observer of Focchi et al. 2020: force and moment from
 /// the momenta, at 25 and 10 rad/s.
-constexpr ComObserverGains CentroidalMomentumObserver() {
+inline ComObserverGains CentroidalMomentumObserver() {
   return {25, 10, ForceSource::kMomentum};
 }
 

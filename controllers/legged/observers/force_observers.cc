@@ -8,6 +8,11 @@
 
 namespace tenon {
 
+void ComObserverGains::Validate() const {
+  force_bandwidth.CheckSize("force_bandwidth_rad_per_s", 3, "axes");
+  torque_bandwidth.CheckSize("torque_bandwidth_rad_per_s", 3, "axes");
+}
+
 void ComObserverParams::Validate() const {
   Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
 }
@@ -45,8 +50,11 @@ WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const Quadrup
   force -= before.known.force_W;
   torque -= before.known.torque_W;
   WrenchEstimate& estimate = memory.estimate;
-  estimate.force_W += -std::expm1(-gains.force_bandwidth * period) * (force - estimate.force_W);
-  estimate.torque_W += -std::expm1(-gains.torque_bandwidth * period) * (torque - estimate.torque_W);
+  for (int i = 0; i < 3; ++i) {
+    estimate.force_W[i] += -std::expm1(-gains.force_bandwidth[i] * period) * (force[i] - estimate.force_W[i]);
+    estimate.torque_W[i] +=
+        -std::expm1(-gains.torque_bandwidth[i] * period) * (torque[i] - estimate.torque_W[i]);
+  }
   return estimate;
 }
 

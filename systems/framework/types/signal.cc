@@ -1,4 +1,4 @@
-#include <tenon/systems/framework/types/signal.h>
+#include <tenon/systems/framework/types/diagonal_gains.h>
 #include <tenon/systems/text/text.h>
 
 #include <fmt/core.h>
@@ -10,6 +10,18 @@ namespace tenon {
 Spec::Spec(const char* name) : name(name) {}
 Spec::Spec(std::string name, std::string units, std::string elements)
     : name(std::move(name)), units(std::move(units)), elements(std::move(elements)) {}
+
+DiagonalGains& DiagonalGains::operator*=(double factor) {
+  for (double& value : values_) value *= factor;
+  return *this;
+}
+
+void DiagonalGains::CheckSize(const char* name, int count, const char* elements) const {
+  if (size() != 1 && size() != static_cast<std::size_t>(count))
+    throw ParameterError(
+        fmt::format("{}: it has {} numbers for {} {}; give one number for each, or a single one for all",
+                    name, size(), count, elements));
+}
 
 namespace internal {
 namespace {

@@ -1,4 +1,5 @@
 #include <tenon/systems/framework/block/rate.h>
+#include <tenon/systems/framework/types/diagonal_gains.h>
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/yaml/internal/yaml_tree.h>
 #include <tenon/systems/yaml/yaml.h>
@@ -80,6 +81,10 @@ void YamlNode::Read(const TypeInfo& type, void* value) const {
     case TypeInfo::Kind::kArray:
       return ReadItems(type.item(), value, Items(type.count));
     case TypeInfo::Kind::kList: {
+      if (*type.id == typeid(DiagonalGains) && !IsList()) {
+        type.resize(value, 1, 1);
+        return ReadDouble(static_cast<double*>(type.data(value)));
+      }
       const std::vector<YamlNode> items = Items();
       type.resize(value, 0, 1);  // so that items start from their defaults
       type.resize(value, items.size(), 1);
@@ -194,6 +199,19 @@ void YamlNode::ReadMatrix(const TypeInfo& type, void* value) const {
   }
 }
 
+namespace {
+
+/// The numbers of a field that Field::Scaled converts.
+std::span<double> ScaledNumbers(const Field& field, void* value) {
+  const TypeInfo& type = field.type();
+  std::size_t count = static_cast<std::size_t>(std::max(1, type.rows)), cols = 1;
+  if (type.kind != TypeInfo::Kind::kList) return {static_cast<double*>(value), count};
+  type.shape(value, &count, &cols);
+  return {static_cast<double*>(type.data(value)), count};
+}
+
+}  // namespace
+
 const char* YamlNode::KeyOf(const Field& field) const {
   return scale_ != nullptr && field.scaled != nullptr ? field.scaled_name : field.name;
 }
@@ -218,8 +236,7 @@ void YamlNode::ReadStruct(const TypeInfo& type, void* value) const {
     for (const Field& field : type.fields) {
       if (!field.range.any()) CheckRange({KeyOf(field), field.units, &field.range, &field.type()}, at(field));
       if (scale_ == nullptr || field.scaled == nullptr || !Find(KeyOf(field))) continue;
-      auto* const numbers = reinterpret_cast<double*>(at(field));
-      for (int i = 0; i < std::max(1, field.type().rows); ++i) numbers[i] = field.scaled(numbers[i], *scale_);
+      for (double& number : ScaledNumbers(field, at(field))) number = field.scaled(number, *scale_);
     }
     if (type.validate != nullptr && !is_part_) type.validate(value);
   } catch (const ParameterError& error) {
@@ -323,7 +340,7 @@ std::optional<YamlNode> YamlNode::Find(std::string_view key) const {
 
 bool YamlNode::NeedsScale(const Field& field, const void* value) {
   const auto* const at = static_cast<const std::byte*>(value) + field.offset;
-  if (field.scaled != nullptr) return *reinterpret_cast<const double*>(at) != 0;
+  if (field.scaled != nullptr) return ScaledNumbers(field, const_cast<std::byte*>(at))[0] != 0;
   return field.type().kind == TypeInfo::Kind::kStruct &&
          std::ranges::any_of(field.type().fields, [at](const Field& part) { return NeedsScale(part, at); });
 }

@@ -1,4 +1,5 @@
 #include <tenon/systems/framework/block/rate.h>
+#include <tenon/systems/framework/types/diagonal_gains.h>
 #include <tenon/systems/yaml/internal/yaml_tree.h>
 #include <tenon/systems/yaml/yaml.h>
 
@@ -47,6 +48,8 @@ class Writer {
       case TypeInfo::Kind::kArray:
         return WriteItems(type.item(), value, type.count);
       case TypeInfo::Kind::kList:
+        if (*type.id == typeid(DiagonalGains) && Size(type, value) == 1)
+          return Write(type.item(), type.data(const_cast<void*>(value)));
         return WriteItems(type.item(), type.data(const_cast<void*>(value)), Size(type, value));
       case TypeInfo::Kind::kOptional:
         if (Size(type, value) > 0) return Write(type.item(), type.data(const_cast<void*>(value)));

@@ -221,6 +221,8 @@ TEST_F(TenonCdprTest, RefusesSettingsThatDoNotFitTogether) {
         ": report.plots.0.signals.0: the diagram has no port 'loop.plant.platform.v_B'"},
        {"D1 --set 'report.plots=[{title: speed}]'", ": report.plots.0: "},
        {"D1 --set \"report.events=[$(seq -s, 1001)]\"", ": report.events: "},
+       {"D1 --set mpc.weights.tension_per_N2=[1,2,3]", ": mpc.weights.tension_per_N2: "},
+       {"D1 --controller pd --set pd.damping_N_s_per_m=[1,2,3]", ": pd.damping_N_s_per_m: "},
        {"D1 --set robot.cables=[1,2,3]", ": robot.cables.0: "}});
 }
 

@@ -56,4 +56,20 @@ TEST(CablePdLimitsTest, EveryCableHasLimitsOfItsOwn) {
   EXPECT_EQ(rig[rig->command], (CableVector{{300, 200, 30, 10}}));
 }
 
+TEST(CablePdGainsTest, EveryCableHasGainsOfItsOwn) {
+  CablePdParams params{test::FourCableRobot(), {1000, 2000, 3000, 4000}, {50, 60, 70, 80}};
+  TestRig<CablePd> rig(params);
+  CdprReference reference;
+  reference.length = reference.length_rate = CableVector::Zero(4);
+  reference.tension = CableVector::Constant(4, 100);
+  CableSignals cables = CableSignals::Zero(4);
+  cables.length.setConstant(0.02);
+  cables.length_rate.setConstant(0.1);
+  rig.Fix(rig->cables, cables).Fix(rig->reference, reference).Tick();
+  EXPECT_THAT(rig[rig->command], IsNear(CableVector{{125, 146, 167, 188}}, 1e-9));
+  params.damping_N_s_per_m = {50, 60, 70};
+  EXPECT_TRUE(Refuses<CablePd>(params, "damping"));
+  EXPECT_TRUE(Throws<ParameterError>([&] { rig.Set(rig->stiffness, {1, 2}); }, "stiffness"));
+}
+
 }  // namespace tenon::cable_pd_test

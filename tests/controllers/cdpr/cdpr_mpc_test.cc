@@ -281,6 +281,24 @@ TEST(CdprMpc, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& p) { p.unheld_time = -1; }, "unheld_time"));
   const auto at_any_place = [](auto& p) { p.cable_clearance = 0.1, p.weights.position.setZero(); };
   EXPECT_TRUE(refuses(at_any_place, "weights.position"));
+  EXPECT_TRUE(refuses([](auto& p) { p.weights.tension = {1, 1, 1}; }, "weights.tension"));
+}
+
+// One weight for all is the matrix R with that diagonal; a cable with a large weight keeps its tension.
+TEST(CdprMpc, EveryCableHasAWeightOfItsOwn) {
+  CdprMpcParams params = Holding(test::FourCableRobot(), {0, 0, 2});
+  const double w = params.weights.tension[0];
+  TestRig<CdprMpc> one(params), equal(params), held(params);
+  params.weights.tension = {w, w, w, w};
+  equal.Set(equal->weights, params.weights);
+  params.weights.tension = {w, w, w, 1e6 * w};
+  held.Set(held->weights, params.weights);
+  for (auto* rig : {&one, &equal, &held})
+    rig->Fix(rig->system().estimate, At(params, 0, {0.1, -0.05, 0.02})).Tick().RunTo(0.03);
+  EXPECT_EQ(one[one->command], equal[equal->command]);
+  const double rest = params.path->At(0).tension[3];
+  EXPECT_GT(std::abs(one[one->command][3] - rest), 1);
+  EXPECT_NEAR(held[held->command][3], rest, 0.1);
 }
 
 // The shipped MPC has no diagonal weights of the final errors.

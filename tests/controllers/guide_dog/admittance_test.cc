@@ -53,14 +53,17 @@ TEST(AdmittanceFilterTest, AtTheDesiredTensionTheCommandPasses) {
 
 // M v' + D v = f_d - T from rest: v = (f_d - T) / D (1 - exp(-D t / M)).
 TEST(AdmittanceFilterTest, AlongThePathIsAMassWithDamping) {
-  const AdmittanceGains params = Unlimited();
+  AdmittanceGains params = Unlimited();
+  params.mass = {8, 3};
+  params.damping = {40, 7};
+  const double damping = params.damping[0];
   Filter filter(params);
   filter.Run(2);
   filter.Force({-32, 0, 0});
   for (int n = 1; n <= 100; ++n) {
     const AdmittanceMotion& motion = filter.Tick();
     const double t = 0.01 * n;
-    const double v = (30 - 32) / params.damping * (1 - std::exp(-params.damping / params.mass * t));
+    const double v = (30 - 32) / damping * (1 - std::exp(-damping / params.mass[0] * t));
     EXPECT_NEAR(motion.tension, 32, 1e-12);
     EXPECT_NEAR(motion.correction[0], v, 1e-12) << n;
     EXPECT_NEAR(filter.walk().forward, kForward + v, 1e-12) << n;
@@ -70,7 +73,10 @@ TEST(AdmittanceFilterTest, AlongThePathIsAMassWithDamping) {
 
 // M y'' + D y' + K y = F from rest, underdamped.
 TEST(AdmittanceFilterTest, AcrossThePathIsAMassWithDampingAndSpring) {
-  const AdmittanceGains params = Unlimited();
+  AdmittanceGains params = Unlimited();
+  params.mass = {3, 8};
+  params.damping = {7, 40};
+  const double mass = params.mass[1];
   Filter filter(params);
   filter.Run(2);
   // The leash at the angle a behind the robot to the right: |f_d h - f| is the diagonal of a rhombus.
@@ -78,14 +84,14 @@ TEST(AdmittanceFilterTest, AcrossThePathIsAMassWithDampingAndSpring) {
   filter.Force({-tension * std::cos(a), -tension * std::sin(a), 0});
   const Vec<2> e(std::cos(a / 2), std::sin(a / 2));
   const double T = tension * std::cos(a / 2), force = (30 - T) * e[1];
-  const double decay = params.damping / (2 * params.mass);
-  const double w = std::sqrt(params.stiffness / params.mass - decay * decay);
+  const double decay = params.damping[1] / (2 * mass);
+  const double w = std::sqrt(params.stiffness / mass - decay * decay);
   for (int n = 1; n <= 300; ++n) {
     const AdmittanceMotion& motion = filter.Tick();
     const double t = 0.01 * n;
     const double y = force / params.stiffness *
                      (1 - std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t)));
-    const double v = force / (params.mass * w) * std::exp(-decay * t) * std::sin(w * t);
+    const double v = force / (mass * w) * std::exp(-decay * t) * std::sin(w * t);
     EXPECT_THAT(motion.direction, IsNear(e, 1e-12));
     EXPECT_NEAR(motion.tension, T, 1e-12);
     EXPECT_NEAR(motion.offset, y, 1e-12) << n;
@@ -212,11 +218,11 @@ TEST(AdmittanceFilterTest, AdaptsToThePersonsSpeed) {
   filter.Run(2);
   filter.Force({-32, 0, 0});
   const double at_2s = filter.Run(200).velocity[0], at_3s = filter.Run(100).velocity[0];
-  EXPECT_NEAR(at_3s - at_2s, -0.25 * 2 / gains.damping, 1e-5);
+  EXPECT_NEAR(at_3s - at_2s, -0.25 * 2 / gains.damping[0], 1e-5);
   filter.Force({-30, 0, 0});
   filter.Run(300);
   const double kept = filter.walk().forward;
-  EXPECT_NEAR(kept, kForward - 0.25 * 3 * 2 / gains.damping, 2e-3);
+  EXPECT_NEAR(kept, kForward - 0.25 * 3 * 2 / gains.damping[0], 2e-3);
   filter.Command({});
   filter.Tick();
   filter.Command(kTrot);

@@ -46,9 +46,9 @@ pd: {stiffness_m_per_s2: 100, damping_m_per_s: 8}
   EXPECT_THAT(profile.mpc.weights.velocity, IsNear(Vec<3>(1, 1, 1), 1e-15));
   EXPECT_THAT(profile.mpc.weights.attitude, IsNear(Vec<3>(2, 2, 2), 1e-15));
   EXPECT_THAT(profile.mpc.weights.angular_velocity, IsNear(Vec<3>(1, 1, 1), 1e-15));
-  EXPECT_DOUBLE_EQ(profile.mpc.weights.tension, 1);
-  EXPECT_DOUBLE_EQ(profile.pd.stiffness, 200);
-  EXPECT_DOUBLE_EQ(profile.pd.damping, 16);
+  EXPECT_DOUBLE_EQ(profile.mpc.weights.tension[0], 1);
+  EXPECT_DOUBLE_EQ(profile.pd.stiffness[0], 200);
+  EXPECT_DOUBLE_EQ(profile.pd.damping[0], 16);
 }
 
 /// The loop of a robot whose lengths are those of cdpr_4 times `length`, its masses times `mass`.

@@ -75,6 +75,11 @@ TEST(LocomotionProfileTest, GainsOfTheObserverOfFocchi) {
   EXPECT_EQ(faster.force_bandwidth, 60);
   EXPECT_EQ(faster.torque_bandwidth, 10);
   EXPECT_EQ(faster.force_source, ForceSource::kMomentum);
+  EXPECT_TRUE(Throws<ParameterError>([&] { load("{file: standard, observer: {ndo_gain: [1, 2]}}"); },
+                                     "observer.ndo_gain"));
+  EXPECT_TRUE(Throws<ParameterError>(
+      [&] { load("{file: standard, observer: {com: {torque_bandwidth_rad_per_s: [9, 9]}}}"); },
+      "com.torque_bandwidth_rad_per_s"));
 }
 
 // The published code of the thesis's author: 2500 N/m, 50 N s/m for DogBot.

@@ -1,4 +1,5 @@
 #include <tenon/systems/framework/block/rate.h>
+#include <tenon/systems/framework/types/diagonal_gains.h>
 #include <tenon/systems/yaml/yaml.h>
 #include <tenon/tests/testing/temporary_path.h>
 
@@ -627,7 +628,7 @@ struct Noise {
 };
 
 struct Gains {
-  double stiffness = 100;
+  DiagonalGains stiffness = 100;
   double offset = 0;
   static FieldList Fields() {
     return {
@@ -680,6 +681,10 @@ TEST(YamlScaleTest, FilesForAllSizesGiveNumbersInUnitsOfTheScale) {
   const Scale scale{.mass = 2, .length = 0.5, .gravity = 10};
   const Sensor sensor = ReadSensor("gains: {stiffness_mg_per_l: 3, offset_l: 0.1}", &scale);
   EXPECT_EQ(sensor.gains.stiffness, 120);
+  const Sensor several = ReadSensor("gains: {stiffness_mg_per_l: [3, 5], offset_l: 0.1}", &scale);
+  EXPECT_EQ(several.gains.stiffness, (DiagonalGains{120, 200}));
+  for (const Sensor& given : {sensor, several})
+    EXPECT_EQ(ReadSensor(WriteYaml(given)).gains.stiffness, given.gains.stiffness);
   EXPECT_EQ(sensor.gains.offset, 0.05);
   const auto error = [&](const std::string& text, const Scale* of) {
     return ErrorOf([&] { ReadSensor(text, of); });

@@ -84,8 +84,27 @@ TEST(NonlinearDisturbanceObserverTest, EstimatesTheForceOnAFoot) {
   EXPECT_LT(estimate.foot_force.front_right.norm(), 0.3);
 }
 
+// In the reading with X^-1 a leg with a large X has a slow estimate.
+TEST(NonlinearDisturbanceObserverTest, EveryJointHasAGainOfItsOwn) {
+  NonlinearDisturbanceObserverParams params = Params(NdoReading::kInverse);
+  params.gain = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1e4, 1e4, 1e4};
+  QuadrupedBench bench = Flying();
+  bench.external = [](const LeggedState&, const QuadrupedDynamics&, double) -> Vec<18> {
+    Vec<18> torque = Vec<18>::Zero();
+    torque.tail<12>().setConstant(2);
+    return torque;
+  };
+  Observed run(bench, params);
+  const Vec<12> estimate = run.RunTo(0.3).joint_torque;
+  EXPECT_GT(estimate.head<9>().minCoeff(), 1.5);
+  EXPECT_LT(estimate.tail<3>().cwiseAbs().maxCoeff(), 0.1);
+}
+
 TEST(NonlinearDisturbanceObserverTest, RefusesNonsense) {
   EXPECT_TRUE(Refuses<NonlinearDisturbanceObserver>({}, "robot"));
+  NonlinearDisturbanceObserverParams params = Params(NdoReading::kM);
+  params.gain = {10, 10};
+  EXPECT_TRUE(Refuses<NonlinearDisturbanceObserver>(params, "gain"));
 }
 
 }  // namespace tenon::nonlinear_disturbance_observer_test
