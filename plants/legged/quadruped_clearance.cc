@@ -63,8 +63,12 @@ static double BoxDistance(const Eigen::Vector3d& p_B, const Eigen::Vector3d& u_B
 }
 
 double QuadrupedClearance::TrunkDistance(const Points& points, Link link) const {
-  const auto& p = points[link.leg];
-  return BoxDistance(p[link.index], p[link.index + 1] - p[link.index], between_hips_) - radius_;
+  const auto& joints = robot_.legs[link.leg].joints;
+  const Eigen::Vector3d& end = points[link.leg][link.index + 1];
+  Eigen::Vector3d begin = points[link.leg][link.index];
+  if (link.index == 1 && joints[1].p_PJ.cross(joints[0].axis).norm() < 2 * radius_)
+    begin += std::min(1.0, radius_ / joints[2].p_PJ.norm()) * (end - begin);
+  return BoxDistance(begin, end - begin, between_hips_) - radius_;
 }
 
 QuadrupedClearances::Gap QuadrupedClearance::Ground(const LeggedState& x, const Points& points) const {

@@ -24,9 +24,10 @@ struct QuadrupedClearances {
 /// Links are capsules as in MakeQuadrupedGeometry, from joint to joint and to the foot. For the ground and
 /// for other bodies, the trunk consists of QuadrupedDescription::trunk_shapes, or without them of
 /// BoxBetweenHips. For the legs it is BoxBetweenHips, since their capsules do not follow the housings at the
-/// hips. Pairs that overlap in the nominal stance are excluded, since they are adjacent or approximated too
-/// coarsely. Only the ends of the links, without the feet, are compared with the ground: the middle of a
-/// shank may cut the edge of a box unnoticed.
+/// hips; a thigh whose joint is nearer to the axis of the abduction than a link is thick, so within the hip's
+/// housing, begins there without its round end. Pairs that overlap in the nominal stance are excluded, since
+/// they are adjacent or approximated too coarsely. Only the ends of the links, without the feet, are compared
+/// with the ground: the middle of a shank may cut the edge of a box unnoticed.
 class QuadrupedClearance {
  public:
   QuadrupedClearance(const QuadrupedDescription& robot, const TerrainParams& terrain);

@@ -296,6 +296,20 @@ TEST_F(QuadrupedClearanceTest, FindsALegInTheTrunk) {
   EXPECT_GT(clearance.At(Standing()).trunk.distance, 0.005);
 }
 
+// The hip pitch of Solo12 is 14 mm from the axis of the abduction, where the box between the hips ends. The
+// round end of the thigh, of radius 12.8 mm, would be in this box with a leg that is turned outwards.
+TEST_F(QuadrupedClearanceTest, LeavesOutTheEndOfAThighInTheHousingOfTheHip) {
+  const QuadrupedDescription solo = LoadQuadruped(TENON_ROBOTS_DIR "/solo12.yaml");
+  const QuadrupedClearance clear(solo, {});
+  LeggedState x = test::Standing(solo);
+  x.q.head<2>() << M_PI / 2, 0;
+  const QuadrupedClearances::Gap outwards = clear.At(x).trunk;
+  EXPECT_EQ(outwards.leg, kFrontLeft);
+  EXPECT_NEAR(outwards.distance, 0.0128 * (0.16 / std::hypot(0.16, 0.03745) - 1), 1e-12);
+  x.q[0] = -0.6;
+  EXPECT_LT(clear.At(x).trunk.distance, -0.007);
+}
+
 // A robot that is lowered, on level ground, on a box and on a slope.
 TEST_F(QuadrupedClearanceTest, LiftsAPointInsideTheTrunkOntoIt) {
   const Vector3d inside = robot.trunk.com, on = clearance.OnTrunk(inside);
