@@ -5,6 +5,10 @@
 
 namespace tenon {
 
+class Simulator;
+
+namespace internal {
+
 /// Returns the path of every number of the sources in order, such as "cart.x.velocity".
 std::vector<std::string> NumberNames(const Context& context, const std::vector<const Source*>& sources);
 
@@ -36,10 +40,6 @@ class RealNumbers {
   std::vector<std::string> names_;
   std::vector<std::string> units_;
 };
-
-class Simulator;
-
-namespace internal {
 
 /// Returns options.period or, if it is 0, the common period of all sample times. Throws ParameterError as
 /// LinearizeDiscrete does.
@@ -97,7 +97,3 @@ DiscreteLinearModel LinearizePeriod(const PeriodMap& map,
 
 }  // namespace internal
 }  // namespace tenon
-
-namespace tenon::internal {
-
-}  // namespace tenon::internal
