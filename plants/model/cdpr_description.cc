@@ -37,11 +37,6 @@ void CheckCables(const std::vector<CableDescription>& cables) {
       throw ParameterError(fmt::format("cables.{} has a coordinate that is not finite; give all in m", i));
     if (std::max(anchor.cwiseAbs().maxCoeff(), attachment.cwiseAbs().maxCoeff()) > kFar)
       throw ParameterError(fmt::format("cables.{} has a coordinate beyond {} m; is it in m?", i, kFar));
-    if (anchor == attachment)
-      throw ParameterError(
-          fmt::format("cables.{} has zero length: anchor and attachment are both {}; "
-                      "give the anchor in the world and the attachment from the platform's CoM",
-                      i, Point(anchor)));
     for (std::size_t j = 0; j < i; ++j)
       if (anchor == cables[j].anchor_W && attachment == cables[j].attachment_B)
         throw ParameterError(

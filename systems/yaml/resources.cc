@@ -143,6 +143,11 @@ fs::path WithoutFirst(const fs::path& path) {
 std::optional<fs::path> FindMesh(const std::string& name, const fs::path& urdf) {
   constexpr std::string_view kPackage = "package://", kFile = "file://", kFind = "file://$(find ";
   std::error_code error;
+  if (name.find('\\') != name.npos) {  // written on Windows
+    std::string slashes = name;
+    std::ranges::replace(slashes, '\\', '/');
+    return FindMesh(slashes, urdf);
+  }
   if (const std::size_t end = name.find(')'); name.starts_with(kFind) && end != name.npos)
     return FindMesh(
         std::string(kPackage) + name.substr(kFind.size(), end - kFind.size()) + name.substr(end + 1), urdf);

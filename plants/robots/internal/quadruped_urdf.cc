@@ -210,7 +210,7 @@ class Reader {
     if (link.inertia)
       parts_[static_cast<std::size_t>(body)].push_back(
           {link.name, link.inertia->In(T_BL.linear(), T_BL.translation())});
-    if (reading_.mass)
+    if (!link.inertia || !(link.inertia->mass > 0))
       for (const UrdfShape& shape : link.collisions.empty() ? link.visuals : link.collisions)
         volumes_[static_cast<std::size_t>(body)] = volumes_[static_cast<std::size_t>(body)] +
                                                    FilledShape(shape).In(T_BL.linear(), T_BL.translation());
@@ -548,6 +548,7 @@ class Reader {
   /// of their shapes. Refuses bodies that then have none, all in one message.
   void ShareMass() {
     std::string without;
+    bool have_shapes = true;
     std::vector<std::size_t> bodies;
     double given = 0, volume = 0;
     for (std::size_t body = 0; body < parts_.size(); ++body) {
@@ -557,16 +558,18 @@ class Reader {
       if (own != 0) continue;
       bodies.push_back(body);
       volume += volumes_[body].mass;
-      if (!(volumes_[body].mass > 0))
+      const bool has_shape = volumes_[body].mass > 0;
+      have_shapes = have_shapes && has_shape;
+      if (!has_shape || !reading_.mass)
         without += fmt::format("{}{}", without.empty() ? "" : "; ", names_[body]);
     }
     if (!without.empty())
       Fail(
           "no mass is given for the bodies of link {}; give a link of each one an <inertial> with a positive "
-          "mass, or {}",
-          without,
-          reading_.mass ? "a <collision> with a volume whose mesh is found"
-                        : "the robot's mass by --mass KG or mass_kg");
+          "mass, or {}{}{}",
+          without, have_shapes ? "" : "a <collision> with a volume whose mesh is found",
+          have_shapes || reading_.mass ? "" : " and ",
+          reading_.mass ? "" : "the robot's mass by --mass KG or mass_kg");
     if (!reading_.mass) return;
     const double left = *reading_.mass - given;
     if (bodies.empty() || left <= 0)

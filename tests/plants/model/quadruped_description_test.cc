@@ -428,6 +428,7 @@ TEST(QuadrupedDescriptionTest, SharesAMassByTheVolumeOfShapes) {
   whole.yaml += "mass_kg: 20\n";
   EXPECT_TRUE(Refused(less, "1 kg", "give more"));
   EXPECT_TRUE(Refused(bare, "'trunk'", "<collision>"));
+  EXPECT_TRUE(Refused(without(""), "<collision>", "--mass"));
   EXPECT_TRUE(Refused(whole, "take it out"));
 }
 

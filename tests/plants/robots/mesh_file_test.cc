@@ -182,6 +182,7 @@ TEST_F(MeshFileTest, FindsFilesAsUrdfsNameThem) {
   test::WriteTetrahedron(home / "other_robot/meshes/b.stl");
   test::WriteTetrahedron(home / "elsewhere/share/far_robot/c.stl");
   EXPECT_TRUE(FindMesh("../meshes/a.stl", urdf));
+  EXPECT_TRUE(FindMesh("..\\meshes\\a.stl", urdf));
   EXPECT_TRUE(FindMesh("file://" + (home / "my_robot/meshes/a.stl").string(), urdf));
   EXPECT_TRUE(FindMesh("package://my_robot/meshes/a.stl", urdf));
   EXPECT_EQ(FindMesh("package://other_robot/meshes/b.stl", urdf), home / "other_robot/meshes/b.stl");
