@@ -268,6 +268,10 @@ CdprLoopParams MakeLoopParams(const CdprScenario& scenario) {
   });
   const CdprProfile gains =
       GainsOf(scenario, believed, path.position.At(path.position.start_time()).position);
+  Blame("pd", [&] {
+    gains.pd.stiffness.CheckSize("stiffness_N_per_m", believed.num_cables(), "cables");
+    gains.pd.damping.CheckSize("damping_N_s_per_m", believed.num_cables(), "cables");
+  });
   if (IsMpc(scenario.controller))
     params.mpc = Blame("mpc", [&] {
       CdprMpcParams mpc = MakeMpcParams(scenario, gains.mpc, params.path);

@@ -19,8 +19,11 @@ constexpr double kSlackTension = 1e-9;   // [m g]
 constexpr double kRankTolerance = 1e-9;
 constexpr double kInPlane = 1e-9;  // [m]
 
-/// Extends `line` over a pulley; its arm must be set, and `span` is the vector from attachment to anchor.
-void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector3d& span, CableLine& line) {
+/// Extends `line` over a pulley; its arm must be set, and `reach` is the vector from attachment to anchor.
+void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Matrix3d& R_WB,
+                    const Eigen::Vector3d& reach, CableLine& line) {
+  const bool carried = robot.carries_pulley(index);
+  const Eigen::Vector3d span = carried ? Eigen::Vector3d(R_WB.transpose() * -reach) : reach;
   const double radius = robot.pulley_radius(index), x = std::hypot(span.x(), span.y()), z = -span.z();
   const double from_centre = std::hypot(x - radius, z);
   if (x <= 0 || from_centre <= radius) {  // NaN and infinity pass and propagate
@@ -31,13 +34,17 @@ void LeadOverPulley(const CdprDescription& robot, int index, const Eigen::Vector
         index, robot.name, x, from_centre, radius));
   }
   const StraightLead lead = LeadStraight(radius, span);
-  line.exit_W += lead.exit_W;
+  if (!carried) line.exit_W += lead.exit_W;
   line.direction = lead.direction_W;
   line.free_length = lead.contact.free_length;
   line.length = lead.length;
   const double sideways = 1 / lead.contact.free_length - std::sin(lead.contact.wrap) / x;
   line.swivel =
       std::sqrt(std::max(sideways, 0.0)) * Eigen::Vector3d(-lead.outwards_W.y(), lead.outwards_W.x(), 0);
+  if (!carried) return;
+  line.arm_W += R_WB * lead.exit_W;
+  line.direction = R_WB * -lead.direction_W;
+  line.swivel = (R_WB * line.swivel).eval();
 }
 
 /// u P of cable i, see CalcWrenchJacobian(): minus the derivative of its force by its attachment's position
@@ -50,10 +57,22 @@ Eigen::Matrix3d DirectionRate(const CableKinematics& cables, int i, double tensi
   return rate;
 }
 
+/// The vector from the CoM to the anchor of a cable that leaves the platform over a pulley.
+Eigen::Vector3d ToAnchor(const CableKinematics& cables, int i) {
+  return cables.arm_W.col(i) + cables.free_length[i] * cables.direction.col(i);
+}
+
 /// Adds the part of cable i to d(W u)/dtheta, six rows; `rate` is its DirectionRate().
 template <class Columns>
 void AddWrenchByTurn(const CableKinematics& cables, int i, double tension, const Eigen::Matrix3d& rate,
                      Columns&& columns) {
+  if (cables.carried) {
+    const Eigen::Matrix3d to_anchor = CrossMatrix(ToAnchor(cables, i));
+    const Eigen::Matrix3d force_by_turn = rate * to_anchor - tension * CrossMatrix(cables.direction.col(i));
+    columns.template topRows<3>() += force_by_turn;
+    columns.template bottomRows<3>() += to_anchor * force_by_turn;
+    return;
+  }
   const Eigen::Matrix3d arm = CrossMatrix(cables.arm_W.col(i));
   columns.template topRows<3>() += rate * arm;
   columns.template bottomRows<3>() += arm * rate * arm + tension * CrossMatrix(cables.direction.col(i)) * arm;
@@ -77,7 +96,7 @@ CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Ve
   line.exit_W = cable.anchor_W;
   line.free_length = line.length;
   line.direction = span / line.length;
-  if (robot.pulley_radius(index) > 0) LeadOverPulley(robot, index, span, line);
+  if (robot.pulley_radius(index) > 0) LeadOverPulley(robot, index, R_WB, span, line);
   line.wrench << line.direction, line.arm_W.cross(line.direction);
   return line;
 }
@@ -103,6 +122,7 @@ void CalcCableKinematics(const CdprDescription& robot, const Eigen::Vector3d& p_
   cables->free_length.resize(n);
   cables->swivel.resize(3, robot.has_pulleys() ? n : 0);
   cables->structure.resize(6, n);
+  cables->carried = robot.winch.pulleys_on_platform && robot.has_pulleys();
   for (int i = 0; i < n; ++i) {
     const CableLine line = CalcCableLine(robot, i, p_WB, R_WB, anchors, time);
     cables->arm_W.col(i) = line.arm_W;
@@ -175,7 +195,11 @@ Matrix6d CalcWrenchJacobian(const CableKinematics& cables, const CableVector& te
   for (int i = 0; i < cables.num_cables(); ++i) {
     const Eigen::Matrix3d rate = DirectionRate(cables, i, tension[i]);
     jacobian.topLeftCorner<3, 3>() -= rate;
-    jacobian.bottomLeftCorner<3, 3>() -= CrossMatrix(cables.arm_W.col(i)) * rate;
+    if (cables.carried)
+      jacobian.bottomLeftCorner<3, 3>() +=
+          tension[i] * CrossMatrix(cables.direction.col(i)) - CrossMatrix(ToAnchor(cables, i)) * rate;
+    else
+      jacobian.bottomLeftCorner<3, 3>() -= CrossMatrix(cables.arm_W.col(i)) * rate;
     AddWrenchByTurn(cables, i, tension[i], rate, jacobian.rightCols<3>());
   }
   return jacobian;

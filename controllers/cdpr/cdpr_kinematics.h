@@ -25,14 +25,17 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 ///
 /// With pulleys (plants/model/swivel_pulley.h), lambda_i points to where the cable leaves its pulley, and
 /// |l_i| is the length along pulley and cable from the anchor on. The other equations also hold with pulleys.
+/// With pulleys on the platform, arm_i ends where the cable leaves its pulley, and lambda_i points from there
+/// to the anchor.
 struct CableKinematics {
-  CableMatrix3 arm_W;       ///< CoM to attachment [m]
+  CableMatrix3 arm_W;       ///< CoM to attachment, or to the exit of a pulley there [m]
   CableMatrix3 exit_W;      ///< points where the cables leave their pulleys, or the anchors [m]
   CableMatrix3 direction;   ///< lambda, from the attachment towards the exit
   CableVector length;       ///< [m]
   CableVector free_length;  ///< length from the exit on [m]
   CableMatrix3 swivel;      ///< see CableLine; no columns without pulleys
   CableMatrix6 structure;   ///< W: tensions [N] to wrench [N, N m]
+  bool carried = false;     ///< the pulleys are on the platform
 
   int num_cables() const { return static_cast<int>(length.size()); }
 };
@@ -103,6 +106,11 @@ Vector6d PassiveWrench(const CdprDescription& robot, const Eigen::Vector3d& p_WB
 ///
 ///     d(force)  = u dlambda
 ///     d(torque) = u (arm x dlambda + (dtheta x arm) x lambda)
+///
+/// Pulleys on the platform turn with it. With the vector c = arm + f lambda from the CoM to the anchor, which
+/// moves by d = -dp - dtheta x c as seen from the platform,
+///
+///     dlambda = dtheta x lambda + P d,   d(torque) = u (dtheta x (c x lambda) + d x lambda + c x P d)
 ///
 /// At an equilibrium under gravity its negative is symmetric: the Hessian, over the poses, of the Lagrangian
 /// m g z + sum_i u_i |l_i|. Restricted to motions that keep all cable lengths, W^T x = 0, it is the stiffness

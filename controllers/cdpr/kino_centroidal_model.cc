@@ -108,6 +108,7 @@ KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot) : cabl
 template <int n>
 void KinoCentroidalModel<n>::SetPayload(const CdprDescription& robot, const LoadedPlatform& body) {
   mass_inverse_ = 1 / body.mass;
+  com_B_ = body.com_B;
   inertia_inverse_ = body.mass * internal::Inverse<3>(body.inertia);
   for (int i = 0; i < robot.num_cables(); ++i)
     attachment_B_.row(i) = (robot.cables[static_cast<std::size_t>(i)].attachment_B - body.com_B).transpose();
@@ -125,9 +126,12 @@ template <int n>
 void KinoCentroidalModel<n>::SetAnchors(int k, const CdprDescription& robot, const MovingAnchors& anchors,
                                         double time, const Eigen::Vector3d& p_WB,
                                         const Eigen::Matrix3d& R_WB) {
-  for (int i = 0; i < robot.num_cables(); ++i)
-    anchor_W_.row(i).segment(3 * k, 3) =
-        CalcCableLine(robot, i, p_WB, R_WB, anchors, time).exit_W.transpose();
+  for (int i = 0; i < robot.num_cables(); ++i) {
+    const CableLine line = CalcCableLine(robot, i, p_WB, R_WB, anchors, time);
+    anchor_W_.row(i).segment(3 * k, 3) = line.exit_W.transpose();
+    if (k == 0 && robot.carries_pulley(i))
+      attachment_B_.row(i) = (R_WB.transpose() * line.arm_W - com_B_).transpose();
+  }
 }
 
 template <int n>

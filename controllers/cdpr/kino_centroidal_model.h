@@ -63,9 +63,9 @@ class KinoCentroidalModel {
   void SetAnchors(int k, const CdprDescription& robot, const MovingAnchors& anchors, double time,
                   const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
   /// Sets the points where the cables leave their pulleys to those at this pose; before the first call they
-  /// are the anchors. Near the pose, forces are exact to first order in the pulley's plane, where the tangent
-  /// turns about the exit point. If the platform moves by 40 cm on a cable of 4 m, the exit point of a pulley
-  /// of 4 cm moves by 4 mm.
+  /// are the anchors, or the attachments for pulleys on the platform. Near the pose, forces are exact to
+  /// first order in the pulley's plane, where the tangent turns about the exit point. If the platform moves
+  /// by 40 cm on a cable of 4 m, the exit point of a pulley of 4 cm moves by 4 mm.
   void SetPose(const CdprDescription& robot, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
 
   /// @throws ParameterError if n is not Eigen::Dynamic and the robot does not have n cables.
@@ -117,6 +117,7 @@ class KinoCentroidalModel {
   // One row per cable; anchors that move have three columns per node of the horizon.
   Eigen::Matrix<double, kLanes, Eigen::Dynamic> anchor_W_;
   Eigen::Matrix<double, kLanes, 3> attachment_B_;
+  Eigen::Vector3d com_B_ = Eigen::Vector3d::Zero();  // the common CoM of platform and payload
 };
 
 }  // namespace tenon

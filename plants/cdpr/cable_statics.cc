@@ -94,7 +94,7 @@ void HangOnPulley(const CdprDescription& robot, int index, const Lead& lead, dou
 }  // namespace
 
 CableStatics CalcCableStatics(const CdprDescription& robot, int index, const Vec<3>& span_W,
-                              double rest_length, double gravity) {
+                              double rest_length, double gravity, const Eigen::Matrix3d& R_WB) {
   const double EA = robot.cable.axial_stiffness;
   const double weight = robot.cable.mass_per_length * gravity;
   const double chord = span_W.norm();
@@ -109,8 +109,12 @@ CableStatics CalcCableStatics(const CdprDescription& robot, int index, const Vec
 
   CableStatics out;
   out.anchor_W = out.exit_W = robot.cables[static_cast<std::size_t>(index)].anchor_W;
-  Lead lead{robot.pulley_radius(index), std::hypot(span_W[0], span_W[1]), -span_W[2]};
-  if (lead.x > 0) out.plane_W = Vec<3>(-span_W[0], -span_W[1], 0) / lead.x;
+  // Seen from the platform, the anchor is the end of a cable over a pulley at the attachment.
+  const bool carried = robot.carries_pulley(index);
+  const Vec<3> to_swivel = carried ? Vec<3>(R_WB.transpose() * -span_W) : span_W;
+  Lead lead{robot.pulley_radius(index), std::hypot(to_swivel[0], to_swivel[1]), -to_swivel[2]};
+  if (lead.x > 0) out.plane_W = Vec<3>(-to_swivel[0], -to_swivel[1], 0) / lead.x;
+  if (carried) out.plane_W = (R_WB * out.plane_W).eval();
   const double from_center = std::hypot(lead.x - lead.radius, lead.z);
   if (lead.radius > 0 && !(from_center > lead.radius && lead.x > 0))
     throw RunError(
@@ -126,10 +130,15 @@ CableStatics CalcCableStatics(const CdprDescription& robot, int index, const Vec
   out.direction_W = span_W / chord;
   out.length = chord;
   if (lead.radius > 0) {
-    const StraightLead straight = LeadStraight(lead.radius, span_W);
+    const StraightLead straight = LeadStraight(lead.radius, to_swivel);
     out.direction_W = straight.direction_W;
     out.length = straight.length;
-    out.exit_W += straight.exit_W;
+    if (carried) {
+      out.direction_W = R_WB * -straight.direction_W;
+      out.lead_W = R_WB * straight.exit_W;
+    } else {
+      out.exit_W += straight.exit_W;
+    }
   }
   out.elastic_length = rest_length;
   if (out.length > rest_length) {
@@ -140,11 +149,11 @@ CableStatics CalcCableStatics(const CdprDescription& robot, int index, const Vec
 }
 
 double CalcRestLength(const CdprDescription& robot, int index, const Vec<3>& span_W, double tension,
-                      double gravity) {
+                      double gravity, const Eigen::Matrix3d& R_WB) {
   const double weight = robot.cable.mass_per_length * gravity;
   CdprDescription weightless = robot;
   weightless.cable.mass_per_length = 0;
-  const double length = CalcCableStatics(weightless, index, span_W, span_W.norm(), gravity).length;
+  const double length = CalcCableStatics(weightless, index, span_W, span_W.norm(), gravity, R_WB).length;
   const double EA = robot.cable.axial_stiffness;
   if (!(weight > 0)) return length / (1 + tension / EA);
 

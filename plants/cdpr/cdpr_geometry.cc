@@ -1,4 +1,5 @@
 #include <tenon/plants/cdpr/cdpr_geometry.h>
+#include <tenon/plants/signals/quaternion.h>
 
 #include <algorithm>
 #include <numbers>
@@ -96,7 +97,8 @@ void MoveCdprGeometry(const CdprDescription& robot, const PlatformState& platfor
   for (std::size_t i = 0; i < robot.cables.size(); ++i) {
     const CableStatics& cable = cables[i];
     PlaceFixture(cable.anchor_W, robot.floor, &shapes[first_fixture + 2 * i]);
-    const Vec<3> attachment_W = platform.p_WB + R_WB * robot.cables[i].attachment_B;
+    const Vec<3> swivel_W = platform.p_WB + R_WB * robot.cables[i].attachment_B;
+    const Vec<3> attachment_W = swivel_W + cable.lead_W;
     Vec<3> from_W = attachment_W;
     for (std::size_t k = 0; k < pieces; ++k) {
       Vec<3> to_W = cable.exit_W;
@@ -115,10 +117,12 @@ void MoveCdprGeometry(const CdprDescription& robot, const PlatformState& platfor
     const double radius = robot.pulley_radius(static_cast<Eigen::Index>(i));
     Shape& pulley = shapes[kFirstCable + robot.cables.size() * pieces + i];
     pulley.visible = radius > 0;
-    pulley.p_W = cable.anchor_W + radius * cable.plane_W;
-    // A quarter turn about the horizontal direction of the plane brings z to the pulley's axle.
+    const bool carried = robot.carries_pulley(static_cast<Eigen::Index>(i));
+    pulley.p_W = (carried ? swivel_W : cable.anchor_W) + radius * cable.plane_W;
+    // A quarter turn about the direction of the plane brings the swivel axis to the pulley's axle.
     const double half = std::numbers::sqrt2 / 2;
-    pulley.q_W = {half, half * cable.plane_W[0], half * cable.plane_W[1], 0};
+    pulley.q_W = {half, half * cable.plane_W[0], half * cable.plane_W[1], half * cable.plane_W[2]};
+    if (carried) pulley.q_W = QuaternionProduct(pulley.q_W, shapes[kPlatform].q_W);
   }
   const std::size_t first_spring = first_fixture + 2 * robot.cables.size();
   for (std::size_t i = 0; i < robot.springs.size(); ++i)

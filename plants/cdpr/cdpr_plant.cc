@@ -78,8 +78,9 @@ CdprPlant::Start CdprPlant::StartOf(const CdprPlantParams& params) {
     const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
     const Vec<3> span = cable.anchor_W - params.p_WB - R_WB * cable.attachment_B;
     try {
-      start.rest_length[i] = CalcRestLength(robot, i, span, params.initial_tension[i], params.gravity);
-      const CableStatics statics = CalcCableStatics(robot, i, span, start.rest_length[i], params.gravity);
+      start.rest_length[i] = CalcRestLength(robot, i, span, params.initial_tension[i], params.gravity, R_WB);
+      const CableStatics statics =
+          CalcCableStatics(robot, i, span, start.rest_length[i], params.gravity, R_WB);
       start.length_offset[i] =
           statics.length - (params.homed_length.size() > 0 ? params.homed_length[i] : span.norm());
       if (robot.winch.drum) {
@@ -130,7 +131,7 @@ void CdprPlant::CalcCableForces(double time, const PlatformState& x, const Eigen
   for (int i = 0; i < n; ++i) {
     const auto index = static_cast<std::size_t>(i);
     const CableDescription& cable = params.robot.cables[index];
-    const Vec<3> arm = R_WB * cable.attachment_B;
+    Vec<3> arm = R_WB * cable.attachment_B;
     Vec<3> span = cable.anchor_W - x.p_WB - arm;
     PathPoint moved;
     if (anchors.any()) {
@@ -139,7 +140,8 @@ void CdprPlant::CalcCableForces(double time, const PlatformState& x, const Eigen
     }
     const double rest = rest_length[i];
     CableStatics& statics = out->statics[index];
-    statics = CalcCableStatics(params.robot, i, span, rest, params.gravity);
+    statics = CalcCableStatics(params.robot, i, span, rest, params.gravity, R_WB);
+    arm += statics.lead_W;
     const Vec<3>& direction = statics.direction_W;
     double length_rate = -direction.dot(x.v_W + x.w_W.cross(arm));
     if (anchors.any()) {

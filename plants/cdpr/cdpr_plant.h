@@ -38,9 +38,9 @@ struct CdprPlantParams {
 ///
 ///     m a = sum_i T_i e_i + m g + f_ext,   I alpha + w x I w = sum_i (R_WB r_i) x T_i e_i + tau_ext,
 ///
-/// with e_i the direction from attachment to anchor. The length of the quaternion q does not affect the
-/// motion; the term 5 (1 - |q|^2) q in its derivative restores unit length, so that equilibria are isolated
-/// points.
+/// with e_i the direction from attachment to anchor; r_i is where the cable leaves its pulley if pulleys are
+/// on the platform. The length of the quaternion q does not affect the motion; the term 5 (1 - |q|^2) q in
+/// its derivative restores unit length, so that equilibria are isolated points.
 ///
 /// **Cables** follow CableStatics; by default they are straight springs if longer than their rest length l0.
 /// The material's damping time, damping / EA, determines their damping in the direction of the cable's end:

@@ -112,6 +112,10 @@ bool CdprDescription::has_pulleys() const {
       cables, [this](const auto& each) { return each.pulley_radius.value_or(winch.pulley_radius) > 0; });
 }
 
+bool CdprDescription::carries_pulley(Eigen::Index i) const {
+  return winch.pulleys_on_platform && pulley_radius(i) > 0;
+}
+
 void CdprDescription::RemovePulleys() {
   winch.pulley_radius = 0;
   for (CableDescription& each : cables) each.pulley_radius.reset();
@@ -164,6 +168,10 @@ void CdprDescription::Validate() const {
     throw ParameterError(
         "on_table is true, but the cables or springs are not level; give all anchors the same z and all "
         "attachments z = 0, and no anchor_path, pulley_radius_m or mass_kg_per_m");
+  if (winch.pulleys_on_platform && has_pulleys() && cable.mass_per_length > 0)
+    throw ParameterError(
+        "winch.pulleys_on_platform: only cables without mass leave the platform over pulleys; remove "
+        "mass_kg_per_m or pulleys_on_platform");
   if (!winch.differential) return;
   for (const auto& [i, j] : winch.differential->pairs)
     if (std::max(i, j) >= num_cables())

@@ -155,6 +155,9 @@ struct WinchProperties {
       0;  ///< rotor inertia over drum radius squared, gear included [kg]; torque mode only
   double pulley_radius =
       0;  ///< radius of the pulleys at the anchors, where a cable has none of its own; 0: a point [m]
+  /// Whether the winches ride on the platform, so that the pulleys are at the attachments, see
+  /// plants/model/swivel_pulley.h.
+  bool pulleys_on_platform = false;
   std::optional<DrumProperties> drum = {};                  ///< constant radius if not given
   std::optional<DifferentialProperties> differential = {};  ///< none: a motor per drum
 
@@ -168,6 +171,7 @@ struct WinchProperties {
             Field("pulley_radius_m", &WinchProperties::pulley_radius)
                 .AtLeast(0)
                 .Because("0 is a cable that leaves from a point"),
+            {"pulleys_on_platform", &WinchProperties::pulleys_on_platform},
             {"drum", &WinchProperties::drum},
             {"differential", &WinchProperties::differential}};
   }
@@ -197,6 +201,7 @@ struct CdprDescription {
   double tension_max(Eigen::Index i) const;    ///< upper bound of the commanded tension of a cable [N]
   double pulley_radius(Eigen::Index i) const;  ///< radius of the pulley of a cable; 0: none [m]
   bool has_pulleys() const;                    ///< whether a cable has a pulley
+  bool carries_pulley(Eigen::Index i) const;   ///< whether a cable leaves the platform over a pulley
   void RemovePulleys();                        ///< makes all cables leave from points
   bool ends_in_one_point() const;              ///< whether all cables and springs have the same attachment
   CableVector tension_min() const;
@@ -216,8 +221,8 @@ struct CdprDescription {
             {"on_table", &CdprDescription::on_table}};
   }
   /// Throws ParameterError for a mass that is not positive, an inertia that no rigid body has, too few
-  /// cables, two cables in one place, cables or springs on a table that are not level, and invalid properties
-  /// of the parts.
+  /// cables, two cables in one place, cables or springs on a table that are not level, cables with mass over
+  /// pulleys on the platform, and invalid properties of the parts.
   void Validate() const;
 };
 

@@ -20,6 +20,9 @@ namespace tenon {
 ///
 /// The gradient of the length with respect to the attachment is the direction in which the cable leaves, so
 /// the tension does work only through the length.
+///
+/// A pulley on the platform has its swivel axis along z of the platform at the attachment, which takes the
+/// place of the anchor: the same equations hold in the platform's frame, where the anchor moves.
 struct PulleyContact {
   double wrap = 0;         ///< b [rad]
   double free_length = 0;  ///< [m]
@@ -42,8 +45,8 @@ struct StraightLead {
   double length = 0;   ///< [m]
 };
 
-/// `span_W` is the vector from the attachment, which lies off the axis and outside the pulley, to the anchor
-/// [m].
+/// `span_W`, which may be in any frame whose z is the swivel axis, is the vector from the attachment, which
+/// lies off the axis and outside the pulley, to the anchor [m].
 StraightLead LeadStraight(double radius, const Vec<3>& span_W);
 
 }  // namespace tenon

@@ -75,17 +75,20 @@ TYPED_TEST(KinoCentroidalModelTest, IsNewtonAndEuler) {
 TYPED_TEST(KinoCentroidalModelTest, ModelsPulleys) {
   const CentroidalState x = SomeState();
   const Eigen::Matrix3d R_WB = RotationFromEuler(x.tail<3>());
-  CdprDescription robot = this->robot;
-  robot.winch.pulley_radius = 0.1;
-  typename TestFixture::Model model(robot);
-  model.SetPose(robot, x.segment<3>(6), R_WB);
-  const Vector6d wrench = CalcCableKinematics(robot, x.segment<3>(6), R_WB).structure * this->u +
-                          PassiveWrench(robot, x.segment<3>(6), R_WB);
-  CentroidalState dx;
-  model.Derivative(x, this->u, dx);
-  EXPECT_THAT(dx.head<6>(), IsNear(wrench / robot.mass, 1e-13));
-  this->model.Derivative(x, this->u, dx);
-  EXPECT_GT((dx.head<6>() - wrench / robot.mass).norm(), 0.1);
+  for (const bool on_platform : {false, true}) {
+    CdprDescription robot = this->robot;
+    robot.winch.pulley_radius = 0.1;
+    robot.winch.pulleys_on_platform = on_platform;
+    typename TestFixture::Model model(robot);
+    model.SetPose(robot, x.segment<3>(6), R_WB);
+    const Vector6d wrench = CalcCableKinematics(robot, x.segment<3>(6), R_WB).structure * this->u +
+                            PassiveWrench(robot, x.segment<3>(6), R_WB);
+    CentroidalState dx;
+    model.Derivative(x, this->u, dx);
+    EXPECT_THAT(dx.head<6>(), IsNear(wrench / robot.mass, 1e-13));
+    this->model.Derivative(x, this->u, dx);
+    EXPECT_GT((dx.head<6>() - wrench / robot.mass).norm(), 0.1);
+  }
 }
 
 // With a payload it is the model of platform and payload as one body.

@@ -12,15 +12,22 @@ using test::RandomPlatform;
 struct Kind {
   const char* name;
   double mass_per_length, pulley_radius;
+  bool on_platform = false;
+  CdprDescription Robot() const {
+    CdprDescription robot = FourCableRobot(mass_per_length, pulley_radius);
+    robot.winch.pulleys_on_platform = on_platform;
+    return robot;
+  }
 };
 class CdprCablesOfKinds : public ::testing::TestWithParam<Kind> {};
 INSTANTIATE_TEST_SUITE_P(Cables, CdprCablesOfKinds,
                          ::testing::Values(Kind{"light", 0, 0}, Kind{"pulley", 0, 0.05},
-                                           Kind{"heavy", 0.05, 0}, Kind{"heavy_pulley", 0.05, 0.05}),
+                                           Kind{"heavy", 0.05, 0}, Kind{"heavy_pulley", 0.05, 0.05},
+                                           Kind{"on_platform", 0, 0.05, true}),
                          [](const auto& info) { return std::string(info.param.name); });
 
 TEST_P(CdprCablesOfKinds, AnUndampedDropKeepsItsEnergy) {
-  CdprDescription robot = FourCableRobot(GetParam().mass_per_length, GetParam().pulley_radius);
+  CdprDescription robot = GetParam().Robot();
   robot.cable.axial_damping = 0;
   CdprPlantParams params = Hanging(robot);
   params.lock_winches = true;
@@ -43,7 +50,7 @@ TEST_P(CdprCablesOfKinds, AnUndampedDropKeepsItsEnergy) {
 }
 
 TEST_P(CdprCablesOfKinds, DampingTakesEnergy) {
-  CdprPlantParams params = Hanging(FourCableRobot(GetParam().mass_per_length, GetParam().pulley_radius));
+  CdprPlantParams params = Hanging(GetParam().Robot());
   params.lock_winches = true;
   params.v_W = {0, 0, 0.3};
   Rig rig(params);
@@ -59,7 +66,7 @@ TEST_P(CdprCablesOfKinds, DampingTakesEnergy) {
 }
 
 TEST_P(CdprCablesOfKinds, StartsWithItsTensionsAndOutputsIdealLengths) {
-  CdprPlantParams params = Hanging(FourCableRobot(GetParam().mass_per_length, GetParam().pulley_radius));
+  CdprPlantParams params = Hanging(GetParam().Robot());
   params.p_WB = {0.3, -0.4, 1.2};
   params.euler = {0.1, -0.2, 0.7};
   params.initial_tension = Eigen::Vector4d(40, 50, 60, 70);
@@ -182,6 +189,7 @@ TEST(CdprCablesTest, RefusesImpossibleStarts) {
   EXPECT_TRUE(Refuses<CdprPlant>(params, "cable 0", "5 N"));
   params.gravity = -9.81;
   EXPECT_TRUE(Refuses<CdprPlant>(params, "gravity"));
+  EXPECT_TRUE(Refuses<CdprPlant>(Hanging(Kind{"", 0.05, 0.05, true}.Robot()), "pulleys_on_platform"));
   params = Layered(0.1);
   params.robot.winch.drum->cable_length = 2;
   EXPECT_TRUE(Refuses<CdprPlant>(params, "cable 0", "cable_length_m"));

@@ -29,7 +29,10 @@ double Total(Rig& rig) {
 
 TEST(CdprPlantTest, LengthRatesAreDerivativesOfLengths) {
   RandomStream random(5);
-  Rig rig(Hanging());
+  CdprDescription robot = test::FourCableRobot();
+  robot.winch.pulleys_on_platform = true;
+  robot.cables[1].pulley_radius = 0.1;
+  Rig rig(Hanging(robot));
   const double h = 1e-6;
   for (int i = 0; i < 10; ++i) {
     const PlatformState x = RandomPlatform(random);
