@@ -64,11 +64,11 @@ int Run(Arguments arguments) {
 int main(int argc, char** argv) {
   using namespace tenon::apps;
   CommandLine line(
-      "Computes the workspace of a cable robot. With six or more cables, proven cell by cell: positions at "
-      "one "
-      "attitude and attitudes at one position, at rest and with the required wrenches, and wrench closure; "
-      "with "
-      "fewer cables, positions with a stable equilibrium. With tension margins, stiffness and interference.",
+      "Computes the workspace of a cable robot. With six or more cables, three or more in a plane, proven "
+      "cell "
+      "by cell: positions at one attitude and attitudes at one position, at rest and with the required "
+      "wrenches, and wrench closure; with fewer cables, positions with a stable equilibrium. With tension "
+      "margins, stiffness and interference.",
       "tenon-cdpr-workspace");
   Arguments arguments;
   auto& params = arguments.params;

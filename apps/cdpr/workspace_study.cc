@@ -26,12 +26,33 @@ WorkspaceGrid PositionGrid(const CdprDescription& robot, const WorkspaceStudyPar
   low.z() = std::min(low.z(), robot.floor);
   if (params.low) low = *params.low;
   if (params.high) high = *params.high;
+  if (const auto plane = PlaneOf(robot)) low[plane->normal] = high[plane->normal] = plane->at;
   return WorkspaceGrid::OfSize(low, high, params.cell.value_or((high - low).maxCoeff() / cells));
 }
 
 /// Whether all cables end at the CoM.
 bool AtCom(const CdprDescription& robot) {
   return robot.ends_in_one_point() && robot.cables[0].attachment_B.isZero(0);
+}
+
+/// Number of motions that the cables have to govern, if they prescribe an attitude.
+int NumMotions(const CdprDescription& robot) {
+  return (PlaneOf(robot) ? 2 : 3) + (AtCom(robot) ? 0 : PlaneOf(robot) ? 1 : 3);
+}
+
+/// Least stiffness of the motions that the cables govern; the others are locked.
+double StiffnessAt(const CdprDescription& robot, const CableKinematics& cables, const PoseBall& pose,
+                   const CableVector& tension) {
+  constexpr double kLocked = 1e12;  // [N/m, N m]
+  Matrix6d stiffness = CalcElasticStiffness(robot, cables, pose.p_WB, pose.R_WB, tension);
+  const std::vector<int> motions = MotionsOf(robot);
+  for (int i = 0; i < 6; ++i) {
+    if (std::ranges::find(motions, i) != motions.end()) continue;
+    stiffness.row(i).setZero();
+    stiffness.col(i).setZero();
+    stiffness(i, i) = kLocked;
+  }
+  return CalcLeastTranslationalStiffness(stiffness);
 }
 
 /// Stiffness at the centre of each cell that can hold the weight, with the tensions of least norm.
@@ -49,8 +70,7 @@ std::vector<double> Stiffness(const CdprDescription& robot, double load, const W
         distributor.Solve(cables.structure, wrench - CalcSpringWrench(robot.springs, pose.p_WB, pose.R_WB),
                           robot.tension_min(), robot.tension_max());
     if (!found.feasible) continue;
-    stiffness.back() = CalcLeastTranslationalStiffness(
-        CalcElasticStiffness(robot, cables, pose.p_WB, pose.R_WB, found.tension));
+    stiffness.back() = StiffnessAt(robot, cables, pose, found.tension);
   }
   return stiffness;
 }
@@ -79,7 +99,7 @@ std::optional<Eigen::Vector3d> Middle(const WorkspaceMap& map) {
 /// Returns the angle [rad] up to which the platform can provably turn about any axis: the distance of the
 /// nearest cell that is not proven.
 double ProvenTurn(const WorkspaceMap& map) {
-  double turn = map.options.grid.high.minCoeff();
+  double turn = map.options.grid.high.maxCoeff();
   for (const WorkspaceCell& cell : map.cells) {
     if (cell.wrench == PoseVerdict::kHolds) continue;
     const Eigen::Vector3d half =
@@ -91,32 +111,39 @@ double ProvenTurn(const WorkspaceMap& map) {
   return turn;
 }
 
-void AddVolumes(const std::string& name, const std::string& unit, const WorkspaceVolume& volume, double whole,
+/// The name of a volume, area or length with its unit, with `which` before the unit.
+std::string VolumeName(const WorkspaceGrid& grid, const char* unit, const std::string& which = "") {
+  constexpr std::array kNames{"", "range", "area", "volume"};
+  const int n = grid.dimensions();
+  return fmt::format("{}{}_{}{}", kNames[static_cast<std::size_t>(n)], which, unit,
+                     n == 1 ? "" : std::to_string(n));
+}
+
+void AddVolumes(const std::string& name, const WorkspaceMap& map, const WorkspaceVolume& volume,
                 WorkspaceStudy* study) {
   auto& figures = study->figures;
-  figures.emplace_back(name + "_volume_proven_" + unit, volume.proven);
-  figures.emplace_back(name + "_volume_" + unit, volume.centres);
-  figures.emplace_back(name + "_volume_possible_" + unit, volume.possible);
-  figures.emplace_back(name + "_share", volume.centres / whole);
+  const auto add = [&](const char* which, double value) {
+    const char* unit = map.of_attitudes() ? "rad" : "m";
+    figures.emplace_back(name + "_" + VolumeName(map.options.grid, unit, which), value);
+  };
+  if (!map.of_equilibria()) add("_proven", volume.proven);
+  add("", volume.centres);
+  if (!map.of_equilibria()) add("_possible", volume.possible);
 }
 
 void AddFigures(const std::string& name, const WorkspaceMap& map, WorkspaceStudy* study) {
-  const bool turned = map.of_attitudes();
-  const std::string unit = turned ? "rad3" : "m3";
   const double whole = map.options.grid.volume();
   const WorkspaceVolume volume = VolumeOf(map.cells, map.options.grid),
                         clear = VolumeOf(map.cells, map.options.grid, study->params.cable_diameter);
   auto& figures = study->figures;
-  if (map.of_equilibria()) {  // nothing is proven
-    figures.emplace_back(name + "_volume_" + unit, volume.centres);
-    figures.emplace_back(name + "_clear_volume_" + unit, clear.centres);
-    figures.emplace_back(name + "_share", volume.centres / whole);
+  AddVolumes(name, map, volume, study);
+  figures.emplace_back(name + "_share", volume.centres / whole);
+  if (map.closure) return;
+  AddVolumes(name + "_clear", map, clear, study);
+  if (map.of_equilibria())
     figures.emplace_back(name + "_tilt_max_rad", *std::ranges::max_element(map.tilt));
-  } else {
-    AddVolumes(name, unit, volume, whole, study);
-    if (map.closure) return;
-    AddVolumes(name + "_clear", unit, clear, whole, study);
-  }
+  else
+    figures.emplace_back(name + "_clear_share", clear.centres / whole);
   std::optional<double> margin, capacity, softest, stiffest;
   for (std::size_t i = 0; i < map.cells.size(); ++i) {
     const WorkspaceCell& cell = map.cells[i];
@@ -132,7 +159,7 @@ void AddFigures(const std::string& name, const WorkspaceMap& map, WorkspaceStudy
   if (!map.of_equilibria()) figures.emplace_back(name + "_capacity_margin_max_N", capacity);
   figures.emplace_back(name + "_stiffness_min_N_per_m", softest);
   figures.emplace_back(name + "_stiffness_max_N_per_m", stiffest);
-  if (turned) figures.emplace_back("any_axis_turn_proven_rad", ProvenTurn(map));
+  if (map.of_attitudes()) figures.emplace_back("any_axis_turn_proven_rad", ProvenTurn(map));
 }
 
 std::string Csv(const WorkspaceMap& map) {
@@ -171,6 +198,7 @@ Geometry Shapes(const WorkspaceStudy& study, const WorkspaceMap& map) {
   if (map.of_attitudes()) {
     Geometry axes;
     for (int k = 0; k < 3; ++k) {
+      if (map.options.grid.high[k] == 0) continue;
       axes.push_back(Shape::Segment(ShapeRole::kFixture, "axis", 0.004));
       axes.back().p_W = map.options.grid.low[k] * Eigen::Vector3d::Unit(k);
       axes.back().vector_W = (map.options.grid.high[k] - map.options.grid.low[k]) * Eigen::Vector3d::Unit(k);
@@ -224,8 +252,7 @@ WorkspaceMap EquilibriumMap(const WorkspaceStudy& study, const WorkspaceGrid& gr
           (rest->tension - robot.tension_min()).cwiseMin(robot.tension_max() - rest->tension).minCoeff();
       cell.clearance = interference.At(cables, rest->R_WB);
       if (cell.centre_clear(study.params.cable_diameter)) cell.clear = PoseVerdict::kHolds;
-      stiffness = CalcLeastTranslationalStiffness(
-          CalcElasticStiffness(robot, cables, rest->p_WB, rest->R_WB, rest->tension));
+      stiffness = StiffnessAt(robot, cables, {.p_WB = rest->p_WB, .R_WB = rest->R_WB}, rest->tension);
       tilt = std::acos(std::clamp(rest->R_WB(2, 2), -1.0, 1.0));
     }
     map.cells.push_back(cell);
@@ -252,6 +279,12 @@ VolumeReport::Map ReportMap(const WorkspaceStudy& study, const WorkspaceMap& map
       .high = map.options.grid.high,
       .cells = map.options.grid.cells,
       .shapes = Shapes(study, map)};
+  // A map of a plane or of a line is as thick as its cells.
+  for (int k = 0; k < 3; ++k) {
+    if (shown.low[k] < shown.high[k]) continue;
+    shown.low[k] -= map.options.grid.cell().maxCoeff() / 2;
+    shown.high[k] += map.options.grid.cell().maxCoeff() / 2;
+  }
   shown.quantities =
       clear         ? std::vector<std::string>{"cable_distance_m"}
       : map.closure ? std::vector<std::string>{"capacity_per_tension"}
@@ -293,19 +326,29 @@ WorkspaceStudy StudyWorkspace(const CdprDescription& given, const WorkspaceStudy
                               const std::function<void(const std::string&, double)>& progress) {
   given.Validate();
   params.demand.Validate();
-  const bool equilibria = given.num_cables() < 6 && !AtCom(given) && !PlaneOf(given);
+  const auto plane = PlaneOf(given);
+  const bool equilibria = given.num_cables() < NumMotions(given) && !AtCom(given);
   if (!equilibria)
     static_cast<void>(PoseFeasibility(given, RequiredWrenches(given, params.demand)));  // refuses some robots
   else if (params.demand.acceleration + params.demand.force + params.demand.torque > 0 ||
            !params.euler.isZero(0) || params.position)
     throw ParameterError(fmt::format(
         "robot '{}' has {} cables, which do not prescribe its attitude: its workspace is that of its stable "
-        "equilibria; leave out attitude, position, acceleration, force and torque, or take six cables",
-        given.name, given.num_cables()));
+        "equilibria; leave out attitude, position, acceleration, force and torque, or take {} cables",
+        given.name, given.num_cables(), NumMotions(given)));
   if (!(params.cable_diameter >= 0) || !std::isfinite(params.cable_diameter))
     throw ParameterError(fmt::format("the cable diameter is {} m: give 0 or more", params.cable_diameter));
   if (!params.euler.allFinite() || !params.position.value_or(Eigen::Vector3d::Zero()).allFinite())
     throw ParameterError("the attitude or the position is not finite: give three numbers each");
+  if (plane) {
+    const auto [normal, at, motions] = *plane;
+    Eigen::Vector3d beside = params.euler;
+    beside[normal] = params.position ? (*params.position)[normal] - at : 0;
+    if (!beside.isZero(1e-6))
+      throw ParameterError(fmt::format(
+          "robot '{}' moves in the plane {} = {} m: give a position in it, and an attitude about {} only",
+          given.name, "xyz"[normal], at, "xyz"[normal]));
+  }
   if (!(params.turn > 0 && params.turn <= M_PI))
     throw ParameterError(
         fmt::format("the largest turn is {} rad: give more than 0 and at most pi", params.turn));
@@ -328,7 +371,7 @@ WorkspaceStudy StudyWorkspace(const CdprDescription& given, const WorkspaceStudy
   };
   const WorkspaceGrid grid = PositionGrid(robot, params, equilibria ? kEquilibriumCells : kCells);
   const Eigen::Matrix3d R_WB = RotationFromEuler(params.euler);
-  study.figures.emplace_back("box_volume_m3", grid.volume());
+  study.figures.emplace_back("box_" + VolumeName(grid, "m"), grid.volume());
   const auto seconds = [begin] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   };
@@ -346,13 +389,14 @@ WorkspaceStudy StudyWorkspace(const CdprDescription& given, const WorkspaceStudy
   const WorkspaceOptions positions{.grid = grid, .R_WB = R_WB};
   if (more) add("required", "positions with what is required", holding(required), positions, required.load);
   add("static", "positions at rest", holding({}), positions, 0);
-  if (robot.num_cables() > (AtCom(robot) ? 3 : 6))
+  if (robot.num_cables() > NumMotions(robot))
     add("closure", "positions of wrench closure", WrenchClosure(robot), positions, {});
 
   const auto position = params.position ? params.position : Middle(study.maps[0]);
   if (position) {
     const Eigen::Vector3d p_WB = *position;
-    const Eigen::Vector3d turn = Eigen::Vector3d::Constant(params.turn);
+    Eigen::Vector3d turn = Eigen::Vector3d::Constant(params.turn);
+    if (plane) turn = params.turn * Eigen::Vector3d::Unit(plane->normal);
     add("attitude", fmt::format("attitudes at ({:.2f}, {:.2f}, {:.2f}) m", p_WB.x(), p_WB.y(), p_WB.z()),
         holding(required),
         {.kind = WorkspaceKind::kAttitude,

@@ -7,7 +7,8 @@
 namespace tenon::apps {
 
 /// A study of a cable robot's workspaces: positions at one attitude, and attitudes at one position. For
-/// robots with fewer than six cables: positions with a stable equilibrium, whose attitude is free.
+/// robots with fewer than six cables, or three in a plane: positions with a stable equilibrium, whose
+/// attitude is free.
 struct WorkspaceStudyParams {
   PlatformDemand demand;                               ///< demand of the loaded workspace
   Eigen::Vector3d euler = Eigen::Vector3d::Zero();     ///< ZYX angles of all positions [rad]

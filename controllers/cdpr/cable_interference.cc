@@ -41,6 +41,11 @@ CableInterference::CableInterference(const CdprDescription& robot) {
   for (const CableDescription& cable : robot.cables) {
     hull.push_back(cable.attachment_B);
   }
+  if (const auto plane =
+          robot.cables.empty() ? std::nullopt : PlaneOf(robot)) {  // as a flat platform would have no side
+    for (std::size_t k = hull.size(); k-- > 0;)
+      for (const double side : {-1, 1}) hull.push_back(hull[k] + side * Eigen::Vector3d::Unit(plane->normal));
+  }
   for (int i = 0; i < robot.num_cables(); ++i) {
     faces_.push_back(FacesAt(hull, static_cast<std::size_t>(i) + 1));
     for (int j = i + 1; j < robot.num_cables(); ++j) {

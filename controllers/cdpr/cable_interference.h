@@ -15,7 +15,8 @@ struct CableClearance {
 ///
 /// The distance between two cables is that of their straight segments, which begin at the anchors or where
 /// the cables leave the pulleys. Pairs that share an anchor or an attachment are skipped. The platform is
-/// modelled as the solid convex hull of its attachments and its CoM. A cable runs through it if the cable's
+/// modelled as the solid convex hull of its attachments and its CoM, which is thick if the robot is
+/// planar. A cable runs through it if the cable's
 /// direction lambda points below all faces that meet at its attachment; the sine of its angle to the platform
 /// is the largest n . lambda over the normals n of these faces. Not modelled: platforms that are open frames
 /// or wider than their attachments.

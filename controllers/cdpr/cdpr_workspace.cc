@@ -70,6 +70,16 @@ class Mapper {
 
 }  // namespace
 
+/// The product of the edges that are above 0.
+static double Measure(const Eigen::Vector3d& edges) {
+  const auto extends = edges.array() > 0;
+  return extends.all() ? edges.prod() : extends.select(edges, 1).prod();
+}
+
+double WorkspaceGrid::volume() const {
+  return Measure(high - low);
+}
+
 WorkspaceGrid WorkspaceGrid::OfSize(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double cell) {
   WorkspaceGrid grid{low, high};
   grid.Validate();
@@ -86,7 +96,7 @@ WorkspaceGrid WorkspaceGrid::OfSize(const Eigen::Vector3d& low, const Eigen::Vec
 void WorkspaceGrid::Validate() const {
   double count = 1;
   for (int k = 0; k < 3; ++k) {
-    if (!std::isfinite(low[k]) || !std::isfinite(high[k]) || !(low[k] < high[k]))
+    if (!std::isfinite(low[k]) || !std::isfinite(high[k]) || !(low[k] <= high[k]) || dimensions() == 0)
       throw ParameterError(
           fmt::format("the box of a workspace goes from {} to {} along {}: give a lower and a higher end",
                       low[k], high[k], "xyz"[k]));
@@ -109,7 +119,7 @@ Eigen::Vector3d WorkspaceCell::centre(const WorkspaceGrid& grid) const {
 }
 
 double WorkspaceCell::volume(const WorkspaceGrid& grid) const {
-  return grid.cell().prod() * size[0] * size[1] * size[2];
+  return Measure(grid.cell()) * size[0] * size[1] * size[2];
 }
 
 PoseVerdict WorkspaceCell::verdict() const {

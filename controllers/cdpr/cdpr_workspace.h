@@ -7,7 +7,8 @@
 
 namespace tenon {
 
-/// A box of three coordinates, divided into equal cells.
+/// A box of three coordinates, divided into equal cells. A planar robot has coordinates with low = high: the
+/// box is then a rectangle or a line, and volumes are areas or lengths.
 struct WorkspaceGrid {
   Eigen::Vector3d low = Eigen::Vector3d::Zero();
   Eigen::Vector3d high = Eigen::Vector3d::Zero();
@@ -16,7 +17,9 @@ struct WorkspaceGrid {
   /// Grid with cells of about the size `cell`.
   static WorkspaceGrid OfSize(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double cell);
   Eigen::Vector3d cell() const;
-  double volume() const { return (high - low).prod(); }
+  double volume() const;
+  /// Number of coordinates in which the box extends.
+  int dimensions() const { return static_cast<int>((high.array() > low.array()).count()); }
   void Validate() const;  ///< throws ParameterError
 };
 

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <numbers>
 
 namespace tenon {
@@ -22,20 +23,19 @@ double Lever(const CdprDescription& robot) {
   return lever;
 }
 
-int WrenchRows(const CdprDescription& robot) {
-  if (PlaneOf(robot))
-    throw ParameterError(
-        fmt::format("robot '{}' moves in a plane; workspaces are computed only for robots that move in space",
-                    robot.name));
-  const int rows = Lever(robot) > kPoint ? 6 : 3;
-  if (robot.num_cables() < rows) {
+/// The motions that the cables must govern, as entries of a wrench, forces first.
+Eigen::VectorXi Motions(const CdprDescription& robot) {
+  std::vector<int> motions{0, 1, 2, 3, 4, 5};
+  if (const auto plane = PlaneOf(robot)) motions.assign(plane->motions.begin(), plane->motions.end());
+  if (Lever(robot) <= kPoint) std::erase_if(motions, [](int motion) { return motion > 2; });
+  if (robot.num_cables() < std::ssize(motions)) {
     throw ParameterError(fmt::format(
-        "robot '{}' has {} cables, too few for a wrench-feasible workspace, which takes six: with fewer the "
+        "robot '{}' has {} cables, too few for a wrench-feasible workspace, which takes {}: with fewer the "
         "platform's attitude cannot be prescribed, and it rests at single attitudes; take another robot, or "
         "let tenon-cdpr find them along a path",
-        robot.name, robot.num_cables()));
+        robot.name, robot.num_cables(), motions.size()));
   }
-  return rows;
+  return Eigen::Map<Eigen::VectorXi>(motions.data(), std::ssize(motions));
 }
 
 /// Returns the longest chord between two points of a unit sphere that are at most `angle` apart.
@@ -71,8 +71,11 @@ PoseFeasibility::PoseFeasibility(const CdprDescription& robot, const WrenchBox& 
       inner_low_(low_),
       inner_high_(high_),
       lever_(Lever(robot)),
-      rows_(WrenchRows(robot)),
-      asked_{required.centre.head(rows_), required.half_width.head(rows_)},
+      motions_(Motions(robot)),
+      rows_(static_cast<int>(motions_.size())),
+      forces_(static_cast<int>((motions_.array() < 3).count())),
+      up_(static_cast<int>(std::find(motions_.begin(), motions_.end(), 2) - motions_.begin())),
+      asked_{required.centre(motions_), required.half_width(motions_)},
       by_springs_(Eigen::VectorXd::Zero(rows_)),
       wrenches_(rows_, low_, high_),
       distributor_(robot.num_cables()),
@@ -85,9 +88,9 @@ PoseFeasibility::PoseFeasibility(const CdprDescription& robot, const WrenchBox& 
       gain_(robot.num_cables()),
       spread_(robot.num_cables()) {
   robot_.RemovePulleys();
-  if (rows_ == 6) {
-    asked_.centre.tail(3) /= lever_;
-    asked_.half_width.tail(3) /= lever_;
+  if (turns()) {
+    asked_.centre.tail(rows_ - forces_) /= lever_;
+    asked_.half_width.tail(rows_ - forces_) /= lever_;
   } else if (required.centre.tail(3).norm() > 0 || required.half_width.tail(3).norm() > 0) {
     throw ParameterError(fmt::format(
         "robot '{}' has all attachments at its CoM and cannot produce torques: require none", robot.name));
@@ -103,11 +106,13 @@ bool PoseFeasibility::Move(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R
     return false;
   }
   structure_ = cables_.structure.topRows(rows_);
-  if (rows_ == 6) structure_.bottomRows(3) /= lever_;
+  for (int k = 0; k < rows_; ++k)
+    if (motions_[k] != k) structure_.row(k) = cables_.structure.row(motions_[k]);
+  if (turns()) structure_.bottomRows(rows_ - forces_) /= lever_;
   if (robot_.springs.empty()) return true;
   Vector6d wrench = CalcSpringWrench(robot_.springs, p_WB, R_WB);
-  if (rows_ == 6) wrench.tail(3) /= lever_;
-  required_.centre = asked_.centre - wrench.head(rows_);
+  if (turns()) wrench.tail(3) /= lever_;
+  for (int k = 0; k < rows_; ++k) required_.centre[k] = asked_.centre[k] - wrench[motions_[k]];
   required_.half_width = asked_.half_width;
   return true;
 }
@@ -129,7 +134,7 @@ bool PoseFeasibility::BoundChanges(const PoseBall& poses) {
     if (!(sine < 1)) return false;
     turn_[i] = Chord(std::asin(sine));
     // arm' x lambda' - arm x lambda = arm' x (lambda' - lambda) + (arm' - arm) x lambda
-    const double torque = rows_ == 6 ? arm * (turn_[i] + chord) / lever_ : 0;
+    const double torque = turns() ? arm * (turn_[i] + chord) / lever_ : 0;
     change_[i] = std::hypot(turn_[i], torque);
   }
   return true;
@@ -147,8 +152,8 @@ void PoseFeasibility::BoundSprings(const PoseBall& poses) {
     if (spring.rest_length > 0)
       steepest = move < length ? std::max(1.0, spring.rest_length / (length - move) - 1) : kInfinity;
     const double change = spring.stiffness * steepest * move;
-    by_springs_.head(3).array() += change;
-    if (rows_ == 6) by_springs_.tail(3).array() += arm * (change + chord * pull) / lever_;
+    by_springs_.head(forces_).array() += change;
+    if (turns()) by_springs_.tail(rows_ - forces_).array() += arm * (change + chord * pull) / lever_;
   }
 }
 
@@ -169,14 +174,16 @@ void PoseFeasibility::Differentiate(const PoseBall& poses) {
     Matrix6d& derivative = derivative_[static_cast<std::size_t>(i)];
     derivative.topLeftCorner<3, 3>() = -P;
     derivative.topRightCorner<3, 3>() = P * X;
-    if (rows_ == 6) {
+    if (turns()) {
       derivative.bottomLeftCorner<3, 3>() = -X * P / lever_;
       derivative.bottomRightCorner<3, 3>() = (X * P * X + cross(lambda) * X) / lever_;
     }
+    for (int k = 0; k < rows_; ++k)
+      if (motions_[k] != k) derivative.row(k) = derivative.row(motions_[k]);
     const double nearest = length - distance_ - Chord(angle_) * arm, move = distance_ + angle_ * arm;
     const double first = move / nearest;
     const double second = std::numbers::phi * first * first + angle_ * angle_ * arm / nearest;
-    const double torque = rows_ == 6 ? arm * (angle_ * angle_ + 2 * angle_ * first + second) / lever_ : 0;
+    const double torque = turns() ? arm * (angle_ * angle_ + 2 * angle_ * first + second) / lever_ : 0;
     remainder_[i] = std::hypot(second, torque) / 2;
   }
 }
@@ -213,10 +220,11 @@ PoseVerdict PoseFeasibility::Over(const PoseBall& poses) {
 /// Returns an upper bound of the sum of tensions that produce a required wrench [N]: at the centre for 0,
 /// over the whole set for 1. The bound is infinite unless all cables pull upwards.
 double PoseFeasibility::TensionSum(double turned) const {
+  if (up_ == rows_) return kInfinity;
   double least = kInfinity;
   for (int i = 0; i < cables_.num_cables(); ++i)
     least = std::min(least, cables_.direction(2, i) - turned * turn_[i]);
-  return least > 0 ? (required_.centre[2] + required_.half_width[2]) / least : kInfinity;
+  return least > 0 ? (required_.centre[up_] + required_.half_width[up_]) / least : kInfinity;
 }
 
 bool PoseFeasibility::HoldsOver() {
@@ -259,8 +267,8 @@ bool PoseFeasibility::HoldsByTensions(const SmallMatrix& gram_inverse, double co
   const double away = kAway * margins_.tension + spread_max;
   if (!((high_ - low_).minCoeff() > 2 * away)) return false;
   Vector6d wrench = Vector6d::Zero();
-  wrench.head(rows_) = required_.centre;
-  if (rows_ == 6) wrench.tail(3) *= lever_;
+  for (int k = 0; k < rows_; ++k) wrench[motions_[k]] = required_.centre[k];
+  if (turns()) wrench.tail(3) *= lever_;
   inner_low_ = low_.array() + away;
   inner_high_ = high_.array() - away;
   const TensionDistribution& found = distributor_.Solve(cables_.structure, wrench, inner_low_, inner_high_);

@@ -41,8 +41,8 @@ WrenchBox RequiredWrenches(const CdprDescription& robot, const PlatformDemand& d
 
 /// Wrench feasibility of a cable robot at a pose and over a set of poses: whether the cables can exert all
 /// required wrenches, less that of the robot's springs, within their tension bounds. For robots with six or
-/// more cables, or for a point mass (all attachments at the CoM) with three or more. Pulleys are treated as
-/// points.
+/// more cables, or for a point mass (all attachments at the CoM) with three or more; in the plane of a planar
+/// robot (see PlaneOf) three and two. Pulleys are treated as points.
 ///
 /// The margin at one pose says nothing about neighbouring poses. Over() bounds the changes over the set. If
 /// the CoM moves by rho and the platform turns by phi, attachment i moves by at most rho + 2 sin(phi/2)
@@ -95,6 +95,7 @@ class PoseFeasibility {
  private:
   using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
   using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+  bool turns() const { return rows_ > forces_; }
   bool Move(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
   bool BoundChanges(const PoseBall& poses);
   void BoundSprings(const PoseBall& poses);
@@ -113,7 +114,8 @@ class PoseFeasibility {
   CableVector low_, high_;              // tension bounds [N]
   CableVector inner_low_, inner_high_;  // bounds that are tightened [N]
   double lever_;                        // divisor of torques: the distance of the farthest attachment [m]
-  int rows_;
+  Eigen::VectorXi motions_;             // entries of a wrench that are rows here, in order
+  int rows_, forces_, up_;              // numbers of rows and of forces among them; row of the vertical force
   WrenchBox asked_;             // torques over the lever, as all below; without the wrench of the springs
   WrenchBox required_;          // of the cables at the centre; in Over() at any pose of the set
   Eigen::VectorXd by_springs_;  // largest change of the springs' wrench over the set of poses

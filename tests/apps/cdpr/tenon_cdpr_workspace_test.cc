@@ -82,6 +82,21 @@ TEST_F(TenonCdprWorkspaceTest, HasEquilibriaOfFourCablesAndWrenchClosureOfEight)
   EXPECT_GT(Figures()["closure_volume_m3"].get<double>(), 0);
 }
 
+TEST_F(TenonCdprWorkspaceTest, HasAreasOfPlanarRobots) {
+  const std::string robot =
+      "cdpr_4 --set on_table=true --set 'cables=[{anchor_m: [-1.1, -1, 0], attachment_m: [-0.15, 0, 0]}, "
+      "{anchor_m: [-1.1, 1, 0], attachment_m: [-0.15, 0, 0]}, {anchor_m: [1.1, -1, 0], attachment_m: "
+      "[0.15, 0, 0]}, {anchor_m: [1.1, 1, 0], attachment_m: [0.15, 0, 0]}]'";
+  EXPECT_THAT(Run(robot), HasSubstr("static_area_proven_m2"));
+  const Json summary = Figures();
+  EXPECT_NEAR(summary["box_area_m2"], 4.4, 1e-12);
+  EXPECT_GT(summary["static_clear_area_proven_m2"].get<double>(), 3);
+  EXPECT_GT(summary["static_stiffness_min_N_per_m"].get<double>(), 1000);
+  EXPECT_GT(summary["attitude_range_proven_rad"].get<double>(), 1);
+  ExpectRefused(
+      {{robot + " --attitude 0.1 0 0", "plane z = 0"}, {robot + " --position 0 0 1", "plane z = 0"}});
+}
+
 TEST_F(TenonCdprWorkspaceTest, OutputThatCannotBeWrittenIsExitCode5) {
   std::ofstream(out).put('x');  // a file where the directory should be
   Run("cdpr_6 --cell 1", 5);

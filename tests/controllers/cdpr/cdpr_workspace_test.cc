@@ -49,6 +49,49 @@ TEST(CdprWorkspaceTest, StaticWorkspaceOfAPointMassIsThePrismBelowItsAnchors) {
   }
 }
 
+// In a plane, a point mass on two cables rests between its anchors.
+TEST(CdprWorkspaceTest, StaticWorkspaceOfAPlanarPointMassIsTheStripBelowItsAnchors) {
+  const CdprDescription robot = PointMass({{-2, 0}, {2, 0}});
+  PoseFeasibility feasibility(robot, RequiredWrenches(robot, {}));
+  const WorkspaceGrid grid = WorkspaceGrid::OfSize({-2.5, 0, 0}, {2.5, 0, 3}, 0.1);
+  const WorkspaceVolume area = VolumeOf(MapWorkspace(feasibility, {.grid = grid}), grid);
+  EXPECT_NEAR(area.centres, 12, 1e-9);
+  EXPECT_NEAR(area.proven, 11.5, 0.5);
+  EXPECT_NEAR(area.possible, 12.5, 0.5);
+}
+
+// In planes, by the quadratic program, with a spring and on a table, too.
+TEST(CdprWorkspaceTest, EveryPointOfAFeasibleCellInAPlaneIsFeasible) {
+  std::mt19937_64 random(23);
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  CdprDescription sprung = test::PlanarRobot(4);
+  sprung.springs = {{{0.5, 0, 5}, {0, 0, 0.1}, 40, 1}};
+  for (const CdprDescription& robot : {test::PlanarRobot(4), sprung, test::TableRobot()}) {
+    const CablePlane plane = *PlaneOf(robot);
+    PoseFeasibility feasibility(robot, RequiredWrenches(robot, {}));
+    Vector3d low(-2.5, -2.5, 0.2), high(2.5, 2.5, 3.8);
+    low[plane.normal] = high[plane.normal] = plane.at;
+    const WorkspaceGrid grid = WorkspaceGrid::OfSize(low, high, 0.05);
+    const Matrix3d R = Eigen::AngleAxisd(0.1, Vector3d::Unit(plane.normal)).toRotationMatrix();
+    const auto cells = MapWorkspace(feasibility, {.grid = grid, .R_WB = R});
+    EXPECT_NEAR(Volume(cells, grid), grid.volume(), 1e-9 * grid.volume());
+    const WorkspaceVolume area = VolumeOf(cells, grid);
+    EXPECT_GT(area.proven, 0.1 * grid.volume());
+    EXPECT_LT(area.possible - area.proven, 0.15 * grid.volume());
+    for (int i = 0; i < 500; ++i) {
+      const WorkspaceCell& cell = cells[random() % cells.size()];
+      if (cell.wrench == PoseVerdict::kUndecided) continue;
+      Vector3d p = cell.centre(grid);
+      for (int k = 0; k < 3; ++k) p[k] += uniform(random) * cell.size[k] * grid.cell()[k];
+      EXPECT_EQ(DistributeTension(CalcCableKinematics(robot, p, R).structure, -PassiveWrench(robot, p, R),
+                                  robot.tension_min(), robot.tension_max())
+                    .feasible,
+                cell.wrench == PoseVerdict::kHolds)
+          << robot.name << " " << p.transpose();
+    }
+  }
+}
+
 // The bounds of finer cells approach the volume from both sides.
 TEST(CdprWorkspaceTest, BoundsConverge) {
   const CdprDescription robot = PointMass({{-2, -1}, {2, -1}, {0, 2}});
@@ -222,7 +265,8 @@ TEST(CdprWorkspaceTest, RefusesImpossibleGrids) {
   const auto refuses = [](const Vector3d& upper, double cell, const char* key) {
     return Throws<ParameterError>([&] { WorkspaceGrid::OfSize({0, 0, 0}, upper, cell); }, key);
   };
-  EXPECT_TRUE(refuses({1, 0, 1}, 0.1, "along y"));
+  EXPECT_TRUE(refuses({1, -1, 1}, 0.1, "along y"));
+  EXPECT_TRUE(refuses({0, 0, 0}, 0.1, "along x"));
   EXPECT_TRUE(refuses({1, 1, 1}, 0, "cells of 0"));
   EXPECT_TRUE(refuses({10, 10, 10}, 0.01, "cells"));
 }
