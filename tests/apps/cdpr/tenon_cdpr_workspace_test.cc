@@ -91,7 +91,6 @@ TEST_F(TenonCdprWorkspaceTest, HasAreasOfPlanarRobots) {
   const Json summary = Figures();
   EXPECT_NEAR(summary["box_area_m2"], 4.4, 1e-12);
   EXPECT_GT(summary["static_clear_area_proven_m2"].get<double>(), 3);
-  EXPECT_GT(summary["static_stiffness_min_N_per_m"].get<double>(), 1000);
   EXPECT_GT(summary["attitude_range_proven_rad"].get<double>(), 1);
   ExpectRefused(
       {{robot + " --attitude 0.1 0 0", "plane z = 0"}, {robot + " --position 0 0 1", "plane z = 0"}});
