@@ -212,7 +212,6 @@ void CampaignReport::Write(const std::filesystem::path& file) const {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using internal::Base64;
 
 /// Returns a replay of a single frame with static shapes.

@@ -103,8 +103,6 @@ fs::path FindResource(const std::string& kind, const std::string& name,
       internal::Excerpt(name), kind, internal::NearestName(name, names), fmt::join(names, ", ")));
 }
 
-namespace fs = std::filesystem;
-
 namespace {
 
 /// Directories that may contain packages.
