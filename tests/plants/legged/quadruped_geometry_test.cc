@@ -304,7 +304,6 @@ TEST_F(QuadrupedClearanceTest, LeavesOutTheEndOfAThighInTheHousingOfTheHip) {
   LeggedState x = test::Standing(solo);
   x.q.head<2>() << M_PI / 2, 0;
   const QuadrupedClearances::Gap outwards = clear.At(x).trunk;
-  EXPECT_EQ(outwards.leg, kFrontLeft);
   EXPECT_NEAR(outwards.distance, 0.0128 * (0.16 / std::hypot(0.16, 0.03745) - 1), 1e-12);
   x.q[0] = -0.6;
   EXPECT_LT(clear.At(x).trunk.distance, -0.007);
