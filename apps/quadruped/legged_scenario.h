@@ -69,6 +69,7 @@ struct WalkScenario {
   std::optional<TerrainMapProperties> terrain_map;  ///< elevation map that the planners read; empty: none
   ComReference com_reference = ComPlannerParams().reference;  ///< planner of the CoM's path
   ZmpPlanParams zmp;                                          ///< parameters of ComReference::kZmpSpline
+  TrajectoryProperties trajectory;                            ///< parameters of ComReference::kTrajectory
   StepProperties step;                                        ///< swing of the feet
   /// State that the controller reads; estimated: output of a LeggedStateEstimator that knows the noise of the
   /// sensors.
@@ -90,6 +91,7 @@ struct WalkScenario {
             {"terrain_map", &WalkScenario::terrain_map},
             {"com_reference", &WalkScenario::com_reference},
             {"zmp", &WalkScenario::zmp},
+            {"trajectory", &WalkScenario::trajectory},
             {"step", &WalkScenario::step},
             {"state", &WalkScenario::state},
             Field("friction", &WalkScenario::friction).Positive(),

@@ -231,6 +231,7 @@ QuadrupedWalkParams MakeWalkParams(const QuadrupedScenario& given) {
     params.map = {.terrain = world.plant.terrain, .map = *walk.terrain_map, .seed = scenario.seed};
   params.locomotion.com_planner.reference = walk.com_reference;
   params.locomotion.com_planner.zmp = walk.zmp;
+  params.locomotion.com_planner.trajectory = walk.trajectory;
   params.locomotion.swing_planner.step = walk.step;
   if (walk.friction) params.locomotion.whole_body.gains.qp.friction = *walk.friction;
   params.known_additions = scenario.known_additions;

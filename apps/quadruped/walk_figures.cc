@@ -24,11 +24,13 @@ bool IsExtended(const QuadrupedPlant& plant) {
   return CurrentBlock(plant) != &shipped || shipped.params.extend;
 }
 
-/// Whether the planner resets the reference to the robot, so that errors against it tell nothing about the
-/// path.
-bool IsReset(const QuadrupedWalk& loop) {
+/// Whether the planner resets the reference to the robot or moves it off the path, so that errors against it
+/// tell nothing about the path.
+bool LeavesPath(const QuadrupedWalk& loop) {
   const ComPlanner& planner = loop.locomotion.com_planner;
-  return planner.params.reference == ComReference::kThesis && FindCurrent(planner.path) != nullptr;
+  const ComReference reference = planner.params.reference;
+  return (reference == ComReference::kThesis || reference == ComReference::kTrajectory) &&
+         FindCurrent(planner.path) != nullptr;
 }
 
 double Yaw(std::span<const double> row, const std::vector<std::size_t>& attitude) {
@@ -109,7 +111,7 @@ std::vector<const Source*> WalkFigures::WithSolvers(std::vector<const Source*> s
   if (const Source* solves = Solves(loop)) signals.push_back(solves);
   if (const Source* solves = MpcSolves(loop)) signals.push_back(solves);
   if (FindCurrent(loop.walk.command) != nullptr) signals.push_back(&loop.walk.command);
-  if (IsReset(loop)) signals.push_back(&loop.locomotion.com_planner.path);
+  if (LeavesPath(loop)) signals.push_back(&loop.locomotion.com_planner.path);
   return signals;
 }
 
@@ -118,7 +120,7 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   com_ = Columns(names, errors, &WalkingErrors::com);
   foot_ = Columns(names, errors, &WalkingErrors::foot);
   ground_force_ = Columns(names, errors, &WalkingErrors::ground_force);
-  if (IsReset(loop_)) {
+  if (LeavesPath(loop_)) {
     com_position_ = Columns(names, errors, &WalkingErrors::com_position);
     commanded_place_ =
         Columns(names, FindCurrent(loop_.locomotion.com_planner.path), &PlanarPath::position_W);

@@ -1,4 +1,5 @@
 #include <tenon/controllers/legged/planning/thesis_planner.h>
+#include <tenon/controllers/legged/planning/trajectory_planner.h>
 #include <tenon/diagrams/legged/legged_locomotion.h>
 
 namespace tenon {
@@ -31,7 +32,9 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
   }
   Connect(foot_forces, scheduler.foot_forces);
   Connect(state, step_timing.state);
-  Connect(com_planner.reference, step_timing.body);
+  const bool optimised = params.com_planner.reference == ComReference::kTrajectory;
+  const OutputPort<BodyReference>& reference = optimised ? AddTrajectory(params) : com_planner.reference;
+  Connect(reference, step_timing.body);
   if (pacer == nullptr) {  // a fast trot tilts the trunk at each step
     Connect(step_timing.clock_rate, scheduler.clock_rate);
     Connect(step_timing.clock_rate, swing_planner.clock_rate);
@@ -42,11 +45,12 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
 
   const OutputPort<GroundPlane>& planned_ground = params.mapped ? AddMap(params) : ground_estimator.ground;
   Connect(scheduler.schedule, com_planner.schedule);
-  Connect(planned_ground, com_planner.ground);
+  // The plane that fits a map best sinks into a gap.
+  Connect(optimised ? ground_estimator.ground : planned_ground, com_planner.ground);
 
   Connect(scheduler.schedule, swing_planner.schedule);
   Connect(com_planner.path, swing_planner.path);
-  Connect(com_planner.reference, swing_planner.body);
+  Connect(reference, swing_planner.body);
   Connect(state, swing_planner.state);
   Connect(planned_ground, swing_planner.ground);
   Connect(foot_forces, swing_planner.foot_forces);
@@ -58,7 +62,7 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
     AddMpc(params, planned_ground);
   } else {
     trunk_planner = &Add<TrunkPlanner>("trunk_planner", params.trunk_planner);
-    Connect(com_planner.reference, trunk_planner->body);
+    Connect(reference, trunk_planner->body);
     Connect(scheduler.schedule, trunk_planner->schedule);
     Connect(state, trunk_planner->state);
     Connect(wrench, trunk_planner->wrench);
@@ -73,7 +77,7 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
 
   Connect(whole_body.torque, torque);
   Connect(scheduler.schedule, schedule);
-  Connect(com_planner.reference, body);
+  Connect(reference, body);
   Connect(swing_planner.feet, feet);
   Connect(whole_body.plan, plan);
   Connect(ground_estimator.ground, ground);
@@ -85,6 +89,23 @@ const OutputPort<GroundPlane>& LeggedLocomotion::AddMap(const LeggedLocomotionPa
   Connect(state, mapped_ground->state);
   Connect(map, swing_planner.map);
   return mapped_ground->ground;
+}
+
+const OutputPort<BodyReference>& LeggedLocomotion::AddTrajectory(const LeggedLocomotionParams& params) {
+  Demand(!params.mpc, "trajectory and mpc both choose the footholds: use one of them");
+  TrajectoryPlannerParams of_planner{.robot = params.whole_body.robot};
+  of_planner.trajectory = params.com_planner.trajectory;
+  of_planner.footing = params.swing_planner.step.footing;
+  of_planner.friction = params.whole_body.gains.qp.friction;
+  trajectory_planner = &Add<TrajectoryPlanner>("trajectory_planner", of_planner);
+  Connect(scheduler.schedule, trajectory_planner->schedule);
+  Connect(com_planner.reference, trajectory_planner->body);
+  Connect(com_planner.path, trajectory_planner->path);
+  Connect(state, trajectory_planner->state);
+  Connect(ground_estimator.ground, trajectory_planner->ground);
+  if (params.mapped) Connect(map, trajectory_planner->map);
+  Connect(trajectory_planner->footholds, swing_planner.planned);
+  return trajectory_planner->reference;
 }
 
 void LeggedLocomotion::AddMpc(const LeggedLocomotionParams& params,

@@ -6,6 +6,8 @@
 
 namespace tenon {
 
+class TrajectoryPlanner;
+
 /// A quadruped's walking controller (Morlando 2023, figure 2.2), from a command to joint torques.
 ///
 ///     command ──► scheduler ──► com_planner ─┬► swing_planner ──► whole_body ──► torque
@@ -22,10 +24,12 @@ namespace tenon {
 /// `wrench` in the whole-body controller; `steady_wrench`, the part of it that changes slowly, displaces the
 /// swing planner's footholds. With LeggedLocomotionParams::pace, a Pacer adapts `command` and the timing of
 /// the scheduler to the speed, and no foot lands early. With ComReference::kThesis, a ThesisPlanner takes the
-/// place of the CoM planner. With LeggedLocomotionParams::mpc, a CentroidalMpc takes the place of the trunk
-/// planner and gives the swing planner its footholds. With LeggedLocomotionParams::mapped, the swing planner
-/// reads `map`, and the plane of the planners is that of a MappedGround instead of the estimated one. Each
-/// block can be replaced by one with the same ports.
+/// place of the CoM planner. With ComReference::kTrajectory, a TrajectoryPlanner follows the CoM planner,
+/// whose reference it replaces, gives the swing planner its footholds and reads `map`, if any; the CoM
+/// planner then reads the estimated ground. With LeggedLocomotionParams::mpc, a CentroidalMpc takes the place
+/// of the trunk planner and gives the swing planner its footholds. With LeggedLocomotionParams::mapped, the
+/// swing planner reads `map`, and the plane of the planners is that of a MappedGround instead of the
+/// estimated one. Each block can be replaced by one with the same ports.
 class LeggedLocomotion final : public Subdiagram {
  public:
   explicit LeggedLocomotion(const LeggedLocomotionParams& params);
@@ -46,6 +50,7 @@ class LeggedLocomotion final : public Subdiagram {
   GroundEstimator& ground_estimator;
   MappedGround* mapped_ground = nullptr;  ///< null without LeggedLocomotionParams::mapped
   ComPlanner& com_planner;
+  TrajectoryPlanner* trajectory_planner = nullptr;  ///< null without ComReference::kTrajectory
   SwingPlanner& swing_planner;
   TrunkPlanner* trunk_planner = nullptr;        ///< null with `mpc`
   CentroidalMpc* mpc = nullptr;                 ///< null without LeggedLocomotionParams::mpc
@@ -61,6 +66,7 @@ class LeggedLocomotion final : public Subdiagram {
 
  private:
   const OutputPort<GroundPlane>& AddMap(const LeggedLocomotionParams& params);
+  const OutputPort<BodyReference>& AddTrajectory(const LeggedLocomotionParams& params);
   void AddMpc(const LeggedLocomotionParams& params, const OutputPort<GroundPlane>& planned_ground);
 };
 

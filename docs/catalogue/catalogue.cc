@@ -7,6 +7,7 @@
 #include <tenon/controllers/legged/deployment/deployment.h>
 #include <tenon/controllers/legged/observers/ground_force_observer.h>
 #include <tenon/controllers/legged/planning/thesis_planner.h>
+#include <tenon/controllers/legged/planning/trajectory_planner.h>
 #include <tenon/controllers/legged/planning/walk_drive.h>
 #include <tenon/diagrams/cdpr/cdpr_messages.h>
 #include <tenon/diagrams/evaluation/leg_errors.h>
@@ -287,6 +288,7 @@ Shelf QuadrupedControllers(const Shipped& shipped) {
   shelf.Put(Make<MappedGround>(MappedGroundParams{.robot = locomotion.ground.robot}));
   shelf.Put(Make<ComPlanner>(locomotion.com_planner));
   shelf.Put(Make<ThesisPlanner>(locomotion.com_planner));
+  shelf.Put(Make<TrajectoryPlanner>(TrajectoryPlannerParams{.robot = locomotion.whole_body.robot}));
   shelf.Put(Make<SwingPlanner>(locomotion.swing_planner));
   shelf.Put(Make<TrunkPlanner>(locomotion.trunk_planner));
   shelf.Put(Make<CentroidalMpc>(CentroidalMpcParams{.robot = locomotion.whole_body.robot}));

@@ -10,13 +10,14 @@ namespace tenon {
 
 /// Horizontal motion of the CoM in a walk.
 enum class ComReference {
-  kPendulum,   ///< the periodic motion of the linear inverted pendulum, in closed form
-  kZmpSpline,  ///< an optimised spline whose ZMP stays in the support polygons
-  kThesis,     ///< plans from the measured motion to rest, see ThesisPlanner
+  kPendulum,    ///< the periodic motion of the linear inverted pendulum, in closed form
+  kZmpSpline,   ///< an optimised spline whose ZMP stays in the support polygons
+  kThesis,      ///< plans from the measured motion to rest, see ThesisPlanner
+  kTrajectory,  ///< optimised together with the footholds, see TrajectoryPlanner; `pendulum` in a ComPlanner
 };
 constexpr auto EnumNames(ComReference) {
   return std::array{Named{ComReference::kPendulum, "pendulum"}, Named{ComReference::kZmpSpline, "zmp_spline"},
-                    Named{ComReference::kThesis, "thesis"}};
+                    Named{ComReference::kThesis, "thesis"}, Named{ComReference::kTrajectory, "trajectory"}};
 }
 
 /// Parameters of ComReference::kZmpSpline; the defaults are chosen for feet of 0.03 m and steps of 0.25 s.
@@ -34,10 +35,42 @@ struct ZmpPlanParams {
   }
 };
 
+/// Parameters of ComReference::kTrajectory, see TrajectoryPlanner. Weights are those of squares in the units
+/// of TrajectoryProblem, over that of the acceleration.
+struct TrajectoryProperties {
+  int steps = 4;               ///< number of planned steps; at least those of the gait's cycle
+  int parts_per_swing = 3;     ///< parts of a swing between its knots
+  int max_evaluations = 200;   ///< largest number of evaluations in a solve
+  double least_load = 0.05;    ///< least load of a foot that carries, about its share of the weight
+  double search = 0.4;         ///< largest distance of a foothold from its nominal place, along x and y [m]
+  double climb = 0.2;          ///< largest difference in height of successive footholds of a leg [m]
+  double position_weight = 1;  ///< weight of the horizontal distance of the CoM from the path
+  double height_weight = 30;   ///< weight of the error of the CoM's height
+  double load_weight = 1;      ///< weight of the difference of a foot's load from an equal share
+  double foothold_weight = 1;  ///< weight of the displacement of a foothold
+  double final_weight = 10;    ///< weight of the final error of position plus velocity
+
+  static FieldList Fields() {
+    using T = TrajectoryProperties;
+    return {Field("horizon_steps", &T::steps).Between(1, 6),
+            Field("parts_per_swing", &T::parts_per_swing).Between(1, 5),
+            Field("max_evaluations", &T::max_evaluations).AtLeast(1),
+            Field("least_load", &T::least_load).AtLeast(0).Below(0.25).Because("four feet carry the weight"),
+            Field("search_m", &T::search).Between(0, 0.5),
+            Field("climb_m", &T::climb).Positive(),
+            Field("position_weight", &T::position_weight).AtLeast(0),
+            Field("height_weight", &T::height_weight).AtLeast(0),
+            Field("load_weight", &T::load_weight).Positive(),
+            Field("foothold_weight", &T::foothold_weight).Positive(),
+            Field("final_weight", &T::final_weight).AtLeast(0)};
+  }
+};
+
 struct ComPlannerParams {
   QuadrupedDescription robot;
   ComReference reference = ComReference::kPendulum;
   ZmpPlanParams zmp;                       ///< parameters of kZmpSpline
+  TrajectoryProperties trajectory;         ///< parameters of kTrajectory
   Vec<2> start_position = Vec<2>::Zero();  ///< initial position of B [m]
   double start_yaw = 0;                    ///< initial heading [rad]
   double blend = 0.5;         ///< duration of the transition to a new plan, about a cycle of the trot [s]

@@ -5,12 +5,6 @@
 #include <fmt/core.h>
 
 namespace tenon {
-namespace {
-
-constexpr double kEdgeWeight = 10;   // displacement per deviation
-constexpr double kSameLevel = 0.05;  // difference in height [m]
-
-}  // namespace
 
 MapPlace Survey(const ElevationMap& map, const Eigen::Vector2d& position, double radius) {
   const Eigen::Array2d place = (position - map.first_W) / map.cell;
@@ -30,7 +24,7 @@ MapPlace Survey(const ElevationMap& map, const Eigen::Vector2d& position, double
 }
 
 MapPlace FlatPlace(const ElevationMap& map, const Eigen::Vector2d& wanted, const std::optional<double>& level,
-                   const MapFootholdProperties& choice) {
+                   const MapFootholdProperties& choice, double climb, double edge_weight) {
   const int reach = static_cast<int>(choice.search / map.cell);
   MapPlace best = Survey(map, wanted, choice.radius);
   double least = std::numeric_limits<double>::infinity();
@@ -38,9 +32,9 @@ MapPlace FlatPlace(const ElevationMap& map, const Eigen::Vector2d& wanted, const
     for (int i = -reach; i <= reach; ++i) {
       const Eigen::Vector2d displacement = map.cell * Eigen::Vector2d(i, j);
       const MapPlace place = Survey(map, wanted + displacement, choice.radius);
-      if (level && std::abs(place.height - *level) > kSameLevel) continue;
+      if (level && std::abs(place.height - *level) > climb) continue;
       const double cost =
-          displacement.norm() + kEdgeWeight * std::max(place.deviation - choice.roughness, 0.0);
+          displacement.norm() + edge_weight * std::max(place.deviation - choice.roughness, 0.0);
       if (cost >= least) continue;
       least = cost;
       best = place;

@@ -27,10 +27,12 @@ struct MapPlace {
 /// The square of cells that reaches at least `radius` beyond `position` on each side.
 MapPlace Survey(const ElevationMap& map, const Eigen::Vector2d& position, double radius);
 
-/// The place with the least sum of displacement from `wanted` and 10 times the deviation above `roughness`.
-/// With a `level`, places whose height differs by more than 5 cm are excluded, unless there are no others.
+/// The place with the least sum of displacement from `wanted` and `edge_weight` times the deviation above
+/// `roughness`. With a `level`, places whose height differs by more than `climb` are excluded, unless there
+/// are no others.
 MapPlace FlatPlace(const ElevationMap& map, const Eigen::Vector2d& wanted, const std::optional<double>& level,
-                   const MapFootholdProperties& choice);
+                   const MapFootholdProperties& choice, double climb = 0.05 /* [m] */,
+                   double edge_weight = 10);
 
 /// The greatest height along the line between two places [m].
 double HighestBetween(const ElevationMap& map, const Eigen::Vector2d& from, const Eigen::Vector2d& to);
