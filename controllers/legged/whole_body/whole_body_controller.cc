@@ -123,12 +123,18 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
   const Eigen::Vector3d up(0, 0, model_.gravity());
   const Eigen::Matrix3d R_WB = state.R_WB();
   const auto [tilt, turn] = AttitudeError(R_WB, RotationFromQuaternion(body.q_WB));
-  task.wrench.head<3>() = gains.com_stiffness * Shortened<3>(body.com_W - dynamics.com_W, gains.com_limit) +
-                          gains.com_damping * (body.com_velocity_W - dynamics.com_velocity_W) +
-                          model_.mass() * (body.com_acceleration_W + up);
-  task.wrench.tail<3>() =
-      dynamics.centroidal_inertia_W * (gains.trunk_stiffness * (tilt + Shortened<3>(turn, gains.turn_limit)) +
-                                       gains.trunk_damping * (body.w_W - state.w_W) + body.alpha_W);
+  const Eigen::Vector3d off = Shortened<3>(body.com_W - dynamics.com_W, gains.com_limit),
+                        slow = body.com_velocity_W - dynamics.com_velocity_W,
+                        tilted = tilt + Shortened<3>(turn, gains.turn_limit),
+                        slow_turn = body.w_W - state.w_W;
+  Eigen::Vector3d pull = gains.com_stiffness * off + gains.com_damping * slow;
+  Eigen::Vector3d angular = gains.trunk_stiffness * tilted + gains.trunk_damping * slow_turn;
+  if (gains.sliding) {
+    pull = model_.mass() * gains.sliding->com.Acceleration(off, slow);
+    angular = gains.sliding->trunk.Acceleration(tilted, slow_turn);
+  }
+  task.wrench.head<3>() = pull + model_.mass() * (body.com_acceleration_W + up);
+  task.wrench.tail<3>() = dynamics.centroidal_inertia_W * (angular + body.alpha_W);
   task.tilt = tilt.norm();
   Vec<6> disturbance;
   disturbance << wrench.force_W, wrench.torque_W;
@@ -156,8 +162,10 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
       task.foot_acceleration[i] = -gains.stance_damping * v_W;
       if (excess > 0) task.foot_acceleration[i] += gains.stretch_stiffness * excess / length * to_hip;
     } else {
-      const Eigen::Vector3d correction = gains.swing_damping * (reference.v_W - v_W) +
-                                         gains.swing_stiffness * (reference.p_W - dynamics.feet[i].p_W);
+      const Eigen::Vector3d away = reference.p_W - dynamics.feet[i].p_W, slower = reference.v_W - v_W;
+      const Eigen::Vector3d correction =
+          gains.sliding ? gains.sliding->swing.Acceleration(away, slower)
+                        : Eigen::Vector3d(gains.swing_damping * slower + gains.swing_stiffness * away);
       task.foot_acceleration[i] = reference.a_W + Shortened<3>(correction, gains.swing_limit);
     }
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/controllers/legged/comparison/sliding_mode.h>
 #include <tenon/controllers/legged/whole_body/whole_body_qp.h>
 #include <tenon/plants/signals/disturbance_signals.h>
 #include <tenon/plants/signals/gait_signals.h>
@@ -42,6 +43,7 @@ struct WholeBodyGains {
   BodyDynamics dynamics = BodyDynamics::kExact;
   LegCompensation compensation = LegCompensation::kExact;
   WholeBodyQpParams qp = {};
+  std::optional<SlidingGains> sliding = {};  ///< replaces stiffnesses and dampings; empty: it does not
 
   static FieldList Fields() {
     return {
@@ -94,7 +96,8 @@ struct WholeBodyGains {
             .Scaled("tip_margin_t", [](double time, const Scale& s) { return time * s.Time(); }),
         {"dynamics", &WholeBodyGains::dynamics},
         {"leg_compensation", &WholeBodyGains::compensation},
-        {"qp", &WholeBodyGains::qp}};
+        {"qp", &WholeBodyGains::qp},
+        {"sliding", &WholeBodyGains::sliding}};
   }
 };
 
@@ -155,6 +158,9 @@ struct WholeBodyPlan {
 /// times friction: beyond friction, the optimisation would increase the normal force above its desired value,
 /// which lifts the robot. The bracket of a_swing is limited to `swing_limit`, so that a stuck foot does not
 /// take all the torque.
+///
+/// **Sliding mode.** With `sliding`, for comparison, the accelerations of SlidingMode replace the linear
+/// feedback of the CoM, times m, of the trunk and of the swing feet; the saturations of the errors stay.
 ///
 /// **Stance feet.** Feet are spheres that roll on the ground: v and a of a stance foot are those of its
 /// contact point. a_stance stops a foot that is scheduled to stand but has no contact; with (2.30) alone it

@@ -87,6 +87,8 @@ TEST(LocomotionProfileTest, CodeOfTheThesisIsRoundForDogBot) {
   const LocomotionProfile code = LoadLocomotionProfile({"thesis_code"}, ScaleOf(test::DogBot()));
   EXPECT_NEAR(code.whole_body.com_stiffness / 2500, 1, 1e-7);
   EXPECT_NEAR(code.whole_body.com_damping / 50, 1, 1e-7);
+  const LocomotionProfile sliding = LoadLocomotionProfile({"sliding"}, ScaleOf(test::DogBot()));
+  EXPECT_NEAR(sliding.whole_body.sliding.value().swing.layer / 0.02, 1, 1e-7);
 }
 
 TEST(LocomotionProfileTest, RefusesGainsOfOneRobot) {

@@ -151,6 +151,32 @@ WholeBodyTask TaskFor(const Inputs& inputs, const BodyReference& body, const Who
                        inputs.leg_forces, {}, gains);
 }
 
+// Inside the layer the feedback is linear, outside it is the largest one plus lambda e'.
+TEST(WholeBodyController, SlidingModeReplacesTheFeedback) {
+  Inputs inputs(Params().robot);
+  inputs.Swing({1});
+  const double m = inputs.model.mass();
+  const SlidingMode law{.slope = 8, .reach = 20, .layer = 0.02};
+  const WholeBodyGains sliding{.sliding = SlidingGains{law, law, law}};
+  const WholeBodyGains linear{.com_stiffness = 160 * m,
+                              .com_damping = 28 * m,
+                              .trunk_stiffness = 160,
+                              .trunk_damping = 28,
+                              .swing_stiffness = 160,
+                              .swing_damping = 28};
+  BodyReference body = inputs.body;
+  body.com_W += Vec<3>(0.01, -0.005, 0.004);
+  body.com_velocity_W += Vec<3>(0.02, 0.01, -0.03);
+  body.w_W = Vec<3>(0.02, 0.03, -0.01);
+  inputs.feet[1].p_W = inputs.dynamics.feet[1].p_W + Vec<3>(0, 0.01, -0.01);
+  const WholeBodyTask inside = TaskFor(inputs, body, sliding), expected = TaskFor(inputs, body, linear);
+  EXPECT_THAT(inside.wrench, IsNear(expected.wrench, 1e-9));
+  EXPECT_THAT(inside.foot_acceleration[1], IsNear(expected.foot_acceleration[1], 1e-9));
+  body = inputs.body;
+  body.com_W += Vec<3>(0.05, 0, 0);
+  EXPECT_NEAR(TaskFor(inputs, body, sliding).wrench[0], m * 20 * 8 * 0.02, 1e-9);
+}
+
 TEST(WholeBodyController, ErrorsOfTheCoMAndOfTheHeadingSaturate) {
   const Inputs inputs(Params().robot);
   const double weight = inputs.model.mass() * 9.81;
