@@ -3,6 +3,7 @@
 #include <tenon/apps/quadruped/quadruped_run.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
 #include <tenon/plants/robots/load_robot.h>
+#include <tenon/systems/yaml/resources.h>
 #ifdef TENON_WITH_UNITREE
 #include <tenon/diagrams/unitree/unitree_server.h>
 #include <tenon/diagrams/unitree/unitree_world.h>
