@@ -25,8 +25,10 @@ void Problem::Prepare() {
   constant_.setZero(P(static_cast<int>(feet.size()), 0));
   by_z_.setZero(constant_.size(), size);
   best_.setZero(size);
-  Eigen::MatrixXd position = Eigen::MatrixXd::Zero(K, K), speed = position;  // by the accelerations
-  Eigen::VectorXd duration = Eigen::VectorXd::Zero(K);                       // that a knot stands for
+  auto& [position, speed, weighted, duration, divergent] = memory_;
+  position.setZero(K, K);
+  speed.setZero(K, K);
+  duration.setZero(K);
   for (int k = 0; k + 1 < K; ++k) {
     const double T = knots[k + 1].time - knots[k].time;
     position.row(k + 1) = position.row(k) + T * speed.row(k);
@@ -36,15 +38,16 @@ void Problem::Prepare() {
     speed.block<1, 2>(k + 1, k).array() += T / 2;
     duration.segment<2>(k).array() += T / 2;
   }
-  const Eigen::RowVectorXd divergent = position.row(K - 1) + speed.row(K - 1);
+  divergent = position.row(K - 1) + speed.row(K - 1);
   for (int axis = 0; axis < 3; ++axis) {
     // The cost is a' H a / 2 - b' a, with H = L L' and a = L^-T y: its minimum is at y = L^-1 b.
     const double weight = axis < 2 ? properties.position_weight : properties.height_weight;
     auto best = best_.segment(axis * K, K);
     auto a_by_y = by_z_.block(A(0, axis), axis * K, K, K);
     Eigen::MatrixXd& L = factor_[axis / 2];
-    L = weight * position.transpose() * duration.asDiagonal() * position;
-    L += properties.final_weight * divergent.transpose() * divergent;
+    weighted.noalias() = (weight * duration).asDiagonal() * position;
+    L.noalias() = position.transpose() * weighted;
+    L.noalias() += properties.final_weight * divergent.transpose() * divergent;
     L.diagonal() += duration;
     for (int k = 0; k < K; ++k) {
       constant_[C(k, axis)] = start[axis] + knots[k].time * velocity[axis];
@@ -57,7 +60,7 @@ void Problem::Prepare() {
     factor.matrixL().solveInPlace(best);
     a_by_y.setIdentity();
     factor.matrixU().solveInPlace(a_by_y);
-    by_z_.block(C(0, axis), axis * K, K, K) = position * a_by_y;
+    by_z_.block(C(0, axis), axis * K, K, K).noalias() = position * a_by_y;
   }
   lower.assign(3 * K, -HUGE_VAL);
   upper.assign(3 * K, HUGE_VAL);

@@ -67,6 +67,11 @@ class TrajectoryProblem {
   Eigen::VectorXd u_, constant_, best_, values_;  // u = constant + by_z z
   Eigen::MatrixXd factor_[2];  // L of the Hessian L L' by accelerations, horizontal and vertical
   std::vector<int> at_;        // index in u of each other unknown
+  struct {
+    Eigen::MatrixXd position, speed, weighted;  // by the accelerations; weighted by `duration`
+    Eigen::VectorXd duration;                   // that a knot stands for
+    Eigen::RowVectorXd divergent;
+  } memory_;
 };
 
 }  // namespace tenon

@@ -21,6 +21,12 @@ class DiagonalGains {
     return Vec<N>::NullaryExpr([this](Eigen::Index i) { return (*this)[i]; });
   }
   DiagonalGains& operator*=(double factor);
+  /// The product with a vector, an expression of Eigen that refers to the gains.
+  template <class V>
+  friend auto operator*(const DiagonalGains& gains, const Eigen::MatrixBase<V>& v) {
+    const auto gain = [&gains](Eigen::Index i) { return gains[i]; };
+    return V::PlainObject::NullaryExpr(v.size(), gain).cwiseProduct(v.derived());
+  }
   /// Throws ParameterError that begins with `name` unless there is one number, or one for each of `count`
   /// elements, which are called `elements` in the message.
   void CheckSize(const char* name, int count, const char* elements) const;
