@@ -96,7 +96,7 @@ TEST_F(DriveTest, ARunThatLosesItsRobotEndsAndIsNotFinished) {
   std::atomic<bool> ends = false;
   int heard = 0;
   std::thread robot = Robot(ends, [&](Sent) { return ++heard < 20; });
-  const test::Result result = Drive("");
+  const test::Result result = Drive("--set deployment.limits.timeout_s=0.5");
   ends = true;
   robot.join();
   EXPECT_EQ(result.exit_code, 3) << result.text;
