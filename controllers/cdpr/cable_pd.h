@@ -57,9 +57,8 @@ class CablePd final : public LeafSystem<CablePdParams> {
                    const DiagonalGains& damping, CableVector* command) const {
     for (const Eigen::Index num : {cables.length.size(), reference.length.size()})
       CheckNumCables(params.robot.num_cables(), num, "CablePd");
-    for (Eigen::Index i = 0; i < command->size(); ++i)
-      (*command)[i] = reference.tension[i] + stiffness[i] * (cables.length[i] - reference.length[i]) +
-                      damping[i] * (cables.length_rate[i] - reference.length_rate[i]);
+    *command = reference.tension + stiffness * (cables.length - reference.length) +
+               damping * (cables.length_rate - reference.length_rate);
     params.robot.LimitTension(command);
   }
 };
