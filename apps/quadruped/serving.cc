@@ -203,11 +203,8 @@ RunResult Drive(const Wire& wire, QuadrupedScenario scenario, RunOptions options
     if (!LeaveBuiltInMode(link, link.interface == "lo" ? 0.5 : 2))
       Say("warning: nobody answers requests to leave the built-in mode; a simulator may have none\n");
     last.emplace(link, *loop.deployment, simulator);
-    simulator.AddMonitor([&](Context&) {  // before the files are written
-      if (SignalGuard::caught() != 0) last->Damp();
-      return Verdict();
-    });
     simulator.AddMonitor([&](Context& context) -> Verdict {
+      if (SignalGuard::caught() != 0) last->Damp();  // before the files are written
       const DeploymentStatus& status = context.Eval(loop.deployment->status);
       if (status.fault == DeploymentFault::kNone || status.mode != DeploymentMode::kPassive) return {};
       return DampedAt(status);
