@@ -143,14 +143,14 @@ std::string NameOf(const fs::path& file) {
 }
 
 /// Expands a xacro file into a URDF in `out`, which it locks, if xacro is installed. Returns the file itself
-/// otherwise, and if it is a URDF.
+/// otherwise, and if it is a URDF. Beside the file the URDF has a name of its own.
 fs::path Expanded(const fs::path& file, const fs::path& out, std::optional<OutputLock>& lock) {
   if (ReadText(file).find("<xacro:") == std::string::npos) return file;
   lock.emplace(out);
   const std::string name = NameOf(file);
   std::error_code error;
   fs::path urdf = out / (name + ".urdf");
-  if (fs::equivalent(file, urdf, error)) urdf = out / (name + "_expanded.urdf");
+  if (fs::equivalent(fs::absolute(file).parent_path(), out, error)) urdf = out / (name + "_expanded.urdf");
   const std::optional<int> code = RunProgram({"xacro", file.string(), "-o", urdf.string()});
   if (!code) return file;
   if (*code != 0)
