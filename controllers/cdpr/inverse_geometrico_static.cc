@@ -378,11 +378,13 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
   }
   const CableVector lower = robot.tension_min(), upper = robot.tension_max();
   const auto refuse_if_above = [&] {
-    double height = -kInfinity;
-    for (const CableDescription& cable : robot.cables) height = std::max(height, cable.anchor_W.z());
-    if (!robot.on_table && robot.springs.empty() && p_WB.z() >= height) {
-      Refuse(robot, p_WB, fmt::format("it is not below the highest anchor, at z = {:.4g} m", height));
-    }
+    const auto z = [](const CableDescription& cable) { return cable.anchor_W.z(); };
+    const double height = z(std::ranges::max(robot.cables, {}, z));
+    const bool level = p_WB.z() == height && z(std::ranges::min(robot.cables, {}, z)) == height;
+    if (!robot.on_table && robot.springs.empty() && p_WB.z() >= height)
+      Refuse(robot, p_WB,
+             fmt::format("it is not below the highest anchor, at z = {:.4g} m{}", height,
+                         level ? "; if it slides on a level table, set on_table: true" : ""));
   };
 
   if (options.attitude) {

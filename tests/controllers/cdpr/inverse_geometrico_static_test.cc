@@ -250,11 +250,13 @@ TEST(InverseGeometricoStatic, SpringsCarryTheirShare) {
 
 // The table carries the weight: tensions are as low as their bound permits, and balance in the plane.
 TEST(InverseGeometricoStatic, ATableCarriesTheWeight) {
-  const CdprDescription robot = test::TableRobot();
+  CdprDescription robot = test::TableRobot();
   const StaticEquilibrium found = SolveInverseGeometricoStatic(robot, {0.3, 0.2, 1});
   EXPECT_LT((CalcCableKinematics(robot, found.p_WB, found.R_WB).structure * found.tension).norm(), 1e-9);
   EXPECT_NEAR(found.tension.minCoeff(), 30, 1e-9);
   EXPECT_EQ(found.euler.head<2>(), Eigen::Vector2d::Zero());
+  robot.on_table = false;
+  EXPECT_TRUE(RefusesPlace(robot, {0.3, 0.2, 1}, {}, "set on_table"));
 }
 
 TEST(InverseGeometricoStatic, RefusesPlacesOutOfThePlane) {
