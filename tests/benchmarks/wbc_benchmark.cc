@@ -4,10 +4,13 @@
 //   wbc/tick     the whole-body controller: model, task, optimization, torques
 //   wbc/model    the model of the whole-body controller
 //   loop/all     the whole diagram with a log at 1 kHz
+//   plan/cold    the first plan of a crawl of four steps by TrajectoryPlanner
+//   plan/warm    its plan at the next footstep, from the solution of the first
 //
 // Counters: median_ns, p99_ns and mean_ns of a tick; for the loop real_time_factor. RunProfile shows the time
 // of each block.
 
+#include <tenon/controllers/legged/planning/trajectory_planner.h>
 #include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/tests/diagrams/legged/trot_recording.h>
 
@@ -103,6 +106,40 @@ void All(benchmark::State& state) {
   state.counters["real_time_factor"] = (kTicks - kFirst) / 1000.0 / seconds;
 }
 
+void Plan(benchmark::State& state, int previous_plans) {
+  DiagramBuilder builder;
+  const auto& planner = builder.Add<TrajectoryPlanner>("planner", {.robot = test::DogBot()});
+  const auto diagram = builder.BuildWithOpenInputs();
+  BodyReference body;
+  body.com_W[2] = planner.stance.com_height;
+  ContactSchedule schedule;
+  schedule.gait = Gait::kCrawl;
+  schedule.timing = {.num_steps = 4, .step = {1, 3, 0, 2}, .stance = 0.05, .swing = 0.3};
+  const double step_time = schedule.timing.step_duration();
+  LeastTimes times(1);
+  for (auto _ : state) {
+    Simulator simulator(*diagram);
+    Context& context = simulator.context();
+    context.Set(planner.body, body);
+    context.Set(planner.state, test::Standing(test::DogBot()));
+    context.Set(planner.ground, {});
+    for (int step = 0; step <= previous_plans; ++step) {
+      schedule.footsteps = step + 1;
+      schedule.step = step;
+      context.Set(planner.schedule, schedule);
+      context.Set(planner.path, {.position_W = {0.15 * step_time * step, 0}, .velocity = {0.15, 0}});
+      const auto tick = [&] { simulator.RunTo(step_time * step); };
+      if (step == previous_plans) {
+        times.Measure(0, tick);
+      } else {
+        tick();
+      }
+    }
+    state.counters["evaluations"] = context[planner.diagnostics].iterations;
+  }
+  times.Report(state);
+}
+
 void Register(const char* name, auto function) {
   benchmark::RegisterBenchmark(name, function)->Iterations(10)->Unit(benchmark::kMillisecond);
 }
@@ -111,6 +148,8 @@ const bool kRegistered = [] {
   Register("wbc/tick", Wbc);
   Register("wbc/model", Model);
   Register("loop/all", All);
+  Register("plan/cold", [](benchmark::State& state) { Plan(state, 0); });
+  Register("plan/warm", [](benchmark::State& state) { Plan(state, 1); });
   return true;
 }();
 
