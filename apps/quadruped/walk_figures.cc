@@ -29,7 +29,7 @@ bool IsExtended(const QuadrupedPlant& plant) {
 bool LeavesPath(const QuadrupedWalk& loop) {
   const ComPlanner& planner = loop.locomotion.com_planner;
   const ComReference reference = planner.params.reference;
-  return (reference == ComReference::kThesis || reference == ComReference::kTrajectory) &&
+  return reference != ComReference::kPendulum && reference != ComReference::kZmpSpline &&
          FindCurrent(planner.path) != nullptr;
 }
 

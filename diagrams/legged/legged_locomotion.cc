@@ -11,7 +11,8 @@ LeggedLocomotion::LeggedLocomotion(const LeggedLocomotionParams& params)
       com_planner(Add<ComPlanner>("com_planner", params.com_planner)),
       swing_planner(Add<SwingPlanner>("swing_planner", params.swing_planner)),
       whole_body(Add<WholeBodyController>("whole_body", params.whole_body)) {
-  if (params.com_planner.reference == ComReference::kThesis) {
+  if (params.com_planner.reference == ComReference::kThesis ||
+      params.com_planner.reference == ComReference::kHeuristic) {
     auto& planner = Replace<ThesisPlanner>(com_planner, params.com_planner);
     Connect(state, planner.state);
     Connect(foot_forces, planner.foot_forces);

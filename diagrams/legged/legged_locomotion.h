@@ -23,13 +23,13 @@ class TrajectoryPlanner;
 /// if they are not connected, no disturbance is compensated. A `known_wrench`, such as that of ropes, adds to
 /// `wrench` in the whole-body controller; `steady_wrench`, the part of it that changes slowly, displaces the
 /// swing planner's footholds. With LeggedLocomotionParams::pace, a Pacer adapts `command` and the timing of
-/// the scheduler to the speed, and no foot lands early. With ComReference::kThesis, a ThesisPlanner takes the
-/// place of the CoM planner. With ComReference::kTrajectory, a TrajectoryPlanner follows the CoM planner,
-/// whose reference it replaces, gives the swing planner its footholds and reads `map`, if any; the CoM
-/// planner then reads the estimated ground. With LeggedLocomotionParams::mpc, a CentroidalMpc takes the place
-/// of the trunk planner and gives the swing planner its footholds. With LeggedLocomotionParams::mapped, the
-/// swing planner reads `map`, and the plane of the planners is that of a MappedGround instead of the
-/// estimated one. Each block can be replaced by one with the same ports.
+/// the scheduler to the speed, and no foot lands early. With ComReference::kThesis and kHeuristic, a
+/// ThesisPlanner takes the place of the CoM planner. With ComReference::kTrajectory, a TrajectoryPlanner
+/// follows the CoM planner, whose reference it replaces, gives the swing planner its footholds and reads
+/// `map`, if any; the CoM planner then reads the estimated ground. With LeggedLocomotionParams::mpc, a
+/// CentroidalMpc takes the place of the trunk planner and gives the swing planner its footholds. With
+/// LeggedLocomotionParams::mapped, the swing planner reads `map`, and the plane of the planners is that of a
+/// MappedGround instead of the estimated one. Each block can be replaced by one with the same ports.
 class LeggedLocomotion final : public Subdiagram {
  public:
   explicit LeggedLocomotion(const LeggedLocomotionParams& params);

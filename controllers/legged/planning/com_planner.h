@@ -13,12 +13,9 @@ enum class ComReference {
   kPendulum,    ///< the periodic motion of the linear inverted pendulum, in closed form
   kZmpSpline,   ///< an optimised spline whose ZMP stays in the support polygons
   kThesis,      ///< plans from the measured motion to rest, see ThesisPlanner
+  kHeuristic,   ///< rests above the feet that stay in each swing, see ThesisPlanner
   kTrajectory,  ///< optimised together with the footholds, see TrajectoryPlanner; `pendulum` in a ComPlanner
 };
-constexpr auto EnumNames(ComReference) {
-  return std::array{Named{ComReference::kPendulum, "pendulum"}, Named{ComReference::kZmpSpline, "zmp_spline"},
-                    Named{ComReference::kThesis, "thesis"}, Named{ComReference::kTrajectory, "trajectory"}};
-}
 
 /// Parameters of ComReference::kZmpSpline; the defaults are chosen for feet of 0.03 m and steps of 0.25 s.
 struct ZmpPlanParams {

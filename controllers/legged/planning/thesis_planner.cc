@@ -64,7 +64,8 @@ void ThesisPlanner::CalcPlan(double now, const ContactSchedule& schedule, const 
       walks && (steps || !memory.swing) && std::ranges::any_of(schedule.legs, [](const LegContact& leg) {
         return leg.state == ContactState::kSwing;
       });
-  if (!steps && !lifts_off) return;
+  const bool heuristic = params.reference == ComReference::kHeuristic;
+  if (!steps && (!lifts_off || heuristic)) return;
   if (memory.footsteps < 0) {
     plan->path.yaw = params.start_yaw;
     plan->path.position_W =
@@ -86,20 +87,26 @@ void ThesisPlanner::CalcPlan(double now, const ContactSchedule& schedule, const 
   const PlanarPoint begin{dynamics.com_W.head<2>(), dynamics.com_velocity_W.head<2>(),
                           force.head<2>() / mass_};
   const double raised = stance.com_height + command.height[0];
-  if (lifts_off) {
+  if (lifts_off && !heuristic) {
     plan->duration = schedule.timing.span();
     PlanSwing(schedule, ground.slope, begin, raised, zmp, optimizer, plan);
   } else {
     plan->duration = walks ? std::max(schedule.timing.stance, params.rate.period()) : blend;
     Vec<2> centre = plan->path.position_W;
-    bool first = true;
+    int visited = 0;
     if (walks)
       ForEachPlannedPhase(plan->path, ground.slope, schedule, stance, 1,
                           [&](double, std::span<const Eigen::Vector2d> feet) {
-                            if (first) centre = CentreOf(feet);
-                            first = false;
+                            if (visited++ == 0 || heuristic) centre = CentreOf(feet);
                           });
-    plan->spline = CubicToRest(begin, centre, plan->duration);
+    if (heuristic) {
+      const Vec<3>& f = wrench.force_W;
+      const Vec<2> moment(wrench.torque_W[1] + raised * f[0], raised * f[1] - wrench.torque_W[0]);
+      plan->spline = QuinticBetween(begin, {.position = centre - moment / (mass_ * params.gravity - f[2])},
+                                    plan->duration);
+    } else {
+      plan->spline = CubicToRest(begin, centre, plan->duration);
+    }
   }
 
   // Height and attitude, as a cubic from the measured ones to rest.

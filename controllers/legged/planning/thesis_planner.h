@@ -43,6 +43,13 @@ struct ThesisPlan {
 /// swing has a solution. **Height and attitude** follow a cubic in each phase to the nominal height above the
 /// ground and to the commanded attitude, at rest.
 ///
+/// **Heuristic crawl.** With ComReference::kHeuristic, for comparison, the CoM moves as Focchi et al. plan it
+/// (Heuristic planning for rough terrain locomotion in presence of external disturbances and variable
+/// perception quality, Springer Tracts in Advanced Robotics 132, 2020): in each stance by a polynomial of
+/// degree five to the centre of the feet that stay in the swing that follows, where it rests until the next
+/// stance. The estimated wrench (f, t) displaces the centre by -(h f_x + t_y, h f_y - t_x) / (m g - f_z), so
+/// that the ZMP of the resting robot is there. Gaits need a stance that is long enough for this motion.
+///
 /// The measured acceleration is (sum of the foot forces + external force) / m - g. The polygons are those of
 /// the footholds below the commanded path, which is integrated from the commanded velocities and never reset.
 /// In contrast to ComPlanner's, the reference is reset to the robot at every plan: errors against it hide the

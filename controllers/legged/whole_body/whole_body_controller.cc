@@ -21,6 +21,13 @@ void NeglectAngularMomentumBias(QuadrupedDynamics* dynamics) {
   dynamics->angular_momentum_bias_W.setZero();
 }
 
+// Leaves of the dynamics those of one rigid body, and of each leg on a trunk at rest.
+void NeglectCoupling(QuadrupedDynamics* dynamics) {
+  dynamics->coriolis.setZero();
+  dynamics->M.topRightCorner<6, 12>().setZero();
+  dynamics->M.bottomLeftCorner<12, 6>().setZero();
+}
+
 /// Rotation vectors [rad] from an attitude to its reference: the tilt aligns the z axes by the shortest
 /// rotation, the turn then rotates about the reference's z axis. A single rotation vector would correct the
 /// tilt in a wrong direction when the heading error is large.
@@ -99,6 +106,7 @@ void WholeBodyController::CalcDynamics(const QuadrupedDynamics& of_model, const 
     if (schedule.legs[i].stance()) dynamics->feet[i] = dynamics->Contact(leg, arm);
   }
   if (gains.dynamics == BodyDynamics::kDecoupled) NeglectAngularMomentumBias(dynamics);
+  if (gains.dynamics == BodyDynamics::kQuasiStatic) NeglectCoupling(dynamics);
 }
 
 /// The estimate without what an end stop may exert: the torque that pushes a joint back into its range. A
@@ -138,7 +146,7 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
   task.tilt = tilt.norm();
   Vec<6> disturbance;
   disturbance << wrench.force_W, wrench.torque_W;
-  if (gains.dynamics == BodyDynamics::kExact) {
+  if (gains.dynamics != BodyDynamics::kDecoupled) {
     task.disturbance = disturbance;
   } else {
     task.wrench -= disturbance;

@@ -17,8 +17,9 @@ enum class LegCompensation {
 
 /// Equations of motion in the optimisation.
 enum class BodyDynamics {
-  kExact,      ///< all 18 coordinates, with the estimated wrench
-  kDecoupled,  ///< eq. (2.3), see DecoupledDynamics: without the wrench, and without A' nu in L'
+  kExact,        ///< all 18 coordinates, with the estimated wrench
+  kDecoupled,    ///< eq. (2.3), see DecoupledDynamics: without the wrench, and without A' nu in L'
+  kQuasiStatic,  ///< one rigid body and legs that do not move it, without C nu, with the wrench
 };
 
 /// Gains of the whole-body controller, read from a file such as diagrams/profiles/standard.yaml.
@@ -162,6 +163,14 @@ struct WholeBodyPlan {
 /// **Sliding mode.** With `sliding`, for comparison, the accelerations of SlidingMode replace the linear
 /// feedback of the CoM, times m, of the trunk and of the swing feet; the saturations of the errors stay.
 ///
+/// **Quasi-static control.** BodyDynamics::kQuasiStatic, for comparison, is the trunk controller of Focchi et
+/// al. (High-slope terrain locomotion for torque-controlled quadruped robots, Autonomous Robots 41, 2017):
+/// the ground forces f_i hold the wrench as if the robot were one rigid body, and the torques of a leg,
+///
+///     tau = M_leg qdd + gravity - J_leg^T f,
+///
+/// contain the inertia M_leg of that leg alone, on a trunk at rest.
+///
 /// **Stance feet.** Feet are spheres that roll on the ground: v and a of a stance foot are those of its
 /// contact point. a_stance stops a foot that is scheduled to stand but has no contact; with (2.30) alone it
 /// would keep its velocity until the leg is straight. It also pulls a foot towards its hip (unit vector u) if
@@ -245,8 +254,8 @@ class WholeBodyController final : public LeafSystem<WholeBodyParams> {
   Monitor solves{this, "solves", Sampled{params.qp_rate}, Uses(plan, max_failures_in_a_row),
                  &WholeBodyController::CheckSolves};
 
-  /// The dynamics `of_model` with contact points in place of the stance feet's centres, and without A' nu for
-  /// BodyDynamics::kDecoupled.
+  /// The dynamics `of_model` with contact points in place of the stance feet's centres, and without what
+  /// `gains.dynamics` neglects.
   void CalcDynamics(const QuadrupedDynamics& of_model, const ContactSchedule& schedule,
                     const GroundPlane& ground, const WholeBodyGains& gains,
                     QuadrupedDynamics* dynamics) const;

@@ -159,6 +159,31 @@ TEST_F(ThesisPlannerTest, WithoutASplineThePlanIsTheRegularisedPath) {
   EXPECT_THAT(end.acceleration, IsNear(Vec<2>(0, 0), 1e-8));
 }
 
+// At the end of the stance, weight and push have no horizontal moment about the centre of the feet that stay.
+TEST_F(ThesisPlannerTest, AHeuristicPlanRestsWhereTheFeetThatStayHoldThePush) {
+  ComPlannerParams params;
+  params.robot = robot_;
+  params.reference = ComReference::kHeuristic;
+  TestRig<ThesisPlanner> rig(params);
+  const ThesisPlanner& block = rig.system();
+  schedule_.timing.num_steps = 4;
+  schedule_.timing.step = {0, 1, 2, 3};
+  command_.forward = 0;
+  WrenchEstimate push;
+  push.force_W << 20, -15, 30;
+  push.torque_W << 2, -3, 1;
+  rig.Fix(block.schedule, schedule_).Fix(block.command, command_).Fix(block.ground, GroundPlane());
+  rig.Fix(block.state, state_).Fix(block.foot_forces, forces_).Fix(block.wrench, push);
+  const Vec<3> com = rig.RunTo(0.15)[block.reference].com_W;
+  Vec<3> arm = com;
+  arm.head<2>() -= block.stance.center_B - block.stance.foot[kFrontLeft] / 3;
+  const Vec<3> down(0, 0, -robot_.mass() * kGravity);
+  EXPECT_LT((arm.cross(Vec<3>(push.force_W + down)) + push.torque_W).head<2>().norm(), 1e-9);
+  schedule_.legs[kFrontLeft].state = ContactState::kSwing;
+  rig.Fix(block.schedule, schedule_);
+  EXPECT_THAT(rig.RunTo(0.3)[block.reference].com_W, IsNear(com, 1e-12)) << "rests in the swing";
+}
+
 // The reference follows a robot that drifts, the commanded path does not.
 TEST_F(ThesisPlannerTest, ThePathIsNotReset) {
   At(0.264);

@@ -387,6 +387,37 @@ TEST(WholeBodyController, TheDecoupledFormIsThatOfTheThesis) {
   EXPECT_THAT(rig[rig->torque], IsNear(expected, 1e-9));
 }
 
+// Newton's and Euler's equations of one rigid body with the robot's inertia, whatever the joints do.
+TEST(WholeBodyController, QuasiStaticForcesMoveOneRigidBody) {
+  WholeBodyParams params = Params();
+  params.gains.dynamics = BodyDynamics::kQuasiStatic;
+  Inputs inputs(params.robot);
+  inputs.Swing({kFrontRight});
+  inputs.state.w_W = Vec<3>(0.4, -0.3, 0.5);
+  inputs.state.qd.segment<3>(3) << 1, -4, 3;
+  inputs.Follow();
+  inputs.wrench.force_W = Vec<3>(10, -20, -30);
+  inputs.wrench.torque_W = Vec<3>(3, 2, -1);
+  Ticked rig(inputs, params);
+  const QuadrupedDynamics& dynamics = inputs.dynamics;
+  const WholeBodySolution& solution = rig[rig->plan].solution;
+  Vec<3> force = inputs.wrench.force_W - inputs.model.mass() * Vec<3>(0, 0, 9.81),
+         moment = inputs.wrench.torque_W;
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    force += solution.force[leg];
+    moment += (dynamics.feet[leg].p_W - dynamics.com_W).cross(solution.force[leg]);
+    const auto joints = Eigen::seqN(6 + 3 * leg, 3);
+    const Vec<3> expected = dynamics.M(joints, joints) * solution.acceleration(joints) +
+                            dynamics.gravity(joints) -
+                            dynamics.feet[leg].J_leg.transpose() * solution.force[leg];
+    EXPECT_THAT(Vec<3>(rig[rig->torque].segment<3>(3 * leg)), IsNear(expected, 1e-9));
+  }
+  const Vec<3> alpha = solution.acceleration.segment<3>(3);
+  const Vec<3> com = solution.acceleration.head<3>() + alpha.cross(Vec<3>(dynamics.com_W - dynamics.base_W));
+  EXPECT_THAT(Vec<3>(inputs.model.mass() * com), IsNear(force, 1e-9));
+  EXPECT_THAT(Vec<3>(dynamics.centroidal_inertia_W * alpha), IsNear(moment, 1e-9));
+}
+
 // A push on a swing foot that the observers estimate is compensated exactly once, in both forms: compensated
 // twice or not at all, the foot would accelerate by several m/s^2.
 TEST(WholeBodyController, APushedSwingFootIsHeld) {
