@@ -135,7 +135,7 @@ void Plan(benchmark::State& state, int previous_plans) {
         tick();
       }
     }
-    state.counters["evaluations"] = context[planner.diagnostics].iterations;
+    state.counters["evaluations"] = context.Eval(planner.plan).diagnostics.iterations;
   }
   times.Report(state);
 }
