@@ -164,7 +164,6 @@ SignalLog::Columns SignalLog::ListColumns() const {
     const Source& signal = *signals_[i];
     const std::vector<Element> elements =
         internal::ListElements(*signal.type_, context_.Address(signal), signal.spec());
-    columns.sizes.push_back(elements.size());
     for (const Element& element : elements) {
       const std::string name = signal.path() + (element.name.empty() ? "" : "." + element.name);
       const std::string cell = name + element.unit;
@@ -190,21 +189,21 @@ SignalLog::Columns SignalLog::ListColumns() const {
 /// The header waits for the first row, because sizes known at run time show in the values only.
 void SignalLog::Begin() {
   for (const Source* signal : signals_) static_cast<void>(context_.EvalAddress(*signal));
-  Columns columns = ListColumns();
-  sizes_ = std::move(columns.sizes);
+  const Columns columns = ListColumns();
   for (const auto& sink : sinks_) sink->Begin(columns.names, columns.units);
   row_.resize(columns.names.size());
   ListNumbers();
+  first_ = blocks_;
 }
 
 void SignalLog::ListNumbers() {
   blocks_.clear();
   runs_.clear();
   for (const Source* signal : signals_)
-    ListNumbers(*signal->type_, const_cast<std::byte*>(context_.Address(*signal)));
+    ListNumbers(*signal->type_, const_cast<std::byte*>(context_.Address(*signal)), signal);
 }
 
-void SignalLog::ListNumbers(const internal::TypeInfo& type, std::byte* value) {
+void SignalLog::ListNumbers(const internal::TypeInfo& type, std::byte* value, const Source* signal) {
   using enum internal::TypeInfo::Kind;
   const auto add = [&](const void* data, std::size_t count, internal::ScalarKind kind) {
     if (count > 0) runs_.push_back({data, count, kind});
@@ -212,35 +211,37 @@ void SignalLog::ListNumbers(const internal::TypeInfo& type, std::byte* value) {
   if (type.fixed) {
     for (const internal::ScalarRun& run : type.runs) add(value + run.offset, run.count, run.kind);
   } else if (type.kind == kStruct) {
-    for (const Field& field : type.fields) ListNumbers(field.type(), value + field.offset);
+    for (const Field& field : type.fields) ListNumbers(field.type(), value + field.offset, signal);
   } else if (type.kind == kArray) {
-    for (std::size_t i = 0; i < type.count; ++i) ListNumbers(type.item(), value + i * type.item().size);
+    for (std::size_t i = 0; i < type.count; ++i)
+      ListNumbers(type.item(), value + i * type.item().size, signal);
   } else if (type.kind == kMatrix || type.kind == kList || type.kind == kOptional) {
-    const ResizableBlock& block = blocks_.emplace_back(BlockOf(type, value));
+    const ResizableBlock& block = blocks_.emplace_back(BlockOf(type, value, signal));
     auto* const data = static_cast<std::byte*>(block.data);
     const std::size_t rows = block.rows, cols = block.cols;
     if (type.kind == kMatrix) return add(data, rows * cols, type.scalar);
-    for (std::size_t i = 0; i < rows; ++i) ListNumbers(type.item(), data + i * type.item().size);
+    for (std::size_t i = 0; i < rows; ++i) ListNumbers(type.item(), data + i * type.item().size, signal);
   }
 }
 
-SignalLog::ResizableBlock SignalLog::BlockOf(const internal::TypeInfo& type, void* value) {
-  ResizableBlock block{&type, value};
+SignalLog::ResizableBlock SignalLog::BlockOf(const internal::TypeInfo& type, void* value,
+                                             const Source* signal) {
+  ResizableBlock block{.type = &type, .value = value, .signal = signal};
   type.shape(value, &block.rows, &block.cols);
   if (block.rows > 0) block.data = type.data(value);
   return block;
 }
 
 void SignalLog::CheckSizes() const {
-  for (std::size_t i = 0; i < signals_.size(); ++i) {
-    const Source& signal = *signals_[i];
-    const std::size_t size = internal::CountScalars(*signal.type_, context_.Address(signal));
-    if (size == sizes_[i]) continue;
-    throw RunError(
-        fmt::format("'{}' had {} elements in the first row of its log and has {} at t = {} s: log only "
-                    "signals of constant size",
-                    signal.path(), sizes_[i], size, context_.time()));
-  }
+  const auto equal = [](const ResizableBlock& now, const ResizableBlock& first) {
+    return now.signal == first.signal && now.rows == first.rows && now.cols == first.cols;
+  };
+  const auto [now, first] = std::ranges::mismatch(blocks_, first_, equal);
+  if (first == first_.end()) return;  // an added block follows one with other rows
+  throw RunError(
+      fmt::format("'{}' has another size at t = {} s than in the first row of its log: log only signals of "
+                  "constant size",
+                  first->signal->path(), context_.time()));
 }
 
 void SignalLog::Sample() {
@@ -248,11 +249,11 @@ void SignalLog::Sample() {
   context_.RunStale(ops_);
   // Outer blocks precede those inside them, so the search stops before it follows an outdated address.
   const auto has_changed = [](const ResizableBlock& block) {
-    return BlockOf(*block.type, block.value) != block;
+    return BlockOf(*block.type, block.value, block.signal) != block;
   };
   if (std::ranges::any_of(blocks_, has_changed)) {
-    CheckSizes();
     ListNumbers();
+    CheckSizes();
   }
   double* out = row_.data();
   *out++ = context_.time();

@@ -113,7 +113,6 @@ class SignalLog {
  private:
   struct Columns {
     std::vector<std::string> names, units;
-    std::vector<std::size_t> sizes;  ///< number of elements of each signal
   };
   /// Numbers of one kind that lie one after the other.
   struct Run {
@@ -127,15 +126,16 @@ class SignalLog {
     void* value;
     void* data = nullptr;  ///< null if it is empty
     std::size_t rows = 0, cols = 0;
+    const Source* signal = nullptr;  ///< which it is part of
     bool operator==(const ResizableBlock&) const = default;
   };
-  static ResizableBlock BlockOf(const internal::TypeInfo& type, void* value);
+  static ResizableBlock BlockOf(const internal::TypeInfo& type, void* value, const Source* signal);
   /// Lists the columns for the present values.
   Columns ListColumns() const;
   void Begin();
   /// Lists where the numbers of all signals lie at present.
   void ListNumbers();
-  void ListNumbers(const internal::TypeInfo& type, std::byte* value);
+  void ListNumbers(const internal::TypeInfo& type, std::byte* value, const Source* signal);
   /// Throws RunError if a signal has another size than in the first row.
   void CheckSizes() const;
   void HandOver(double until);
@@ -145,9 +145,9 @@ class SignalLog {
   std::vector<std::shared_ptr<LogSink>> sinks_;
   std::vector<internal::Op> ops_;
   std::vector<double> row_;
-  std::vector<std::size_t> sizes_;      ///< number of elements of each signal
   std::vector<Run> runs_;               ///< the numbers of a row behind the time, in the order of the columns
   std::vector<ResizableBlock> blocks_;  ///< while these stay the same, `runs_` is valid
+  std::vector<ResizableBlock> first_;   ///< in the first row
   double hold_ = 0;                     ///< [s]
   std::deque<double> held_;             ///< rows
   double handed_ = -std::numeric_limits<double>::infinity();  ///< time of the sinks' last row [s]

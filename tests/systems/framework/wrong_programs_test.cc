@@ -192,16 +192,19 @@ TEST_F(WrongProgramsTest, AnOutputCanShowAStateByItsOwnName) {
 }
 
 TEST_F(WrongProgramsTest, SizesThatAreKnownMustAgree) {
-  struct Five final : LeafSystem<void> {
-    OutputPort<Eigen::VectorXd> y{this, "y", Eigen::VectorXd::Zero(5), Uses(),
-                                  [](Eigen::VectorXd* y) { y->setOnes(5); }};
+  struct Wide final : LeafSystem<void> {
+    OutputPort<Eigen::MatrixXd> y{this, "y", Eigen::MatrixXd::Zero(2, 3), Uses(),
+                                  [](Eigen::MatrixXd* y) { y->setOnes(2, 3); }};
   };
-  struct Three final : LeafSystem<void> {
-    InputPort<Eigen::VectorXd> u{this, "u", Eigen::VectorXd::Zero(3)};
+  struct Reader final : LeafSystem<Eigen::MatrixXd> {
+    using LeafSystem::LeafSystem;
+    InputPort<Eigen::MatrixXd> u{this, "u", params};
   };
-  auto& five = builder.Add<Five>("five");
-  builder.Connect(five.y, builder.Add<Three>("three").u);
-  EXPECT_TRUE(Throws<BuildError>([&] { builder.Build(); }, "'five.y'", "'three.u'"));
+  auto& wide = builder.Add<Wide>("wide");
+  builder.Connect(wide.y, builder.Add<Reader>("high", Eigen::MatrixXd::Zero(3, 2)).u);
+  builder.Connect(wide.y, builder.Add<Reader>("short", Eigen::MatrixXd::Zero(2, 1)).u);
+  EXPECT_TRUE(
+      Throws<BuildError>([&] { builder.Build(); }, "'wide.y'", "'high.u'", "3 x 2", "'short.u'", "2 x 1"));
 }
 
 // ---- Building ----

@@ -76,6 +76,16 @@ TEST_F(SignalLogTest, SignalThatChangesItsSizeIsAnError) {
   EXPECT_TRUE(Throws<RunError>([&] { simulator_->RunTo(1); }, "'list.output'", "t = 0.5 s"));
 }
 
+TEST_F(SignalLogTest, SignalThatChangesItsShapeIsAnError) {
+  DiagramBuilder builder;
+  const auto& matrix = builder.AddFunction("matrix", Sampled{Hz(10)}, Uses(builder.time), [](double t) {
+    return Eigen::MatrixXd(Eigen::MatrixXd::Constant(t < 0.45 ? 2 : 3, t < 0.45 ? 3 : 2, t));
+  });
+  Simulator simulator(builder.Build());
+  simulator.AddLog(Hz(10), {&matrix});
+  EXPECT_TRUE(Throws<RunError>([&] { simulator.RunTo(1); }, "'matrix.output'", "t = 0.5 s"));
+}
+
 TEST_F(SignalLogTest, RowsShowSamplesOfTheirTickAndStatesBeforeItsUpdates) {
   DiagramBuilder builder;
   auto& counter = builder.Add<Counter>("counter", Sampled{Hz(10)});

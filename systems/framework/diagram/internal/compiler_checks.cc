@@ -131,11 +131,13 @@ void Compiler::CheckConnections() {
     }
     if (to.type_->kind != TypeInfo::Kind::kMatrix || to.type_->shape == nullptr) return;
     const Source& origin = to.Resolve();
-    const std::size_t given = CountScalars(*origin.type_, origin.model_),
-                      wanted = CountScalars(*to.type_, to.model_);
-    if (given == 0 || wanted == 0 || given == wanted) return;
-    Fault(fmt::format("'{}' has {} elements, but '{}' is declared with {}: make them equal", origin.path(),
-                      given, to.path(), wanted));
+    std::size_t rows = 0, cols = 0, wanted_rows = 0, wanted_cols = 0;
+    origin.type_->shape(origin.model_, &rows, &cols);
+    to.type_->shape(to.model_, &wanted_rows, &wanted_cols);
+    if (rows * cols == 0 || wanted_rows * wanted_cols == 0) return;
+    if (rows == wanted_rows && cols == wanted_cols) return;
+    Fault(fmt::format("'{}' has {} x {} elements, but '{}' is declared with {} x {}: make them equal",
+                      origin.path(), rows, cols, to.path(), wanted_rows, wanted_cols));
   };
   for (const Source* source : sources_) {
     if (source->kind() == SourceKind::kInput && source->driver_ != nullptr) check(*source);
