@@ -1,6 +1,7 @@
 #include <tenon/apps/cdpr/cdpr_figures.h>
 #include <tenon/apps/common/customisation.h>
 #include <tenon/apps/common/figure_text.h>
+#include <tenon/controllers/optimization/infinity.h>
 
 #include <fmt/core.h>
 
@@ -139,8 +140,6 @@ CdprLimits::CdprLimits(const CdprLoop& loop, double cable_diameter)
       anchors_(robot_),
       added_(ShapesAddedTo(loop.world.plant)),
       cable_diameter_(cable_diameter),
-      pull_(robot_.cables.size(), true),
-      pulling_(robot_),
       box_(PlatformBox(robot_)),
       interference_(robot_) {}
 
@@ -171,7 +170,7 @@ void CdprLimits::Row(std::span<const double> row) {
   const Eigen::Matrix3d R_WB = RotationFromQuaternion(VectorIn<4>(row, attitude_));
   CalcCableKinematics(robot_, p_WB, R_WB, &all_, anchors_, row[0]);
   DistanceRow(row, p_WB, R_WB);
-  PlatformRow(row, p_WB, R_WB);
+  PlatformRow(row, R_WB);
   FloorRow(row, p_WB, R_WB);
 
   started_ = true;
@@ -207,25 +206,12 @@ void CdprLimits::DistanceRow(std::span<const double> row, const Eigen::Vector3d&
   });
 }
 
-void CdprLimits::PlatformRow(std::span<const double> row, const Eigen::Vector3d& p_WB,
-                             const Eigen::Matrix3d& R_WB) {
-  bool changed = false;
-  for (std::size_t i = 0; i < pull_.size(); ++i) {
-    const bool pulls = row[tension_[i]] > 0;
-    changed = changed || pulls != pull_[i];
-    pull_[i] = pulls;
-  }
-  if (changed) {
-    pulling_.cables.clear();
-    for (std::size_t i = 0; i < pull_.size(); ++i)
-      if (pull_[i]) pulling_.cables.push_back(robot_.cables[i]);
-    interference_ = CableInterference(pulling_);
-    pulling_anchors_ = MovingAnchors(pulling_);
-  }
-  if (pulling_.cables.empty()) return;
-  const bool all_pull = pulling_.cables.size() == robot_.cables.size();
-  if (!all_pull) CalcCableKinematics(pulling_, p_WB, R_WB, &cables_, pulling_anchors_, row[0]);
-  const double sine = interference_.At(all_pull ? all_ : cables_, R_WB).platform;
+void CdprLimits::PlatformRow(std::span<const double> row, const Eigen::Matrix3d& R_WB) {
+  double sine = kInfinity;
+  for (int i = 0; i < robot_.num_cables(); ++i)
+    if (row[tension_[static_cast<std::size_t>(i)]] > 0)
+      sine = std::min(sine, interference_.PlatformSine(i, all_, R_WB));
+  if (sine == kInfinity) return;
   if (!started_) open_frame_ = sine < 0;
   if (open_frame_) return;
   const double angle = std::asin(std::clamp(sine, -1.0, 1.0));

@@ -101,7 +101,7 @@ class CdprLimits final : public LogSink {
 
  private:
   void DistanceRow(std::span<const double> row, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
-  void PlatformRow(std::span<const double> row, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
+  void PlatformRow(std::span<const double> row, const Eigen::Matrix3d& R_WB);
   void FloorRow(std::span<const double> row, const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB);
 
   const CdprLoop& loop_;
@@ -110,13 +110,10 @@ class CdprLimits final : public LogSink {
   MovingAnchors anchors_;
   AddedShapes added_;
   double cable_diameter_;
-  std::vector<bool> pull_;         // whether each cable has tension
-  CdprDescription pulling_;        // robot_ with only those cables that have tension
-  MovingAnchors pulling_anchors_;  // the anchors of pulling_
-  Eigen::Vector3d box_;            // half edges of the platform's box [m]
+  Eigen::Vector3d box_;  // half edges of the platform's box [m]
   CableInterference interference_;
-  CdprClearance clearance_;       // from obstacles, and of cables that do not touch at the start
-  CableKinematics all_, cables_;  // kinematics of all cables and of those with tension, at the current row
+  CdprClearance clearance_;  // from obstacles, and of cables that do not touch at the start
+  CableKinematics all_;      // kinematics of the cables at the current row
   bool started_ = false;
   bool open_frame_ = false;
   std::vector<std::size_t> position_, attitude_, euler_, reference_, tension_, payload_, load_;

@@ -63,13 +63,17 @@ CableClearance CableInterference::At(const CableKinematics& cables, const Eigen:
                         cables.exit_W.col(j), -cables.free_length[j] * cables.direction.col(j));
     clearance.cables = std::min(clearance.cables, distance);
   }
-  for (int i = 0; i < cables.num_cables(); ++i) {
-    const Eigen::Vector3d direction_B = R_WB.transpose() * cables.direction.col(i);
-    double sine = faces_[i].empty() ? 1 : -1;  // an attachment inside the platform is on no face
-    for (const Eigen::Vector3d& normal : faces_[i]) sine = std::max(sine, normal.dot(direction_B));
-    clearance.platform = std::min(clearance.platform, sine);
-  }
+  for (int i = 0; i < cables.num_cables(); ++i)
+    clearance.platform = std::min(clearance.platform, PlatformSine(i, cables, R_WB));
   return clearance;
+}
+
+double CableInterference::PlatformSine(int cable, const CableKinematics& cables,
+                                       const Eigen::Matrix3d& R_WB) const {
+  const Eigen::Vector3d direction_B = R_WB.transpose() * cables.direction.col(cable);
+  double sine = faces_[cable].empty() ? 1 : -1;  // an attachment inside the platform is on no face
+  for (const Eigen::Vector3d& normal : faces_[cable]) sine = std::max(sine, normal.dot(direction_B));
+  return sine;
 }
 
 double CableInterference::LeastDistance(const CableKinematics& cables, double distance, double chord) const {

@@ -26,6 +26,8 @@ class CableInterference {
 
   /// Computes the clearance at the pose of `cables`, which must belong to the same robot. Does not allocate.
   CableClearance At(const CableKinematics& cables, const Eigen::Matrix3d& R_WB) const;
+  /// Sine of the angle between one cable and the platform; negative: through it.
+  double PlatformSine(int cable, const CableKinematics& cables, const Eigen::Matrix3d& R_WB) const;
 
   /// Returns a lower bound of the distance between two cables while the CoM moves by up to `distance` [m] and
   /// each arm r changes by up to `chord` |r|. The distance between the points at the fractions s and t of

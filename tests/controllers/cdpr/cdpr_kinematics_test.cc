@@ -323,7 +323,9 @@ TEST(CableInterferenceTest, SineIsThatOfTheCubesFaces) {
   for (int i = 0; i < 8; ++i) {
     const Vector3d direction = R.transpose() * cables.direction.col(i);
     const Vector3d corner = robot.cables[i].attachment_B / 0.2;
-    least = std::min(least, direction.cwiseProduct(corner).maxCoeff());
+    const double sine = direction.cwiseProduct(corner).maxCoeff();
+    EXPECT_NEAR(CableInterference(robot).PlatformSine(i, cables, R), sine, 1e-12);
+    least = std::min(least, sine);
   }
   EXPECT_NEAR(At(robot, p, R).platform, least, 1e-12);
 }
