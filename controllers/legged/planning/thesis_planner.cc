@@ -65,6 +65,8 @@ void ThesisPlanner::CalcPlan(double now, const ContactSchedule& schedule, const 
         return leg.state == ContactState::kSwing;
       });
   const bool heuristic = params.reference == ComReference::kHeuristic;
+  if (heuristic && walks && schedule.timing.stance <= 0)
+    throw RunError("a heuristic walk moves its CoM while all feet stand: give the gait a longer stance_s");
   if (!steps && (!lifts_off || heuristic)) return;
   if (memory.footsteps < 0) {
     plan->path.yaw = params.start_yaw;
@@ -97,13 +99,13 @@ void ThesisPlanner::CalcPlan(double now, const ContactSchedule& schedule, const 
     if (walks)
       ForEachPlannedPhase(plan->path, ground.slope, schedule, stance, 1,
                           [&](double, std::span<const Eigen::Vector2d> feet) {
-                            if (visited++ == 0 || heuristic) centre = CentreOf(feet);
+                            if (visited++ == 0 || (heuristic && !feet.empty())) centre = CentreOf(feet);
                           });
     if (heuristic) {
       const Vec<3>& f = wrench.force_W;
       const Vec<2> moment(wrench.torque_W[1] + raised * f[0], raised * f[1] - wrench.torque_W[0]);
-      plan->spline = QuinticBetween(begin, {.position = centre - moment / (mass_ * params.gravity - f[2])},
-                                    plan->duration);
+      const double weight = mass_ * params.gravity, load = std::max(weight - f[2], weight / 10);
+      plan->spline = QuinticBetween(begin, {.position = centre - moment / load}, plan->duration);
     } else {
       plan->spline = CubicToRest(begin, centre, plan->duration);
     }

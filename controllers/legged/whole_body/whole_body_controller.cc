@@ -21,7 +21,7 @@ void NeglectAngularMomentumBias(QuadrupedDynamics* dynamics) {
   dynamics->angular_momentum_bias_W.setZero();
 }
 
-// Leaves of the dynamics those of one rigid body, and of each leg on a trunk at rest.
+// Replaces the dynamics by those of one rigid body and of legs on a trunk at rest.
 void NeglectCoupling(QuadrupedDynamics* dynamics) {
   dynamics->coriolis.setZero();
   dynamics->M.topRightCorner<6, 12>().setZero();

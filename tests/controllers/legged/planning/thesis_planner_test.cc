@@ -182,6 +182,10 @@ TEST_F(ThesisPlannerTest, AHeuristicPlanRestsWhereTheFeetThatStayHoldThePush) {
   schedule_.legs[kFrontLeft].state = ContactState::kSwing;
   rig.Fix(block.schedule, schedule_);
   EXPECT_THAT(rig.RunTo(0.3)[block.reference].com_W, IsNear(com, 1e-12)) << "rests in the swing";
+  schedule_.timing.stance = 0;
+  ++schedule_.footsteps;
+  rig.Fix(block.schedule, schedule_);
+  EXPECT_TRUE(Throws<RunError>([&] { rig.RunTo(0.31); }, "stance_s"));
 }
 
 // The reference follows a robot that drifts, the commanded path does not.

@@ -387,7 +387,8 @@ TEST(WholeBodyController, TheDecoupledFormIsThatOfTheThesis) {
   EXPECT_THAT(rig[rig->torque], IsNear(expected, 1e-9));
 }
 
-// Newton's and Euler's equations of one rigid body with the robot's inertia, whatever the joints do.
+// m x'' and I alpha of one rigid body with the robot's inertia, without terms of velocity, whatever the
+// joints do.
 TEST(WholeBodyController, QuasiStaticForcesMoveOneRigidBody) {
   WholeBodyParams params = Params();
   params.gains.dynamics = BodyDynamics::kQuasiStatic;
