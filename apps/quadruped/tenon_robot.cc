@@ -150,7 +150,8 @@ fs::path Expanded(const fs::path& file, const fs::path& out, std::optional<Outpu
   const std::string name = NameOf(file);
   std::error_code error;
   fs::path urdf = out / (name + ".urdf");
-  if (fs::equivalent(fs::absolute(file).parent_path(), out, error)) urdf = out / (name + "_expanded.urdf");
+  if (fs::equivalent(file, urdf, error) || fs::equivalent(fs::absolute(file).parent_path(), out, error))
+    urdf = out / (name + "_expanded.urdf");
   const std::optional<int> code = RunProgram({"xacro", file.string(), "-o", urdf.string()});
   if (!code) return file;
   if (*code != 0)

@@ -380,11 +380,11 @@ StaticEquilibrium SolveInverseGeometricoStatic(const CdprDescription& robot, con
   const auto refuse_if_above = [&] {
     const auto z = [](const CableDescription& cable) { return cable.anchor_W.z(); };
     const double height = z(std::ranges::max(robot.cables, {}, z));
-    const bool level = p_WB.z() == height && z(std::ranges::min(robot.cables, {}, z)) == height;
+    const bool flat = std::max(p_WB.z(), height) - z(std::ranges::min(robot.cables, {}, z)) < kInPlane;
     if (!robot.on_table && robot.springs.empty() && p_WB.z() >= height)
       Refuse(robot, p_WB,
              fmt::format("it is not below the highest anchor, at z = {:.4g} m{}", height,
-                         level ? "; if it slides on a level table, set on_table: true" : ""));
+                         flat ? "; if it slides on a level table, set on_table: true" : ""));
   };
 
   if (options.attitude) {

@@ -1,5 +1,5 @@
-// Computing times of one millisecond of a walk. DogBot trots for two seconds, after two seconds of starting,
-// with control and optimization at 1 kHz.
+// Computing times of a walk. DogBot trots for two seconds, after two seconds of starting, with control and
+// optimization at 1 kHz; `plan` has a crawl of its own.
 //
 //   wbc/tick     the whole-body controller: model, task, optimization, torques
 //   wbc/model    the model of the whole-body controller
@@ -124,6 +124,7 @@ void Plan(benchmark::State& state, int previous_plans) {
     context.Set(planner.state, test::Standing(test::DogBot()));
     context.Set(planner.ground, {});
     for (int step = 0; step <= previous_plans; ++step) {
+      static_cast<void>(simulator.AdvanceToBefore(step_time * step));
       schedule.footsteps = step + 1;
       schedule.step = step;
       context.Set(planner.schedule, schedule);

@@ -82,17 +82,18 @@ TEST_F(TenonRobotTest, ExpandsXacroWhereItIsInstalled) {
   const std::string urdf = ReadText(TENON_ROBOTS_DIR "/a1.urdf"),
                     xacro =
                         ReadText(TENON_ROBOTS_DIR "/a1.urdf").insert(urdf.find("</robot>"), "<xacro:leg/>");
-  std::ofstream(home / "dog.xacro") << xacro;
-  std::ofstream(home / "dog.urdf") << "mine";
+  for (const char* name : {"dog.xacro", "dog.urdf"}) std::ofstream(home / name) << xacro;
   std::ofstream(home / "xacro") << "#!/bin/sh\n[ $2 = -o ] && sed 's|<xacro:leg/>||' \"$1\" > \"$3\"\n";
   fs::permissions(home / "xacro", fs::perms::owner_all);
-  const std::string run =
-      TENON_ROBOT " " + (home / "dog.xacro").string() + " --strict --up x --out " + home.string();
-  EXPECT_THAT(RunCommand(run).text, AllOf(HasSubstr("xacro file"), HasSubstr("dog_2.urdf")));
-  EXPECT_THAT(RunCommand("env PATH=" + home.string() + ":$PATH " + run).text,
-              HasSubstr("dog_expanded.urdf:"));
-  EXPECT_EQ(ReadText(home / "dog.urdf"), "mine");
-  EXPECT_EQ(ReadText(home / "dog_expanded.urdf"), urdf);
+  for (const char* name : {"dog.xacro", "dog.urdf"}) {
+    const std::string run =
+        TENON_ROBOT " " + (home / name).string() + " --strict --up x --out " + home.string();
+    EXPECT_THAT(RunCommand(run).text, AllOf(HasSubstr("xacro file"), HasSubstr("dog_2.urdf")));
+    EXPECT_THAT(RunCommand("env PATH=" + home.string() + ":$PATH " + run).text,
+                HasSubstr("dog_expanded.urdf:"));
+    EXPECT_EQ(ReadText(home / "dog.urdf"), xacro);
+    EXPECT_EQ(ReadText(home / "dog_expanded.urdf"), urdf);
+  }
   fs::remove_all(home);
 }
 
