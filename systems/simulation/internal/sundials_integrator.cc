@@ -98,7 +98,8 @@ double EvenStep(double remaining, double wanted) {
 }  // namespace
 
 /// Times in it are the solver's: the run's time minus `origin`.
-struct SundialsIntegrator::Run final : internal::SundialsClient,
+struct SundialsIntegrator::Run final : SundialsIntegrator,
+                                       internal::SundialsClient,
                                        internal::DerivativeSource,
                                        internal::EventFinder::Motion {
   Run(Context& c, const SimulatorOptions& o)
@@ -121,10 +122,25 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
     if (checks_stages) stages.slopes.resize(stages.times.size() * before.size());
   }
 
+  bool can_go_on() const override { return live && edition == context.edition_; }
+  bool Start(const Interval& next) override;
+  void Halt() override { live = context.step_start_.valid = false; }
+  void Advance(bool one_step) override;
+  bool RetakeBefore(double event) override;
+  bool ends_before_event() const override { return before_event; }
+  double Local(double time, double rest) const override { return time - origin + rest; }
+  double rounding(double time) const override { return Tiny(time); }
+  double reach() const override { return solver.multistep() ? (Target() - finish_) / 100 : step; }
+  void MoveContext(double time) override;
+  void MoveContext(double time, double rest) override { MoveContext(Local(time, rest), time, rest); }
+  void EvaluateWitnesses(double t, double* values) override;
+  internal::EventFinder::Motion& BeginMotion() override;
+  void EndMotion() override;
+  bool JumpsAt(double event) override;
+  IntegratorStatistics statistics() const override;
+
   // Functions called at every step have hidden visibility, so that GCC can inline them.
-  [[gnu::visibility("hidden")]] bool Start(const Interval& next);
   [[gnu::visibility("hidden")]] void Restart(double time, double first_step);
-  [[gnu::visibility("hidden")]] void Advance(bool one_step);
   [[gnu::visibility("hidden")]] void MoveContext(double t, double time, double rest);
   [[gnu::visibility("hidden")]] void LoadInside(double t);
   [[gnu::visibility("hidden")]] double FirstStep(double time);
@@ -137,24 +153,17 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   bool TakeStepAgain();
   void CheckProgress(double from, double to);
   double FirstGuess(double time);
-  void BeginMotion();
-  void EndMotion();
-  bool JumpsAt(double event);
   double Change(const double* a, const double* b, const double* x) const;
   void KeepStage(double t, const double* xdot);
   std::size_t SortStages(std::array<std::size_t, 16>* order) const;
   bool StagesJump() const;
   double KinkError() const;
   void Retake(double time);
-  bool RetakeBefore(double event);
   void EndBefore(double time, double size);
   bool SlopesJump(double h);
   bool MovesUntil(double event);
-  void EvaluateWitnesses(double t, double* values);
   void KeepStepStart();
   void EndAt(double time);
-  /// The solver's time at the run's time `time` + `rest`.
-  double Local(double time, double rest) const { return time - origin + rest; }
   /// The run's time.
   double Global(double t) const { return origin + t; }
   /// The time of an evaluation at `t`: not after a jump at the end of the interval.
@@ -197,12 +206,10 @@ struct SundialsIntegrator::Run final : internal::SundialsClient,
   double unit = 1;       // 1 s, or the length of a shorter interval in which times are local; see Tiny
   double restarted = 0;  // time of the last restart
 
-  bool live = false;          // the solver is at `finish` and can continue
+  bool live = false;          // the solver is at `finish_` and can continue
   std::uint64_t edition = 0;  // the context's edition that the solver knows
-  double finish = 0;
   internal::StepInterpolant interpolant;
   std::vector<double> before;       // states at the beginning of the last Advance
-  double begin = 0;                 // time of the beginning of the last Advance
   std::vector<double> step_states;  // states at the beginning of the last step
   std::vector<double> watched;      // states after max_steps steps, see CheckProgress
   bool watches = false;             // these are known
@@ -297,8 +304,8 @@ double SundialsIntegrator::Run::LargestStep(double time) const {
 /// A time that SUNDIALS may take as the end of the integration; CVODE derives its first step from it.
 double SundialsIntegrator::Run::Target() const {
   if (std::isfinite(end)) return end;
-  const double largest = LargestStep(finish);
-  return finish + 1e7 * (std::isfinite(largest) ? largest : step);
+  const double largest = LargestStep(finish_);
+  return finish_ + 1e7 * (std::isfinite(largest) ? largest : step);
 }
 
 void SundialsIntegrator::Run::Restart(double time, double first_step) {
@@ -310,7 +317,7 @@ void SundialsIntegrator::Run::Restart(double time, double first_step) {
   jump.known = false;
   stages.count = 0;
   num_slopes = 0;
-  finish = time;
+  finish_ = time;
   live = true;
   edition = context.edition_;
   interpolant.Restart();
@@ -378,7 +385,7 @@ bool SundialsIntegrator::Run::TakeStepAgain() {
   const std::vector<double> held(context.continuous_data(),
                                  context.continuous_data() + program.num_continuous);
   const double now = Local(time, rest);
-  while (finish < now - Tiny(now)) Advance(true);
+  while (finish_ < now - Tiny(now)) Advance(true);
   MoveContext(now, time, rest);
   context.num_steps_ = num_steps;
   watches = false;
@@ -398,7 +405,7 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
   if (thrown) thrown = nullptr;
   not_finite.clear();
   if (one_step) {
-    begin = finish;
+    begin_ = finish_;
     std::copy_n(solver.states(), program.num_continuous, before.data());
     KeepStepStart();
   } else {
@@ -406,18 +413,18 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
   }
   bool arrived = false;
   do {
-    double t = finish;
-    step_begin = finish;
+    double t = finish_;
+    step_begin = finish_;
     refused = 0;
     if (goes_back) std::copy_n(solver.states(), program.num_continuous, step_states.data());
-    if (checks_stages) KeepStage(finish, nullptr);
-    if (solver.multistep()) solver.SetMaxStep(LargestStep(finish));
+    if (checks_stages) KeepStage(finish_, nullptr);
+    if (solver.multistep()) solver.SetMaxStep(LargestStep(finish_));
     const int flag = solver.Step(Target(), &t);
     if (flag < 0) ThrowFailure(flag);
-    const double bend = checks_ends ? EndBends(t - finish) : 0;
+    const double bend = checks_ends ? EndBends(t - finish_) : 0;
     if (bend > 1 || (checks_stages && StagesJump())) {
       const auto present = jump;
-      if (FindJump(finish, step_states.data(), finish, t) && jump.from > finish + 4 * Tiny(t)) {
+      if (FindJump(finish_, step_states.data(), finish_, t) && jump.from > finish_ + 4 * Tiny(t)) {
         // another attempt, which ends before the jump
         const auto found = jump;
         Retake(jump.from);
@@ -427,20 +434,20 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
       }
       jump = present;
     }
-    if (solver.multistep() && SlopesJump(t - finish)) {
-      const bool found = FindJump(finish, step_states.data(), finish, t);
+    if (solver.multistep() && SlopesJump(t - finish_)) {
+      const bool found = FindJump(finish_, step_states.data(), finish_, t);
       jump.known = false;
-      if (found && jump.from > finish + 100 * Tiny(t)) {
-        EndBefore(jump.from, t - finish);
+      if (found && jump.from > finish_ + 100 * Tiny(t)) {
+        EndBefore(jump.from, t - finish_);
         continue;
       }
     }
     if (const double error = checks_bends ? KinkError() : bend; error > 1) {
-      Retake(finish + std::max(kMinShrink, kSafety / std::sqrt(error)) * (t - finish));
+      Retake(finish_ + std::max(kMinShrink, kSafety / std::sqrt(error)) * (t - finish_));
       continue;
     }
     arrived = solver.IsStopTime(flag) || (std::isfinite(end) && t >= end - Tiny(end));
-    finish = arrived ? end : t;
+    finish_ = arrived ? end : t;
     if (solver.multistep()) {
       Count(solver.last_step());
     } else if (options.fixed_step > 0) {
@@ -449,10 +456,10 @@ void SundialsIntegrator::Run::Advance(bool one_step) {
     if (arrived && !before_event) {
       context.num_steps_ = context.movement_ = 0;
     } else {
-      CheckProgress(step_begin, finish);
+      CheckProgress(step_begin, finish_);
     }
-  } while (!arrived && (!one_step || finish == step_begin));
-  if (one_step) interpolant.SetStep(begin, before.data(), finish, solver.states());
+  } while (!arrived && (!one_step || finish_ == step_begin));
+  if (one_step) interpolant.SetStep(begin_, before.data(), finish_, solver.states());
 }
 
 /// The largest change from `a` to `b`, in tolerances of the states `x`.
@@ -611,11 +618,11 @@ bool SundialsIntegrator::Run::RetakeBefore(double event) {
   // A restart of a multistep method costs many small steps, so it comes close to an event only once. Others
   // come closer as long as the states move.
   if (after_retake && (solver.multistep() || !MovesUntil(event))) return false;
-  if (event - step_begin <= kBeginning * (finish - step_begin)) return false;
+  if (event - step_begin <= kBeginning * (finish_ - step_begin)) return false;
   const double size = (1 - kBefore) * (event - step_begin);
   if (size <= 100 * Tiny(event)) return false;
   context.step_start_.valid = false;
-  EndBefore(step_begin + size, finish - step_begin);
+  EndBefore(step_begin + size, finish_ - step_begin);
   return true;
 }
 
@@ -667,7 +674,7 @@ void SundialsIntegrator::Run::KeepStepStart() {
   if (from.valid && has_past()) return;
   from.valid = true;
   from.origin = origin;
-  from.time = begin;
+  from.time = begin_;
   from.states = before;
   from.size = step;
   from.failed = false;
@@ -683,7 +690,7 @@ void SundialsIntegrator::Run::KeepStepStart() {
 /// of an interval), their prerequisites stay fresh for the tick.
 void SundialsIntegrator::Run::MoveContext(double t, double time, double rest) {
   context.time_rest_ = rest;
-  if (std::abs(t - finish) <= Tiny(t)) {
+  if (std::abs(t - finish_) <= Tiny(t)) {
     const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(program.num_continuous);
     const bool there = at_end && time == context.time() &&
                        std::memcmp(context.continuous_data(), solver.states(), bytes) == 0;
@@ -693,9 +700,15 @@ void SundialsIntegrator::Run::MoveContext(double t, double time, double rest) {
   context.SetRunTime(time);
 }
 
+void SundialsIntegrator::Run::MoveContext(double t) {
+  if (t == end) return MoveContext(t, interval.end, interval.end_rest);
+  const double time = Global(t);
+  MoveContext(t, time, t - (time - origin));
+}
+
 /// Loads the states at `t` in the last step.
 void SundialsIntegrator::Run::LoadInside(double t) {
-  if (std::abs(t - finish) <= Tiny(t)) {
+  if (std::abs(t - finish_) <= Tiny(t)) {
     context.LoadStates(solver.states());
   } else if (solver.multistep()) {
     solver.Interpolate(t, program.num_continuous, before.data());
@@ -722,11 +735,12 @@ void SundialsIntegrator::Run::EvaluateWitnessesAt(double t, const double* x, dou
   context.ReadWitnesses(values);
 }
 
-void SundialsIntegrator::Run::BeginMotion() {
+internal::EventFinder::Motion& SundialsIntegrator::Run::BeginMotion() {
   motion_time = context.time();
   motion_begin = Local(motion_time, context.time_rest_);
   std::copy_n(context.continuous_data(), program.num_continuous, motion[0].data());
   has_slope = false;
+  return *this;
 }
 
 void SundialsIntegrator::Run::EndMotion() {
@@ -783,9 +797,10 @@ bool SundialsIntegrator::Run::JumpsAt(double event) {
     std::copy_n(context.continuous_data(), x.size(), x.data());
     context.CalcRunDerivatives(Instant(t), x.data(), slope.data());
   };
-  const double step = finish - begin, width = 16 * internal::kTimeResolution * std::abs(Global(event));
-  derivatives(std::max(begin, event - width), low);
-  derivatives(std::min(finish, event + width), high);
+  const double step = finish_ - begin_, width = 16 * internal::kTimeResolution * std::abs(Global(event));
+  derivatives(std::max(begin_, event - width), low);
+  derivatives(std::min(finish_, event + width), high);
+  MoveContext(event);
   return Change(low.data(), high.data(), x.data()) * step > kShows;
 }
 
@@ -1153,81 +1168,20 @@ double SundialsIntegrator::Run::FastestRate(double t) {
   return rate;
 }
 
-SundialsIntegrator::SundialsIntegrator(Context& context, const SimulatorOptions& options)
-    : run_(std::make_unique<Run>(context, options)) {}
-SundialsIntegrator::~SundialsIntegrator() = default;
-bool SundialsIntegrator::can_go_on() const {
-  return run_->live && run_->edition == run_->context.edition_;
-}
-bool SundialsIntegrator::Start(const Interval& interval) {
-  return run_->Start(interval);
-}
-void SundialsIntegrator::Halt() {
-  run_->live = false;
-  run_->context.step_start_.valid = false;
-}
-void SundialsIntegrator::Advance(bool one_step) {
-  run_->Advance(one_step);
-}
-bool SundialsIntegrator::RetakeBefore(double event) {
-  return run_->RetakeBefore(event);
-}
-bool SundialsIntegrator::ends_before_event() const {
-  return run_->before_event;
-}
-double SundialsIntegrator::begin() const {
-  return run_->begin;
-}
-double SundialsIntegrator::reach() const {
-  return run_->solver.multistep() ? (run_->Target() - run_->finish) / 100 : run_->step;
-}
-double SundialsIntegrator::finish() const {
-  return run_->finish;
-}
-double SundialsIntegrator::Local(double time, double rest) const {
-  return run_->Local(time, rest);
-}
-double SundialsIntegrator::rounding(double time) const {
-  return run_->Tiny(time);
-}
-void SundialsIntegrator::MoveContext(double time) {
-  const Interval& interval = run_->interval;
-  if (time == run_->end) {
-    run_->MoveContext(time, interval.end, interval.end_rest);
-  } else {
-    const double global = run_->Global(time);
-    run_->MoveContext(time, global, time - (global - run_->origin));
-  }
-}
-void SundialsIntegrator::MoveContext(double time, double rest) {
-  run_->MoveContext(run_->Local(time, rest), time, rest);
-}
-void SundialsIntegrator::EvaluateWitnesses(double time, double* values) {
-  run_->EvaluateWitnesses(time, values);
+IntegratorStatistics SundialsIntegrator::Run::statistics() const {
+  return {.steps = solver.steps(),
+          .failed_steps = solver.failed_steps(),
+          .evaluations = evaluations,
+          .interpolant_evaluations = interpolant_evaluations,
+          .last_step = last_step,
+          .smallest_step = smallest_step,
+          .largest_step = largest_step,
+          .last_order = solver.last_order()};
 }
 
-internal::EventFinder::Motion& SundialsIntegrator::BeginMotion() {
-  run_->BeginMotion();
-  return *run_;
-}
-void SundialsIntegrator::EndMotion() {
-  run_->EndMotion();
-}
-bool SundialsIntegrator::JumpsAt(double event) {
-  const bool jumps = run_->JumpsAt(event);
-  MoveContext(event);
-  return jumps;
-}
-
-IntegratorStatistics SundialsIntegrator::statistics() const {
-  return {.steps = run_->solver.steps(),
-          .failed_steps = run_->solver.failed_steps(),
-          .evaluations = run_->evaluations,
-          .interpolant_evaluations = run_->interpolant_evaluations,
-          .last_step = run_->last_step,
-          .smallest_step = run_->smallest_step,
-          .largest_step = run_->largest_step,
-          .last_order = run_->solver.last_order()};
+std::unique_ptr<SundialsIntegrator> SundialsIntegrator::Make(Context& context,
+                                                             const SimulatorOptions& options) {
+  return std::make_unique<Run>(context, options);
 }
 
 }  // namespace tenon
