@@ -9,7 +9,6 @@ namespace {
 class TallySink final : public LogSink {
  public:
   explicit TallySink(double from) : from_(from) {}
-  void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void Row(std::span<const double> row) override {
     if (row[0] >= from_) tally_.Add(row[1]);
   }

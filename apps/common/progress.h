@@ -37,7 +37,6 @@ class ProgressSink final : public LogSink {
   /// `duration` of the run [s]; `name` of one of several runs, such as "run 3 of 64".
   explicit ProgressSink(double duration, const std::string& name = {})
       : prefix_(name.empty() ? "" : name + ": "), duration_(duration) {}
-  void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void Row(std::span<const double> row) override;
   void Flush() override;
 
