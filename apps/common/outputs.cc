@@ -75,11 +75,6 @@ void Outputs::Figure(std::string key, const OutputPort<double>& signal, Statisti
   });
 }
 
-void Outputs::Judge(Rate rate, std::vector<const Source*> signals, std::shared_ptr<LogSink> sink,
-                    std::function<void(Summary&)> judge) {
-  judged_.push_back({rate, std::move(signals), std::move(sink), std::move(judge)});
-}
-
 void Outputs::AddTo(Simulator& simulator) const {
   for (const Judged& judged : judged_) simulator.AddLog(judged.rate, judged.signals, {judged.sink});
 }

@@ -122,10 +122,6 @@ ScenarioApp GuideDogApp::AsScenarioApp() const {
   return app;
 }
 
-int GuideDogApp::Run(int argc, char** argv) const {
-  return RunApp(AsScenarioApp(), argc, argv);
-}
-
 /// The main function of tenon-guide-dog.
 int GuideDogMain(int argc, char** argv) {
   return GuideDogApp().Run(argc, argv);

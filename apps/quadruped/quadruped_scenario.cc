@@ -8,17 +8,13 @@
 
 namespace tenon::apps {
 
-void RandomForceScenario::Validate() const {
-  Demand(std::isfinite(upper_N) && upper_N >= lower_N,
-         fmt::format("upper_N = {} must not be below lower_N = {}", upper_N, lower_N));
-}
-
 RigidInertia TrunkLoadScenario::Make() const {
   return UniformBoxInertia(mass_kg, position_m, edges_m);
 }
 
-FieldList WalkTask::Fields() {
-  return Task::Fields() + FieldList{{"arrives", &WalkTask::arrives}};
+void RandomForceScenario::Validate() const {
+  Demand(std::isfinite(upper_N) && upper_N >= lower_N,
+         fmt::format("upper_N = {} must not be below lower_N = {}", upper_N, lower_N));
 }
 
 FieldList QuadrupedScenario::Fields() {

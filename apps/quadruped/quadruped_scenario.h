@@ -63,7 +63,7 @@ struct WalkTask : Task {
   /// Whether a walk must cover its path: the distance between start and end, less the tolerance of the path.
   bool arrives = true;
 
-  static FieldList Fields();
+  static FieldList Fields() { return Task::Fields() + FieldList{{"arrives", &WalkTask::arrives}}; }
 };
 
 /// Scenario of tenon-quadruped, read from a YAML file.

@@ -17,8 +17,4 @@ void BrokenCableDetector::CalcNext(const CableVector& missing, const CableSignal
   }
 }
 
-void BrokenCableDetector::CalcBroken(const CableVector& missing, CableVector* broken) const {
-  *broken = (missing.array() >= params.patience).cast<double>();
-}
-
 }  // namespace tenon

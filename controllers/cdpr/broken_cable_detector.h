@@ -57,7 +57,9 @@ class BrokenCableDetector final : public LeafSystem<BrokenCableDetectorParams> {
  private:
   void CalcNext(const CableVector& missing, const CableSignals& cables, const CableVector& command,
                 CableVector* next) const;
-  void CalcBroken(const CableVector& missing, CableVector* broken) const;
+  void CalcBroken(const CableVector& missing, CableVector* broken) const {
+    *broken = (missing.array() >= params.patience).cast<double>();
+  }
 };
 
 }  // namespace tenon

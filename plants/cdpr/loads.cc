@@ -39,14 +39,6 @@ HangingLoad::Rope HangingLoad::CalcRope(const PlatformState& platform, const Han
   return rope;
 }
 
-PlatformWrench HangingLoad::CalcWrench(const Rope& rope, const PlatformWrench& others) const {
-  return {others.force_W + rope.force_W, others.torque_W + rope.arm_W.cross(rope.force_W)};
-}
-
-HangingLoadState HangingLoad::CalcRate(const HangingLoadState& state, const Rope& rope) const {
-  return {state.v_W, -rope.force_W / params.mass - Vec<3>(0, 0, params.gravity)};
-}
-
 void HangingLoad::CalcGeometry(const PlatformState& platform, const HangingLoadState& state, const Rope& rope,
                                Geometry* out) const {
   Shape &ball = (*out)[0], &line = (*out)[1];

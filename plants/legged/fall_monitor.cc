@@ -10,10 +10,6 @@ void FallMonitorParams::Validate() const {
          fmt::format("max_height = {} must be above min_height = {}: give metres", max_height, min_height));
 }
 
-double FallMonitor::Height(const LeggedState& x) const {
-  return x.p_WB[2] - terrain.At(x.p_WB[0], x.p_WB[1]).height;
-}
-
 Verdict FallMonitor::CheckFall(const LeggedState& x, double min_height, double max_tilt) const {
   const double height = Height(x);
   if (height < min_height)

@@ -183,10 +183,6 @@ LoadMotion SlidingLoad::Start(const SlidingLoadParams& params) {
   return OnTrunk(params.robot, params.position_B);
 }
 
-Vec<3> SlidingLoad::CalcPlace(const LeggedState& robot, const LoadMotion& motion) const {
-  return robot.R_WB().transpose() * (motion.p_W - robot.p_WB);
-}
-
 ExternalForce SlidingLoad::CalcForce(const LeggedState& robot, const LoadMotion& motion, const Vec<3>& place,
                                      double mass, double friction, double slip_speed) const {
   ExternalForce force;
