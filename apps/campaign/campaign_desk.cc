@@ -12,10 +12,6 @@ namespace tenon::apps {
 CampaignDesk::CampaignDesk(CampaignSchedule& schedule, CampaignTable& table, std::size_t done)
     : schedule_(schedule), table_(table), before_(done) {}
 
-bool CampaignDesk::Stopped() const {
-  return failure_ || interrupted_ || SignalGuard::caught() != 0;
-}
-
 bool CampaignDesk::closed() {
   const std::lock_guard lock(mutex_);
   return Stopped() || schedule_.finished();

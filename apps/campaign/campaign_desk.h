@@ -29,7 +29,7 @@ class CampaignDesk {
   void Close();
 
  private:
-  bool Stopped() const;
+  bool Stopped() const { return failure_ || interrupted_ || SignalGuard::caught() != 0; }
   std::optional<double> Share() const;  ///< completed share of all runs, if their number is known
   std::string Text() const;
 

@@ -13,18 +13,6 @@ void DemandFactors(const std::map<std::string, double>& sets) {
 
 }  // namespace
 
-FieldList Variation::Fields() {
-  return {{"grid", &Variation::grid},
-          {"linspace", &Variation::linspace},
-          {"list", &Variation::list},
-          {"choices", &Variation::choices},
-          {"uniform", &Variation::uniform},
-          {"normal", &Variation::normal},
-          {"lognormal", &Variation::lognormal},
-          {"sobol", &Variation::sobol},
-          {"sets", &Variation::sets}};
-}
-
 void Variation::Validate() const {
   const int ways = !grid.empty() + linspace.has_value() + !list.empty() + !choices.empty() +
                    uniform.has_value() + normal.has_value() + lognormal.has_value() + sobol.has_value();
@@ -81,24 +69,6 @@ void Optimisation::Validate() const {
 void QuantileGoal::Validate() const {
   if (at_most.has_value() == at_least.has_value())
     throw ParameterError(fmt::format("the goal of {} needs either at_most or at_least", figure));
-}
-
-FieldList CampaignFile::Fields() {
-  return {Required("app", &CampaignFile::app),
-          Required("scenario", &CampaignFile::scenario),
-          {"description", &CampaignFile::description},
-          Field("duration_s", &CampaignFile::duration_s).Positive(),
-          {"seeds", &CampaignFile::seeds},
-          {"set", &CampaignFile::set},
-          {"vary", &CampaignFile::vary},
-          Field("wall_limit_s", &CampaignFile::wall_limit_s).Positive(),
-          {"estimate", &CampaignFile::estimate},
-          Field("interval_width", &CampaignFile::interval_width).Between(1e-4, 1),
-          Field("confidence", &CampaignFile::confidence).Above(0).Below(1),
-          {"limit", &CampaignFile::limit},
-          {"optimise", &CampaignFile::optimise},
-          {"goals", &CampaignFile::goals},
-          {"worst_by", &CampaignFile::worst_by}};
 }
 
 void CampaignFile::Validate() const {

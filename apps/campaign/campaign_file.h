@@ -21,7 +21,17 @@ struct Variation {
   /// Keys that are set to the value times a factor; empty: the key of the variation itself.
   std::map<std::string, double> sets;
 
-  static FieldList Fields();
+  static FieldList Fields() {
+    return {{"grid", &Variation::grid},
+            {"linspace", &Variation::linspace},
+            {"list", &Variation::list},
+            {"choices", &Variation::choices},
+            {"uniform", &Variation::uniform},
+            {"normal", &Variation::normal},
+            {"lognormal", &Variation::lognormal},
+            {"sobol", &Variation::sobol},
+            {"sets", &Variation::sets}};
+  }
   void Validate() const;  ///< throws ParameterError
 
   /// Returns whether the variation multiplies the points instead of drawing one value for each seed.
@@ -146,7 +156,23 @@ struct CampaignFile {
   std::vector<QuantileGoal> goals;  ///< goals that summary.json and the terminal judge
   std::string worst_by;             ///< figure whose largest values are listed; default: the first error
 
-  static FieldList Fields();
+  static FieldList Fields() {
+    return {Required("app", &CampaignFile::app),
+            Required("scenario", &CampaignFile::scenario),
+            {"description", &CampaignFile::description},
+            Field("duration_s", &CampaignFile::duration_s).Positive(),
+            {"seeds", &CampaignFile::seeds},
+            {"set", &CampaignFile::set},
+            {"vary", &CampaignFile::vary},
+            Field("wall_limit_s", &CampaignFile::wall_limit_s).Positive(),
+            {"estimate", &CampaignFile::estimate},
+            Field("interval_width", &CampaignFile::interval_width).Between(1e-4, 1),
+            Field("confidence", &CampaignFile::confidence).Above(0).Below(1),
+            {"limit", &CampaignFile::limit},
+            {"optimise", &CampaignFile::optimise},
+            {"goals", &CampaignFile::goals},
+            {"worst_by", &CampaignFile::worst_by}};
+  }
   void Validate() const;  ///< throws ParameterError
 };
 

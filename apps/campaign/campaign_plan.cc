@@ -253,14 +253,6 @@ CampaignSchedule::CampaignSchedule(const CampaignPlan& plan, Shard shard, std::s
     for (Sequence& at : sequences_) at.limit = {plan.file().limit->from, plan.file().limit->to};
 }
 
-bool CampaignSchedule::adaptive() const {
-  return plan_.file().limit || plan_.file().estimate == Estimate::kSurvival;
-}
-
-std::optional<std::size_t> CampaignSchedule::Next() {
-  return adaptive() ? NextAdaptive() : NextFixed();
-}
-
 /// Runs all points with the first seed, then with the second, so that an interrupted campaign covers all
 /// points.
 std::optional<std::size_t> CampaignSchedule::NextFixed() {
@@ -339,10 +331,6 @@ bool CampaignSchedule::Decided(const Sequence& at) const {
   return interval.low > file.limit->probability || interval.high < file.limit->probability;
 }
 
-bool CampaignSchedule::finished() const {
-  return adaptive() ? open_ == 0 : cursor_ >= plan_.size() && started_.empty();
-}
-
 bool CampaignSchedule::Counts(std::size_t run) const {
   if (!adaptive()) return run < plan_.size();
   const auto found = counted_.find({plan_.PointOf(run), plan_.LevelOf(run)});
@@ -353,10 +341,6 @@ std::optional<std::size_t> CampaignSchedule::total() const {
   if (adaptive()) return {};
   const std::size_t rest = plan_.size() % shard_.count;
   return plan_.size() / shard_.count + (shard_.index <= rest ? 1 : 0);
-}
-
-CampaignSchedule::Limit CampaignSchedule::LimitAt(std::size_t point) const {
-  return sequences_[point].limit;
 }
 
 }  // namespace tenon::apps

@@ -101,13 +101,13 @@ class CampaignSchedule {
   CampaignSchedule(const CampaignPlan& plan, Shard shard, std::size_t ahead);
 
   /// Returns the next run to start; empty if all are started or done.
-  std::optional<std::size_t> Next();
+  std::optional<std::size_t> Next() { return adaptive() ? NextAdaptive() : NextFixed(); }
   /// Records the result of a run of this or an earlier process.
   void Done(std::size_t run, bool survived);
   /// Records that a started run has no result and is not run again. Returns whether the campaign can be
   /// finished without it.
   bool Lost(std::size_t run);
-  bool finished() const;
+  bool finished() const { return adaptive() ? open_ == 0 : cursor_ >= plan_.size() && started_.empty(); }
   /// Returns whether a run belongs to the campaign. Valid once the schedule is finished.
   bool Counts(std::size_t run) const;
   /// Returns the number of runs of this part, if it is known in advance.
@@ -117,7 +117,7 @@ class CampaignSchedule {
   struct Limit {
     double survives = 0, fails = 0;
   };
-  Limit LimitAt(std::size_t point) const;
+  Limit LimitAt(std::size_t point) const { return sequences_[point].limit; }
 
  private:
   /// The state of a point, whose seeds are judged in order at one value.
@@ -130,7 +130,7 @@ class CampaignSchedule {
     int steps = 0;             ///< completed bisection steps
     Limit limit{};
   };
-  bool adaptive() const;
+  bool adaptive() const { return plan_.file().limit || plan_.file().estimate == Estimate::kSurvival; }
   void Judge(std::size_t point);
   bool Decided(const Sequence& at) const;
   std::optional<std::size_t> NextFixed();

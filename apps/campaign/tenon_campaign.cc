@@ -144,8 +144,6 @@ std::string CommandOf(const CampaignArguments& arguments, const fs::path& direct
   return command;
 }
 
-constexpr const char* kBeginAnew = "choose another --out";
-
 int Replay(const CampaignArguments& arguments, const YamlDocument& file, const CampaignPlan& plan,
            const CampaignRunner& runner, const fs::path& directory) {
   const std::size_t run = *arguments.replay;
@@ -266,7 +264,7 @@ int RunCampaign(const CampaignArguments& arguments, const YamlDocument& file, co
         fmt::format("'{}' holds {} runs, which are never overwritten: continue them with --resume, or choose "
                     "another --out, such as {}",
                     table_file.string(), done, ShellQuoted(NewDirectory(directory).string())));
-  if (resumes) DemandSameInputs(directory, inputs, kBeginAnew);
+  if (resumes) DemandSameInputs(directory, inputs, "choose another --out");
   const std::string campaign = CampaignText(file);
   std::error_code not_equivalent;
   if (fs::equivalent(directory / "campaign.yaml", file.name(), not_equivalent) &&
@@ -377,12 +375,9 @@ int Run(const CampaignArguments& arguments) {
       return kRan;
     }
     return RunCampaign(arguments, file, plan, runner, shard, directory, &mpi);
-  } catch (const OutputError& error) {
-    Say(fmt::format("tenon-campaign: {}\n", error.what()));
-    mpi.Abort(kOutputFailed);
   } catch (const std::exception& error) {
     Say(fmt::format("tenon-campaign: {}\n", error.what()));
-    mpi.Abort(kBadUsage);
+    mpi.Abort(dynamic_cast<const OutputError*>(&error) != nullptr ? kOutputFailed : kBadUsage);
   }
 }
 

@@ -54,9 +54,7 @@ int CdprApp::Run(int argc, char** argv) const {
   const ScenarioApp app = AsScenarioApp();
   CommandLine line(app.description, ProgramName(argv));
   CommonArguments arguments;
-  AddCommonArguments(line, arguments);
-  AddLiveArguments(line, arguments);
-  AddFigureArgument(line, app, arguments);
+  AddAppArguments(line, app, arguments);
   std::string controller;
   bool compare = false;
   line.Add("--controller", &controller,

@@ -15,20 +15,6 @@
 
 namespace tenon::apps {
 
-FieldList CdprSensors::Fields() {
-  using S = CdprSensors;
-  return {{"cables", &S::cables}, {"pose", &S::pose}, {"imu", &S::imu}};
-}
-
-FieldList CdprHardware::Fields() {
-  using S = CdprHardware;
-  return {{"description", &S::description},
-          {"winches", &S::winches},
-          {"link", &S::link},
-          {"calculation", &S::calculation},
-          {"sensors", &S::sensors}};
-}
-
 void SetHardware(const YamlFile& what, CdprLoopParams& loop) {
   CdprHardware hardware = LoadResource("hardware/cdpr", what).Read<CdprHardware>();
   auto& [cables, pose, imu] = hardware.sensors;

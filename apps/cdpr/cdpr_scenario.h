@@ -17,7 +17,10 @@ struct CdprSensors {
   Delayed<PoseSensorParams> pose;                     ///< residual errors of the calibration
   Delayed<ImuErrorsParams> imu;                       ///< errors that differ from unit to unit
 
-  static FieldList Fields();
+  static FieldList Fields() {
+    using S = CdprSensors;
+    return {{"cables", &S::cables}, {"pose", &S::pose}, {"imu", &S::imu}};
+  }
 };
 
 /// A cable robot's hardware, in files such as plants/hardware/cdpr/standard.yaml. Values that are not given
@@ -29,7 +32,14 @@ struct CdprHardware {
   SlowOptions calculation;                                         ///< duration of a solve of the MPC
   CdprSensors sensors;
 
-  static FieldList Fields();
+  static FieldList Fields() {
+    using S = CdprHardware;
+    return {{"description", &S::description},
+            {"winches", &S::winches},
+            {"link", &S::link},
+            {"calculation", &S::calculation},
+            {"sensors", &S::sensors}};
+  }
   void Validate() const { Demand(link.delay <= 1, "link.delay_s must be at most 1 s"); }
 };
 

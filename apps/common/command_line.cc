@@ -107,7 +107,7 @@ void AddScenarioArguments(CommandLine& line, CommonArguments& arguments) {
            "list all keys of scenarios with their defaults and stop; checks SCENARIO first, if given");
 }
 
-void AddCommonArguments(CommandLine& line, CommonArguments& arguments) {
+void AddAppArguments(CommandLine& line, const ScenarioApp& app, CommonArguments& arguments) {
   AddScenarioArguments(line, arguments);
   line.Add("--duration", &arguments.duration, "simulated time [s] (default: the scenario's)",
            {.range = OptionRange::kPositive});
@@ -119,11 +119,7 @@ void AddCommonArguments(CommandLine& line, CommonArguments& arguments) {
       "Ctrl-C ends a run after writing complete files; a second Ctrl-C ends it at once.\n"
       "Exit codes: 0 finished; 2 invalid usage or scenario; 3 fell, broke a forbidden limit, or exceeded "
       "what drives, ground, cables or bodies can do; 4 numerical failure; 5 a file could not be written; "
-      "130, "
-      "143 stopped by Ctrl-C, SIGTERM.");
-}
-
-void AddLiveArguments(CommandLine& line, CommonArguments& arguments) {
+      "130, 143 stopped by Ctrl-C, SIGTERM.");
   line.Add("--live{8080}", &arguments.live,
            "show and steer the run in a browser; --live PORT, default 8080 or the next free port",
            {.range = OptionRange::kPort});
@@ -139,9 +135,6 @@ void AddLiveArguments(CommandLine& line, CommonArguments& arguments) {
            "publish the robot in ROS 2, and take /cmd_vel and /joy, in real time; --ros2=INTERFACE[,DOMAIN], "
            "default as ROS 2 chooses");
   line.Add("--mcap", &arguments.mcap, "record the messages of ROS 2 in run.mcap in the output directory");
-}
-
-void AddFigureArgument(CommandLine& line, const ScenarioApp& app, CommonArguments& arguments) {
   if (app.figures.empty()) return;
   line.Add(
       fmt::format("--figure{{{}}}", kListFigures), &arguments.figure,
@@ -309,9 +302,7 @@ FieldList AppScenario::With(FieldList own) {
 int RunApp(const ScenarioApp& app, int argc, char** argv) {
   CommandLine line(app.description, ProgramName(argv));
   CommonArguments arguments;
-  AddCommonArguments(line, arguments);
-  AddLiveArguments(line, arguments);
-  AddFigureArgument(line, app, arguments);
+  AddAppArguments(line, app, arguments);
   return RunMain(line, argc, argv, [&]() -> int {
     if (const auto code = RunInstead(arguments, app)) return *code;
     return RunLive(arguments, [&](const CommonArguments& now, const RunOptions& options) {

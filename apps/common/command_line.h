@@ -72,14 +72,8 @@ struct CommonArguments {
 /// Adds the arguments that select a scenario to an app's command line.
 void AddScenarioArguments(CommandLine& line, CommonArguments& arguments);
 
-/// Adds the arguments that select a scenario and those of its output.
-void AddCommonArguments(CommandLine& line, CommonArguments& arguments);
-
-/// Adds --live, --live-address, --replay, --ros2 and --mcap, for apps that run one scenario.
-void AddLiveArguments(CommandLine& line, CommonArguments& arguments);
-
-/// Adds --figure, for an app with `figures` (see ScenarioApp).
-void AddFigureArgument(CommandLine& line, const ScenarioApp& app, CommonArguments& arguments);
+/// Adds the arguments of an app that runs one scenario, with --figure if the app has `figures`.
+void AddAppArguments(CommandLine& line, const ScenarioApp& app, CommonArguments& arguments);
 
 /// Returns the output directory, --out or out/SCENARIO, and the file of --graph.
 RunOptions OptionsOf(const CommonArguments& arguments);

@@ -66,7 +66,9 @@ class Outputs {
   /// Adds a log with a sink of your own, and calls `judge` at the end of the run, to set figures from what
   /// the sink has collected.
   void Judge(Rate rate, std::vector<const Source*> signals, std::shared_ptr<LogSink> sink,
-             std::function<void(Summary&)> judge);
+             std::function<void(Summary&)> judge) {
+    judged_.push_back({rate, std::move(signals), std::move(sink), std::move(judge)});
+  }
 
   /// Adds the logs to the simulator of the built diagram.
   void AddTo(Simulator& simulator) const;

@@ -52,10 +52,6 @@ void ProgressLine::End(std::optional<double> share, const std::string& text) {
   if (terminal_) Say("\n");
 }
 
-double ProgressLine::elapsed() const {
-  return std::chrono::duration<double>(Clock::now() - begin_).count();
-}
-
 void ProgressSink::Row(std::span<const double> row) {
   time_ = row[0];
   if (line_.due()) line_.Show(share(), Text());
@@ -239,13 +235,6 @@ RunOutcome LiveSession::Advance(Simulator& simulator, const LiveView& view, doub
   RunOutcome outcome = Observe(simulator, [&] { return server_->Run(simulator, view, options_.duration); });
   server_->options().stop = nullptr;
   return outcome;
-}
-
-std::optional<std::uint64_t> LiveSession::reset_seed() const {
-  return server_ ? server_->reset_seed() : std::nullopt;
-}
-std::optional<std::uint64_t> LiveSession::replay_seed() const {
-  return recording_ ? std::optional(recording_->seed) : std::nullopt;
 }
 
 }  // namespace tenon::apps

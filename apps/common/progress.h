@@ -20,7 +20,8 @@ class ProgressLine {
   void Show(std::optional<double> share, const std::string& text);
   /// Shows the final line. Without a terminal, prints it only after other lines.
   void End(std::optional<double> share, const std::string& text);
-  double elapsed() const;  ///< since construction [s]
+  /// Time since construction [s].
+  double elapsed() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
   bool terminal() const { return terminal_; }
 
  private:
@@ -37,7 +38,6 @@ class ProgressSink final : public LogSink {
   /// `duration` of the run [s]; `name` of one of several runs, such as "run 3 of 64".
   explicit ProgressSink(double duration, const std::string& name = {})
       : prefix_(name.empty() ? "" : name + ": "), duration_(duration) {}
-  void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void Row(std::span<const double> row) override;
   void Flush() override;
 
@@ -110,9 +110,11 @@ class LiveSession {
   RunOutcome Advance(Simulator& simulator, const LiveView& view, double duration,
                      const std::filesystem::path& out);
   /// The seed of the next run, if this one ended by a reset.
-  std::optional<std::uint64_t> reset_seed() const;
+  std::optional<std::uint64_t> reset_seed() const { return server_ ? server_->reset_seed() : std::nullopt; }
   /// The seed of the recording, if there is one.
-  std::optional<std::uint64_t> replay_seed() const;
+  std::optional<std::uint64_t> replay_seed() const {
+    return recording_ ? std::optional(recording_->seed) : std::nullopt;
+  }
 
  private:
   LiveSessionOptions options_;

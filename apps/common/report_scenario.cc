@@ -7,19 +7,19 @@
 
 namespace tenon::apps {
 
-void ReportScenario::Validate() const {
+static void CheckCount(std::size_t count, const std::string& what) {
   static constexpr std::size_t kMost = 1000;  // larger pages are unreadable and too slow
-  const auto demand = [](std::size_t count, const std::string& what) {
-    if (count > kMost)
-      throw ParameterError(
-          fmt::format("{} has {} entries, but at most {} are allowed: remove some", what, count, kMost));
-  };
-  demand(plots.size(), "plots");
-  demand(events.size(), "events");
-  demand(bands.size(), "bands");
+  Demand(count <= kMost,
+         fmt::format("{} has {} entries, but at most {} are allowed: remove some", what, count, kMost));
+}
+
+void ReportScenario::Validate() const {
+  CheckCount(plots.size(), "plots");
+  CheckCount(events.size(), "events");
+  CheckCount(bands.size(), "bands");
   for (std::size_t i = 0; i < plots.size(); ++i) {
-    demand(plots[i].signals.size(), fmt::format("plots.{}.signals", i));
-    demand(plots[i].references.size(), fmt::format("plots.{}.references", i));
+    CheckCount(plots[i].signals.size(), fmt::format("plots.{}.signals", i));
+    CheckCount(plots[i].references.size(), fmt::format("plots.{}.references", i));
   }
 }
 
@@ -40,10 +40,7 @@ FieldList CommonScenario::With(const FieldList& own) {
 }
 
 void LogScenario::Validate() const {
-  static constexpr std::size_t kMost = 1000;
-  if (signals.size() > kMost)
-    throw ParameterError(fmt::format("signals has {} entries, but at most {} are allowed: remove some",
-                                     signals.size(), kMost));
+  CheckCount(signals.size(), "signals");
 }
 
 namespace {

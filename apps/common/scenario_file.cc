@@ -69,32 +69,18 @@ void ForEachFile(const internal::TypeInfo& type, void* value, const std::string&
                  const std::function<void(const std::string& key, YamlFile& file)>& visit) {
   using Kind = internal::TypeInfo::Kind;
   const auto below = [&](const std::string& name) { return key.empty() ? name : key + "." + name; };
-  const auto items = [&](void* first, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i)
-      ForEachFile(type.item(), static_cast<std::byte*>(first) + i * type.item().size,
-                  below(std::to_string(i)), visit);
-  };
-  std::size_t rows = 0, cols = 0;
-  switch (type.kind) {
-    case Kind::kStruct:
-      for (const Field& field : type.fields)
-        ForEachFile(field.type(), static_cast<std::byte*>(value) + field.offset, below(field.name), visit);
-      return;
-    case Kind::kArray:
-      return items(value, type.count);
-    case Kind::kList:
-      type.shape(value, &rows, &cols);
-      return items(type.data(value), rows);
-    case Kind::kOptional:
-      type.shape(value, &rows, &cols);
-      if (rows > 0) ForEachFile(type.item(), type.data(value), key, visit);
-      return;
-    case Kind::kOpaque:
-      if (*type.id == typeid(YamlFile)) visit(key, *static_cast<YamlFile*>(value));
-      return;
-    default:
-      return;
-  }
+  if (type.kind == Kind::kOpaque && *type.id == typeid(YamlFile)) visit(key, *static_cast<YamlFile*>(value));
+  if (type.kind == Kind::kStruct)
+    for (const Field& field : type.fields)
+      ForEachFile(field.type(), static_cast<std::byte*>(value) + field.offset, below(field.name), visit);
+  const bool optional = type.kind == Kind::kOptional;
+  if (!optional && type.kind != Kind::kArray && type.kind != Kind::kList) return;
+  std::size_t count = type.count, cols = 1;
+  if (type.kind != Kind::kArray) type.shape(value, &count, &cols);
+  void* const first = type.kind == Kind::kArray || count == 0 ? value : type.data(value);
+  for (std::size_t i = 0; i < count; ++i)
+    ForEachFile(type.item(), static_cast<std::byte*>(first) + i * type.item().size,
+                optional ? key : below(std::to_string(i)), visit);
 }
 
 }  // namespace

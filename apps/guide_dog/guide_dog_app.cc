@@ -22,21 +22,6 @@ LiveControls::Goal PersonGoalOf(const Person& person) {
           }};
 }
 
-/// Adds the diagram of a scenario to the builder, see AddDiagram. `observer` receives the observer of its
-/// parameters.
-GuideDog& AddGuideDog(DiagramBuilder& builder, const GuideDogScenario& scenario,
-                      const Customisation<GuideDog>& customisation, Outputs& outputs,
-                      std::vector<const Source*>& faults, ObserverKind& observer) {
-  const auto params = [&] {
-    GuideDogParams made = MakeGuideDogParams(scenario);
-    observer = made.observer.kind;
-    return made;
-  };
-  auto& loop = AddDiagram(builder, params, customisation, scenario, outputs, faults);
-  CheckObserver(scenario.observer, loop);
-  return loop;
-}
-
 RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& options,
                       const Customisation<GuideDog>& customisation) {
   const double duration = Duration(scenario);
@@ -45,8 +30,11 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
   DiagramBuilder builder;
   Outputs outputs(builder);
   std::vector<const Source*> faults;
-  ObserverKind observer{};
-  auto& loop = AddGuideDog(builder, scenario, customisation, outputs, faults, observer);
+  const GuideDogParams params = Blame("", [&] { return MakeGuideDogParams(scenario); });
+  const ObserverKind observer = params.observer.kind;
+  auto& loop = AddDiagram(
+      builder, [&] { return params; }, customisation, scenario, outputs, faults);
+  CheckObserver(scenario.observer, loop);
   std::optional<QuadrupedLive> live;
   if (options.live) Blame("forces", [&] { live.emplace(builder, loop.world, &loop.walk, scenario.live); });
   Ros2Outputs ros2(builder, options);
@@ -107,8 +95,8 @@ ScenarioApp GuideDogApp::AsScenarioApp() const {
     DiagramBuilder builder;
     Outputs outputs(builder);
     std::vector<const Source*> faults;
-    ObserverKind observer{};
-    AddGuideDog(builder, scenario, customisation, outputs, faults, observer);
+    const auto params = [&] { return MakeGuideDogParams(scenario); };
+    CheckObserver(scenario.observer, AddDiagram(builder, params, customisation, scenario, outputs, faults));
   };
   ScenarioApp app =
       MakeApp("tenon-guide-dog", "Lets a quadruped lead a person on a leash and reports how well it did.",
@@ -120,10 +108,6 @@ ScenarioApp GuideDogApp::AsScenarioApp() const {
     });
   };
   return app;
-}
-
-int GuideDogApp::Run(int argc, char** argv) const {
-  return RunApp(AsScenarioApp(), argc, argv);
 }
 
 /// The main function of tenon-guide-dog.

@@ -9,7 +9,7 @@ namespace tenon::apps {
 class GuideDogApp : public Customisable<GuideDogApp, GuideDog> {
  public:
   /// The main function, see RunApp.
-  int Run(int argc, char** argv) const;
+  int Run(int argc, char** argv) const { return RunApp(AsScenarioApp(), argc, argv); }
   /// Returns the app for campaigns.
   ScenarioApp AsScenarioApp() const;
 };

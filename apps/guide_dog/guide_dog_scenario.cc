@@ -13,26 +13,6 @@ QuadrupedScenario WithoutPerson(const GuideDogScenario& scenario) {
 
 }  // namespace
 
-FieldList GuideDogTask::Fields() {
-  using T = GuideDogTask;
-  return Task::Fields() +
-         FieldList{Field("crossing_s", &T::crossing).Positive(), Field("stop_s", &T::stop).Positive(),
-                   Field("restart_s", &T::restart).Positive(), Field("heading_deg", &T::heading).Positive()};
-}
-
-FieldList GuideDogScenario::Fields() {
-  using S = GuideDogScenario;
-  return LeggedScenario::Fields() + FieldList{Required("walk", &S::walk),
-                                              {"observer", &S::observer},
-                                              {"supervisor", &S::supervisor},
-                                              {"admittance", &S::admittance},
-                                              Required("person", &S::person),
-                                              {"leash", &S::leash},
-                                              {"surroundings", &S::surroundings},
-                                              {"task", &S::task},
-                                              Field("log_rate_hz", &S::log_rate_hz).In(Rates())};
-}
-
 double Duration(const GuideDogScenario& scenario) {
   return Duration(WithoutPerson(scenario));
 }

@@ -12,7 +12,13 @@ struct GuideDogTask : Task {
   double restart = 15;  ///< time after the last pull until the robot walks along it for 1 s [s]
   double heading = 5;   ///< deviation of its heading from the pull, then and at the end [deg]
 
-  static FieldList Fields();
+  static FieldList Fields() {
+    using T = GuideDogTask;
+    return Task::Fields() + FieldList{Field("crossing_s", &T::crossing).Positive(),
+                                      Field("stop_s", &T::stop).Positive(),
+                                      Field("restart_s", &T::restart).Positive(),
+                                      Field("heading_deg", &T::heading).Positive()};
+  }
 };
 
 /// Scenario of tenon-guide-dog, read from a YAML file. With `scale_forces`, the forces and stiffnesses of the
@@ -28,7 +34,18 @@ struct GuideDogScenario : LeggedScenario {
   GuideDogTask task;                    ///< task, without which the case is not finished
   double log_rate_hz = 100;             ///< sample rate of signals.csv
 
-  static FieldList Fields();
+  static FieldList Fields() {
+    using S = GuideDogScenario;
+    return LeggedScenario::Fields() + FieldList{Required("walk", &S::walk),
+                                                {"observer", &S::observer},
+                                                {"supervisor", &S::supervisor},
+                                                {"admittance", &S::admittance},
+                                                Required("person", &S::person),
+                                                {"leash", &S::leash},
+                                                {"surroundings", &S::surroundings},
+                                                {"task", &S::task},
+                                                Field("log_rate_hz", &S::log_rate_hz).In(Rates())};
+  }
 };
 
 /// Simulated time [s].

@@ -28,7 +28,6 @@ struct Identification::Sample {
 /// The rows of the log as samples; the signals follow each other as the members do.
 class Identification::Samples final : public LogSink {
  public:
-  void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void Row(std::span<const double> row) override {
     Sample& sample = all.emplace_back();
     numbers_.resize(internal::CountScalars(internal::TypeInfoOf<Sample>(), &sample));  // 0 for commands

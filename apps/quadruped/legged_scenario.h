@@ -26,7 +26,15 @@ struct DriveRatings : DriveErrorsParams {
   std::optional<double> bandwidth;  ///< bandwidth of the torque; empty: ideal
   bool limit_speed = false;         ///< limits the torque by the torque-speed line
 
-  static FieldList Fields();
+  static FieldList Fields() {
+    using S = DriveRatings;
+    return DriveErrorsParams::Fields() +
+           FieldList{Field("rotor_acceleration_rad_per_s2", &S::rotor_acceleration).Positive(),
+                     Field("friction_ratio", &S::friction_ratio).Between(0, 1),
+                     Field("damping_ratio", &S::damping_ratio).Between(0, 1),
+                     Field("bandwidth_hz", &S::bandwidth).Between(0.1, 1e6),
+                     {"limit_speed", &S::limit_speed}};
+  }
 };
 
 /// A quadruped's hardware, in files such as plants/hardware/legged/standard.yaml. Values that are not given
@@ -38,7 +46,14 @@ struct QuadrupedHardware {
   SlowOptions calculation;                                       ///< duration of a solve of the MPC
   QuadrupedSensors sensors;
 
-  static FieldList Fields();
+  static FieldList Fields() {
+    using S = QuadrupedHardware;
+    return {{"description", &S::description},
+            {"drives", &S::drives},
+            {"link", &S::link},
+            {"calculation", &S::calculation},
+            {"sensors", &S::sensors}};
+  }
   void Validate() const { Demand(link.delay <= 1, "link.delay_s must be at most 1 s"); }
 };
 
@@ -194,7 +209,24 @@ struct LeggedScenario : CommonScenario {
   bool scale_forces = false;
   std::optional<YamlText> custom;  ///< keys of a customised program, see Customisable
 
-  static FieldList Fields();
+  static FieldList Fields() {
+    using S = LeggedScenario;
+    return With({{"robot", &S::robot},
+                 Field("duration_s", &S::duration_s).Positive(),
+                 {"profile", &S::profile},
+                 {"terrain", &S::terrain},
+                 {"forces", &S::forces},
+                 {"faults", &S::faults},
+                 {"hardware", &S::hardware},
+                 {"sensors", &S::sensors},
+                 {"fall", &S::fall},
+                 {"live", &S::live},
+                 {"limit_speed", &S::limit_speed},
+                 {"dynamics", &S::dynamics},
+                 {"integrator", &S::integrator},
+                 {"scale_forces", &S::scale_forces},
+                 {"custom", &S::custom}});
+  }
 };
 
 /// Judges whether a walk follows its path. A live run is not judged.

@@ -140,12 +140,7 @@ static const OutputPort<FootForces>& AddFootForces(DiagramBuilder& builder, cons
       "foot_forces", Uses(last_state, *feet[0], *feet[1], *feet[2], *feet[3]),
       [](const LeggedState& x, const Vec<3>& fl, const Vec<3>& fr, const Vec<3>& rl, const Vec<3>& rr) {
         const Eigen::Matrix3d R_WB = x.R_WB();
-        FootForces forces;
-        forces.front_left = R_WB * fl;
-        forces.front_right = R_WB * fr;
-        forces.rear_left = R_WB * rl;
-        forces.rear_right = R_WB * rr;
-        return forces;
+        return FootForces{R_WB * fl, R_WB * fr, R_WB * rl, R_WB * rr};
       });
 }
 

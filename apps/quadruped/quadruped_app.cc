@@ -230,9 +230,7 @@ int QuadrupedApp::Run(int argc, char** argv) const {
   const ScenarioApp app = AsScenarioApp();
   CommandLine line(app.description, ProgramName(argv));
   CommonArguments arguments;
-  AddCommonArguments(line, arguments);
-  AddLiveArguments(line, arguments);
-  AddFigureArgument(line, app, arguments);
+  AddAppArguments(line, app, arguments);
   WalkArguments walk;
   AddWalkArguments(line, walk);
   return RunMain(line, argc, argv, [&]() -> int {

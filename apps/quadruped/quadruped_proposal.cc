@@ -67,7 +67,7 @@ class Proposal {
 
   QuadrupedProposal Make() {
     if (!stands())
-      Fail(
+      file_.Fail(
           "joint '{}': no angles of the leg's joints within their ranges bring the foot '{}' below the hip, "
           "where '{}' of '{}' points up; correct the ranges, or set another axis by --up",
           legs_[static_cast<std::size_t>(stands_)][1]->name, feet_[static_cast<std::size_t>(stands_)].link,
@@ -77,10 +77,6 @@ class Proposal {
   }
 
  private:
-  template <class... Args>
-  [[noreturn]] void Fail(fmt::format_string<Args...> format, Args&&... args) const {
-    file_.Fail(fmt::format(format, std::forward<Args>(args)...));
-  }
   template <class... Args>
   void Note(fmt::format_string<Args...> format, Args&&... args) {
     notes_.push_back(fmt::format(format, std::forward<Args>(args)...));
@@ -131,7 +127,7 @@ class Proposal {
     if (far(frame)) return frame;
     if (const std::optional<Foot> tip = TipOfMeshes(shank)) return *tip;
     if (!shank.inertia || !(shank.inertia->mass > 0))
-      Fail(
+      file_.Fail(
           "link '{}', below the knee '{}', has no foot: no frame on a fixed joint, no sphere among its "
           "collision shapes, no mesh that can be read, no mass; add a link by a fixed joint at the centre of "
           "the foot",

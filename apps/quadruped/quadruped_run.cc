@@ -200,20 +200,23 @@ std::map<std::size_t, int> BodiesOf(const QuadrupedPlant& plant) {
 
 }  // namespace
 
+/// Adds the block through which the command of a walk is overridden.
+static WalkDrive& AddDrive(DiagramBuilder& builder, const std::string& name, WalkSchedule& walk) {
+  const WalkScheduleParams& planned = CurrentAs<LeafSystem<WalkScheduleParams>>(walk).params;
+  auto& drive = builder.Add<WalkDrive>(name, {.acceleration = planned.acceleration,
+                                              .yaw_acceleration = planned.yaw_acceleration,
+                                              .rate = planned.rate});
+  builder.Insert(walk.command, drive.planned, drive.command);
+  return drive;
+}
+
 QuadrupedLive::QuadrupedLive(DiagramBuilder& builder, QuadrupedWorld& world, WalkSchedule* walk,
                              const LiveScenario& limits)
     : limits_(limits),
       world_(world),
       pull_(builder.Add<SpringPull>("live_pull", SpringPullParams{.robot = ParamsOf(world.plant).robot})),
       load_(builder.Add<SlidingLoad>("live_load", LoadOn(world.plant))) {
-  if (walk != nullptr) {
-    const WalkScheduleParams& planned = CurrentAs<LeafSystem<WalkScheduleParams>>(*walk).params;
-    drive_ =
-        &builder.Add<WalkDrive>("live_drive", WalkDriveParams{.acceleration = planned.acceleration,
-                                                              .yaw_acceleration = planned.yaw_acceleration,
-                                                              .rate = planned.rate});
-    builder.Insert(walk->command, drive_->planned, drive_->command);
-  }
+  if (walk != nullptr) drive_ = &AddDrive(builder, "live_drive", *walk);
   builder.Connect(world.plant.state, pull_.state);
   builder.Connect(world.plant.state, load_.robot);
   acts_ = FindCurrent(world.plant.external) != nullptr && KnowsLimits<QuadrupedPlantParams>(world.plant);
@@ -364,13 +367,7 @@ void AddRos2(DiagramBuilder& builder, Ros2Outputs& outputs, const LeggedScenario
   };
   const OutputPort<VelocityCommand>* velocity = outputs.VelocityIn(ends(0), ends(1));
   if (velocity == nullptr) return;
-  if (drive == nullptr) {
-    const WalkScheduleParams& planned = CurrentAs<LeafSystem<WalkScheduleParams>>(walk.walk).params;
-    drive = &builder.Add<WalkDrive>("ros2_drive", {.acceleration = planned.acceleration,
-                                                   .yaw_acceleration = planned.yaw_acceleration,
-                                                   .rate = planned.rate});
-    builder.Insert(walk.walk.command, drive->planned, drive->command);
-  }
+  if (drive == nullptr) drive = &AddDrive(builder, "ros2_drive", walk.walk);
   builder.Connect(*velocity, drive->request);
 }
 

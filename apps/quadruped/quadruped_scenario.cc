@@ -8,40 +8,13 @@
 
 namespace tenon::apps {
 
-void RandomForceScenario::Validate() const {
-  Demand(std::isfinite(upper_N) && upper_N >= lower_N,
-         fmt::format("upper_N = {} must not be below lower_N = {}", upper_N, lower_N));
-}
-
 RigidInertia TrunkLoadScenario::Make() const {
   return UniformBoxInertia(mass_kg, position_m, edges_m);
 }
 
-FieldList WalkTask::Fields() {
-  return Task::Fields() + FieldList{{"arrives", &WalkTask::arrives}};
-}
-
-FieldList QuadrupedScenario::Fields() {
-  using S = QuadrupedScenario;
-  return LeggedScenario::Fields() + FieldList{Field("start_height_m", &S::start_height_m)
-                                                  .AtLeast(0)
-                                                  .Because("below 0 the feet start in the ground"),
-                                              {"pd", &S::pd},
-                                              {"walk", &S::walk},
-                                              {"deployment", &S::deployment},
-                                              {"observer", &S::observer},
-                                              {"random_forces", &S::random_forces},
-                                              {"ropes", &S::ropes},
-                                              {"payload", &S::payload},
-                                              {"attached", &S::attached},
-                                              {"known_additions", &S::known_additions},
-                                              {"task", &S::task},
-                                              {"compare", &S::compare},
-                                              Field("log_rate_hz", &S::log_rate_hz).In(Rates())};
-}
-
-std::vector<RenamedKey> QuadrupedScenario::Renamed() {
-  return {{"sweep", "forces.0.start_s and forces.0.turn_rad, which a campaign varies, see cases_pushes"}};
+void RandomForceScenario::Validate() const {
+  Demand(std::isfinite(upper_N) && upper_N >= lower_N,
+         fmt::format("upper_N = {} must not be below lower_N = {}", upper_N, lower_N));
 }
 
 void QuadrupedScenario::Validate() const {
@@ -75,25 +48,6 @@ void LiveScenario::Validate() const {
   range("yaw_rad_per_s", yaw_rad_per_s);
 }
 
-FieldList LeggedScenario::Fields() {
-  using S = LeggedScenario;
-  return With({{"robot", &S::robot},
-               Field("duration_s", &S::duration_s).Positive(),
-               {"profile", &S::profile},
-               {"terrain", &S::terrain},
-               {"forces", &S::forces},
-               {"faults", &S::faults},
-               {"hardware", &S::hardware},
-               {"sensors", &S::sensors},
-               {"fall", &S::fall},
-               {"live", &S::live},
-               {"limit_speed", &S::limit_speed},
-               {"dynamics", &S::dynamics},
-               {"integrator", &S::integrator},
-               {"scale_forces", &S::scale_forces},
-               {"custom", &S::custom}});
-}
-
 PathVerdict MakePathVerdict(const WalkScenario& walk, bool live) {
   if (live) return {};
   const WalkSchedule::Extent extent = WalkSchedule(walk.path).extent();
@@ -116,25 +70,6 @@ SimulatorOptions MakeSimulatorOptions(const LeggedScenario& scenario, const Quad
 
 std::string Describe(const LeggedScenario& scenario, double duration) {
   return fmt::format("{}, {:.4g} s, seed {}", ResourceName(scenario.robot), duration, scenario.seed);
-}
-
-FieldList DriveRatings::Fields() {
-  using S = DriveRatings;
-  return DriveErrorsParams::Fields() +
-         FieldList{Field("rotor_acceleration_rad_per_s2", &S::rotor_acceleration).Positive(),
-                   Field("friction_ratio", &S::friction_ratio).Between(0, 1),
-                   Field("damping_ratio", &S::damping_ratio).Between(0, 1),
-                   Field("bandwidth_hz", &S::bandwidth).Between(0.1, 1e6),
-                   {"limit_speed", &S::limit_speed}};
-}
-
-FieldList QuadrupedHardware::Fields() {
-  using S = QuadrupedHardware;
-  return {{"description", &S::description},
-          {"drives", &S::drives},
-          {"link", &S::link},
-          {"calculation", &S::calculation},
-          {"sensors", &S::sensors}};
 }
 
 QuadrupedHardware LoadHardware(const YamlFile& file, const Scale& scale, const SensorChanges& sensors) {

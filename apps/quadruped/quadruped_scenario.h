@@ -63,7 +63,7 @@ struct WalkTask : Task {
   /// Whether a walk must cover its path: the distance between start and end, less the tolerance of the path.
   bool arrives = true;
 
-  static FieldList Fields();
+  static FieldList Fields() { return Task::Fields() + FieldList{{"arrives", &WalkTask::arrives}}; }
 };
 
 /// Scenario of tenon-quadruped, read from a YAML file.
@@ -84,8 +84,27 @@ struct QuadrupedScenario : LeggedScenario {
   std::vector<ObserverKind> compare;  ///< observers that --compare runs; empty: all observers
   double log_rate_hz = 200;           ///< sample rate of signals.csv
 
-  static FieldList Fields();
-  static std::vector<RenamedKey> Renamed();
+  static FieldList Fields() {
+    using S = QuadrupedScenario;
+    return LeggedScenario::Fields() + FieldList{Field("start_height_m", &S::start_height_m)
+                                                    .AtLeast(0)
+                                                    .Because("below 0 the feet start in the ground"),
+                                                {"pd", &S::pd},
+                                                {"walk", &S::walk},
+                                                {"deployment", &S::deployment},
+                                                {"observer", &S::observer},
+                                                {"random_forces", &S::random_forces},
+                                                {"ropes", &S::ropes},
+                                                {"payload", &S::payload},
+                                                {"attached", &S::attached},
+                                                {"known_additions", &S::known_additions},
+                                                {"task", &S::task},
+                                                {"compare", &S::compare},
+                                                Field("log_rate_hz", &S::log_rate_hz).In(Rates())};
+  }
+  static std::vector<RenamedKey> Renamed() {
+    return {{"sweep", "forces.0.start_s and forces.0.turn_rad, which a campaign varies, see cases_pushes"}};
+  }
   void Validate() const;  ///< throws ParameterError
 };
 

@@ -126,7 +126,6 @@ class LastCommands {
 class RoundTrip final : public LogSink {
  public:
   explicit RoundTrip(const DdsInput<UnitreeState>& input) : input_(input) {}
-  void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void Row(std::span<const double> row) override {
     if (row[1] == state_) return;
     state_ = row[1];

@@ -99,10 +99,6 @@ class LegFinder {
 
  private:
   template <class... Args>
-  [[noreturn]] void Fail(fmt::format_string<Args...> format, Args&&... args) const {
-    file_.Fail(fmt::format(format, std::forward<Args>(args)...));
-  }
-  template <class... Args>
   void Note(fmt::format_string<Args...> format, Args&&... args) {
     found_.notes.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
@@ -217,7 +213,7 @@ class LegFinder {
       std::erase_if(chain, [&](const UrdfJoint* joint) { return uses[joint] > 1; });
       by_size[chain.size()].push_back(chain);
     }
-    if (by_size.empty()) Fail("no joint turns, but a quadruped has four legs of three joints");
+    if (by_size.empty()) file_.Fail("no joint turns, but a quadruped has four legs of three joints");
     const auto& [joints, limbs] = *std::ranges::max_element(
         by_size, {}, [](const auto& each) { return std::pair(each.second.size(), each.first); });
     constexpr std::array kWords{"no", "one", "two", "three", "four", "five", "six", "seven", "eight"};
@@ -229,8 +225,8 @@ class LegFinder {
       std::string others;
       for (const UrdfChain& chain : chains_) others += fmt::format("; {} ({})", NamesOf(chain), chain.size());
       if (limbs.size() == chains_.size())
-        Fail("{}, but a quadruped has four legs of three joints; give another robot", kind);
-      Fail(
+        file_.Fail("{}, but a quadruped has four legs of three joints; give another robot", kind);
+      file_.Fail(
           "{}, but a quadruped has four legs of three joints; fix other joints by --lock JOINT=ANGLE. "
           "Chains{}",
           kind, others);
@@ -243,18 +239,18 @@ class LegFinder {
       return nullptr;
     };
     if (const UrdfJoint* knee = joints == 2 ? slides(slides, file_.ChildOf(*limbs[0][0])) : nullptr)
-      Fail(
+      file_.Fail(
           "{}, and a prismatic knee, joint '{}', but the knees of Tenon's quadrupeds turn: make it revolute, "
           "or give another robot",
           kind, knee->name);
     const std::string locks = LocksOf(limbs);
     if (!locks.empty())
-      Fail("{}; if the other joints turn wheels or ankles, or can be fixed, add{}", kind, locks);
+      file_.Fail("{}; if the other joints turn wheels or ankles, or can be fixed, add{}", kind, locks);
     const auto follower =
         std::ranges::find_if(limbs[0], [](const auto* joint) { return joint->mimic.has_value(); });
     const UrdfJoint &first = *limbs[0][0], &second = *limbs[0][std::min<std::size_t>(1, joints - 1)];
     const Vector3d a = AxisOf(first), b = AxisOf(second);
-    Fail(
+    file_.Fail(
         "{}{}, but the legs of Tenon's quadrupeds have abduction, hip pitch and knee, the first at right "
         "angles to the others: joint '{}' turns about ({:.2g}, {:.2g}, {:.2g}) of '{}', joint '{}' about "
         "({:.2g}, {:.2g}, {:.2g}); give another robot",
@@ -346,7 +342,7 @@ class LegFinder {
     for (const UrdfChain& leg : legs) {
       const Vector3d a = AxisOf(*leg[0]);
       if (std::abs(a[along]) < kAlong)
-        Fail(
+        file_.Fail(
             "joint '{}' turns about ({:.2g}, {:.2g}, {:.2g}) of '{}' and joint '{}' about ({:.2g}, {:.2g}, "
             "{:.2g}), but the abduction joints of all legs must turn about the same of its axes, along which "
             "the robot faces; if only the link is turned, fix it to a new root link that is not",
@@ -360,7 +356,7 @@ class LegFinder {
     const Eigen::Index along = FindAlong(legs);
     const auto check = [&](const char* option, const std::optional<LinkAxis>& axis, bool must) {
       if (axis && (IndexOf(*axis) == along) != must)
-        Fail(
+        file_.Fail(
             "{} {}: the abduction joints turn about '{}' of '{}', so that the robot faces along this axis: "
             "write {}, or leave the option out",
             option, EnumName(*axis), EnumName(AxisAt(along, 1)), TrunkName(),
@@ -386,7 +382,7 @@ class LegFinder {
     };
     const Eigen::Index a = (along + 1) % 3, b = (along + 2) % 3;
     if (spread[along] < kBehind * spread.maxCoeff())
-      Fail(
+      file_.Fail(
           "joint '{}' and the first joints of the other legs turn about '{}' of '{}', along which no hips "
           "are behind each other, like those of a spider, but the first joint of a leg must be its "
           "abduction, about the axis along which the robot faces; give another robot",

@@ -102,10 +102,6 @@ std::vector<const Source*> WalkFigures::WithOptions(std::vector<const Source*> s
   return signals;
 }
 
-std::vector<const Source*> WalkFigures::Judged(const QuadrupedWalk& loop) {
-  return WithSolvers(Signals(loop), loop);
-}
-
 std::vector<const Source*> WalkFigures::WithSolvers(std::vector<const Source*> signals,
                                                     const QuadrupedWalk& loop) {
   if (const Source* solves = Solves(loop)) signals.push_back(solves);

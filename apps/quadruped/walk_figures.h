@@ -94,7 +94,9 @@ class WalkFigures final : public LogSink {
     return loop.locomotion.mpc ? FindCurrent(loop.locomotion.mpc->diagnostics) : nullptr;
   }
   /// The signals that must be logged for the figures: Signals with WithSolvers.
-  static std::vector<const Source*> Judged(const QuadrupedWalk& loop);
+  static std::vector<const Source*> Judged(const QuadrupedWalk& loop) {
+    return WithSolvers(Signals(loop), loop);
+  }
   /// `signals` and what the figures need of parts that not every walk has: the wrench of bodies that were
   /// added to the plant, the estimate of the state and its errors.
   static std::vector<const Source*> WithOptions(std::vector<const Source*> signals,

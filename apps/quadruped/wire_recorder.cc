@@ -50,7 +50,6 @@ WireRows ReadWire(const std::filesystem::path& directory, std::size_t columns) {
 class WireRecorder::Check final : public LogSink {
  public:
   explicit Check(const WireRows& recorded) : recorded_(recorded) {}
-  void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void Row(std::span<const double> row) override {
     if (next_ >= recorded_.rows()) return;
     const double* recorded = recorded_.row(next_++);

@@ -12,7 +12,16 @@ struct BrokenCableDetectorParams {
   double share = 0.2;         ///< threshold of the measured over the expected tension
   double least_tension = 20;  ///< dead band: below this expected tension no cable is judged [N]
   double patience = 0.05;     ///< time below the threshold, longer than the lag of a winch [s]
-  void Validate() const;      ///< throws ParameterError
+
+  static FieldList Fields() {
+    using P = BrokenCableDetectorParams;
+    return {Undescribed("num_cables", &P::num_cables).Positive(),
+            Undescribed("reel_damping", &P::reel_damping).AtLeast(0),
+            Undescribed(&P::rate),
+            Undescribed("share", &P::share).Above(0).Below(1),
+            Undescribed("least_tension", &P::least_tension).Positive(),
+            Undescribed("patience", &P::patience).Positive()};
+  }
 };
 
 /// Detects broken cables from measured lengths and tensions. The expected tension of a cable whose length
@@ -48,7 +57,9 @@ class BrokenCableDetector final : public LeafSystem<BrokenCableDetectorParams> {
  private:
   void CalcNext(const CableVector& missing, const CableSignals& cables, const CableVector& command,
                 CableVector* next) const;
-  void CalcBroken(const CableVector& missing, CableVector* broken) const;
+  void CalcBroken(const CableVector& missing, CableVector* broken) const {
+    *broken = (missing.array() >= params.patience).cast<double>();
+  }
 };
 
 }  // namespace tenon

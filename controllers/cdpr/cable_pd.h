@@ -13,8 +13,7 @@ struct CablePdParams {
   DiagonalGains damping_N_s_per_m = 0;  ///< gain K_d of the error of each length's rate
   Rate rate = Hz(1000);
 
-  /// Throws ParameterError unless the gains have one number, or one for each cable.
-  void Validate() const {
+  void Validate() const {  ///< throws ParameterError
     stiffness_N_per_m.CheckSize("stiffness", robot.num_cables(), "cables");
     damping_N_s_per_m.CheckSize("damping", robot.num_cables(), "cables");
   }
@@ -26,10 +25,6 @@ struct CablePdParams {
 ///
 /// with the tensions f* of the static equilibrium at the reference. The thesis prints the opposite sign,
 /// l_des - l, which would slacken a cable that is too long and is unstable.
-///
-/// Ports: input `cables`, the plant's lengths and rates; input `reference`; output `command` [N], sampled,
-/// with one entry per cable. K_p and K_d are diagonal; `stiffness` and `damping` are Parameters: a run can
-/// change them.
 class CablePd final : public LeafSystem<CablePdParams> {
  public:
   using LeafSystem::LeafSystem;

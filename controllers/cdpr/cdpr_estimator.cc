@@ -3,8 +3,6 @@
 #include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
-#include <fmt/core.h>
-
 namespace tenon {
 namespace {
 
@@ -28,12 +26,6 @@ void Apply(const Vector9d& error, PlatformState& platform) {
 }
 
 }  // namespace
-
-void CdprEstimatorParams::Validate() const {
-  Demand(std::isfinite(initial_velocity) && initial_velocity > 0,
-         fmt::format("initial_velocity = {} m/s must be positive", initial_velocity));
-  Demand(std::isfinite(gravity) && gravity > 0, fmt::format("gravity = {} m/s^2 must be positive", gravity));
-}
 
 CdprEstimator::Memory CdprEstimator::FirstMemory(const CdprEstimatorParams& params) {
   Memory memory;

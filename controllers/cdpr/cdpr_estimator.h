@@ -44,8 +44,12 @@ struct CdprEstimatorParams {
   double initial_velocity = 0.02;  ///< deviation of the velocity at the start from rest [m/s]
   double gravity = kGravity;       ///< [m/s^2]
 
-  /// Throws ParameterError unless the deviations are positive (a perfect sensor has a small one).
-  void Validate() const;
+  static FieldList Fields() {
+    using P = CdprEstimatorParams;
+    return {Undescribed(&P::robot), Undescribed(&P::rate), Undescribed(&P::noise),
+            Undescribed("initial_velocity", &P::initial_velocity).Positive(),
+            Undescribed("gravity", &P::gravity).Positive()};
+  }
 };
 
 /// Estimates pose and velocity of the platform from an IMU, a pose sensor and the cable lengths by an

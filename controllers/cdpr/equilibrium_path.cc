@@ -17,10 +17,6 @@ constexpr int kFewestIntervals = 100;
 constexpr double kLargestJump = 0.1;    // largest change of the attitude between nodes of a branch [rad]
 constexpr double kLargestDrift = 1e-6;  // largest drift of the attitude after one turn [rad]
 
-void Require(bool good, const std::string& message) {
-  if (!good) throw ParameterError(message);
-}
-
 }  // namespace
 
 EquilibriumPath::EquilibriumPath(const CdprDescription& robot, const Path& path,
@@ -28,9 +24,9 @@ EquilibriumPath::EquilibriumPath(const CdprDescription& robot, const Path& path,
     : robot_(robot), anchors_(robot), path_(path), options_(options) {
   options_.warm_start.reset();
   if (attitude) options_.attitude = attitude->At(attitude->start_time()).position;
-  Require(!attitude || !path.is_periodic(),
-          "EquilibriumPath: on a circle the attitude is constant, give it in the options.");
-  Require(
+  Demand(!attitude || !path.is_periodic(),
+         "EquilibriumPath: on a circle the attitude is constant, give it in the options.");
+  Demand(
       !anchors_.any() || !path.is_periodic(),
       fmt::format("The anchors of robot '{}' move, which a circle without end does not permit; give a path "
                   "that ends: a hold, a line, a spline, waypoints or a file.",
@@ -83,11 +79,11 @@ EquilibriumPath::EquilibriumPath(const CdprDescription& robot, const Path& path,
   }
   if (path.is_periodic()) {
     const double drift = (values_.col(intervals) - values_.col(0)).head<3>().norm();
-    Require(drift < kLargestDrift,
-            fmt::format(
-                "The equilibria of robot '{}' along the circle do not close: after one turn, at t = {:.4g} "
-                "s, the attitude is {:.3g} deg away from the first one.",
-                robot.name, path.TimeOf(kTwoPi), drift * 180 / std::numbers::pi));
+    Demand(drift < kLargestDrift,
+           fmt::format(
+               "The equilibria of robot '{}' along the circle do not close: after one turn, at t = {:.4g} "
+               "s, the attitude is {:.3g} deg away from the first one.",
+               robot.name, path.TimeOf(kTwoPi), drift * 180 / std::numbers::pi));
     values_.col(intervals) = values_.col(0);
   }
   FitSlopes();

@@ -10,24 +10,10 @@
 
 namespace tenon {
 
-namespace {
-
-void CheckPositive(const char* name, double value, const char* unit) {
-  Demand(std::isfinite(value) && value > 0, fmt::format("{} = {}{} must be positive", name, value, unit));
-}
-
-}  // namespace
-
 void LoadEstimatorParams::Validate() const {
   Demand(bandwidth * rate.period() < 1,
          fmt::format("bandwidth = {} rad/s is too much at {} Hz: it must be below the rate", bandwidth,
                      1 / rate.period()));
-  CheckPositive("rest_bandwidth", rest_bandwidth, " rad/s");
-  CheckPositive("mass_bandwidth", mass_bandwidth, " rad/s");
-  CheckPositive("least_mass", least_mass, "");
-  CheckPositive("arm_deviation", arm_deviation, " m");
-  CheckPositive("torque_deviation", torque_deviation, " N m");
-  CheckPositive("arm_walk", arm_walk, " m/sqrt(s)");
 }
 
 LoadEstimate LoadEstimator::CalcLoad(const PlatformEstimate& estimate, const ImuMeasurement& inertial,

@@ -15,6 +15,18 @@ struct LoadEstimatorParams {
   double torque_deviation = 0.5;  ///< noise of the torque from which the position is estimated [N m]
   double arm_walk = 0.05;         ///< process noise of the payload's position [m/sqrt(s)]
 
+  static FieldList Fields() {
+    using P = LoadEstimatorParams;
+    return {Undescribed(&P::robot),
+            Undescribed(&P::rate),
+            Undescribed(&P::bandwidth),
+            Undescribed("rest_bandwidth", &P::rest_bandwidth).Positive(),
+            Undescribed("mass_bandwidth", &P::mass_bandwidth).Positive(),
+            Undescribed("least_mass", &P::least_mass).Positive(),
+            Undescribed("arm_deviation", &P::arm_deviation).Positive(),
+            Undescribed("torque_deviation", &P::torque_deviation).Positive(),
+            Undescribed("arm_walk", &P::arm_walk).Positive()};
+  }
   void Validate() const;  ///< throws ParameterError
 };
 

@@ -163,20 +163,17 @@ void PoseFeasibility::BoundSprings(const PoseBall& poses) {
 void PoseFeasibility::Differentiate(const PoseBall& poses) {
   distance_ = poses.distance;
   angle_ = poses.angle;
-  const auto cross = [](const Eigen::Vector3d& v) {
-    return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
-  };
   for (int i = 0; i < cables_.num_cables(); ++i) {
     const Eigen::Vector3d lambda = cables_.direction.col(i), arm_W = cables_.arm_W.col(i);
     const double length = cables_.length[i], arm = arm_W.norm();
     const Eigen::Matrix3d P = (Eigen::Matrix3d::Identity() - lambda * lambda.transpose()) / length,
-                          X = cross(arm_W);
+                          X = CrossMatrix(arm_W);
     Matrix6d& derivative = derivative_[static_cast<std::size_t>(i)];
     derivative.topLeftCorner<3, 3>() = -P;
     derivative.topRightCorner<3, 3>() = P * X;
     if (turns()) {
       derivative.bottomLeftCorner<3, 3>() = -X * P / lever_;
-      derivative.bottomRightCorner<3, 3>() = (X * P * X + cross(lambda) * X) / lever_;
+      derivative.bottomRightCorner<3, 3>() = (X * P * X + CrossMatrix(lambda) * X) / lever_;
     }
     for (int k = 0; k < rows_; ++k)
       if (motions_[k] != k) derivative.row(k) = derivative.row(motions_[k]);

@@ -10,15 +10,13 @@ struct ReferenceGeneratorParams {
   /// The path and its equilibria, computed once before the run and shared by several blocks and contexts.
   std::shared_ptr<const EquilibriumPath> path;
   Rate rate = Hz(1000);
-  /// Throws ParameterError if there is no path.
   void Validate() const { Demand(path != nullptr, "no path given: make an EquilibriumPath and share it"); }
 };
 
 /// Outputs the reference along an EquilibriumPath: position, velocity and acceleration of the CoM, and the
 /// attitude, cable lengths and tensions of the static equilibrium there.
 ///
-/// Ports: input `path`, an optional path that replaces the parameter (see GoalPath); output `reference`,
-/// sampled; output `geometry`, the path with a ball at the reference of the CoM.
+/// A connected `path` replaces the parameter, see GoalPath.
 class ReferenceGenerator final : public LeafSystem<ReferenceGeneratorParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -75,10 +75,6 @@ Geometry LegErrors::MakeShapes(const QuadrupedDescription& robot) {
   return shapes;
 }
 
-void LegErrors::CalcGeometry(const Points& footholds, Geometry* geometry) const {
-  for (std::size_t i = 0; i < kNumLegs; ++i) (*geometry)[i].p_W = footholds[i];
-}
-
 WalkingErrors TrackingError::CalcErrors(const QuadrupedDynamics& dynamics, const FootForces& foot_forces,
                                         const ContactSchedule& schedule, const BodyReference& body,
                                         const FeetReference& feet, const WholeBodyPlan& plan) const {

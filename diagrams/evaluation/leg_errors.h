@@ -85,7 +85,9 @@ class LegErrors final : public LeafSystem<LegErrorsParams> {
                   const Points& footholds, Memory& memory) const;
   ForcesAtPoints CalcForces(const LeggedState& state, const ExternalForces& external,
                             const Vec<12>& external_torque, const LegForceEstimate& leg_forces) const;
-  void CalcGeometry(const Points& footholds, Geometry* geometry) const;
+  void CalcGeometry(const Points& footholds, Geometry* geometry) const {
+    for (std::size_t i = 0; i < kNumLegs; ++i) (*geometry)[i].p_W = footholds[i];
+  }
 };
 
 }  // namespace tenon

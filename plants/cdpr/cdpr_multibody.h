@@ -5,17 +5,9 @@
 
 namespace tenon {
 
-/// The platform of a cable robot in Simbody, to which CdprPlantParams::extend adds. robot_multibody.h is the
-/// guide: what is possible and what is not, names and coordinates of added joints, threads. See CdprPlant for
-/// what follows from an addition.
-///
-///     params.extend = [](CdprMultibody& robot) {
-///       SimTK::Body::Rigid load(SimTK::MassProperties(2, SimTK::Vec3(0), SimTK::UnitInertia::sphere(0.05)));
-///       SimTK::MobilizedBody::Ball swing(robot.platform(), SimTK::Vec3(0, 0, -0.1),
-///                                        load, SimTK::Vec3(0, 0, 0.5));
-///       robot.Name(swing, "swing");
-///       robot.Draw(swing, Shape::Sphere(ShapeRole::kLoad, "load", 0.05));
-///     };
+/// The platform of a cable robot in Simbody, to which CdprPlantParams::extend adds, as in the example of
+/// QuadrupedMultibody. robot_multibody.h is the guide: what is possible and what is not, names and
+/// coordinates of added joints, threads. See CdprPlant for what follows from an addition.
 ///
 /// **Bodies and frames.** Ground is W. The platform is the only body; its frame is B, at the CoM of the
 /// platform without additions. The cables have no bodies: they, the payload and the external wrench are

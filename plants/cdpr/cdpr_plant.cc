@@ -107,11 +107,6 @@ CdprPlant::CableForces CdprPlant::NoForces(int num_cables) {
           .reeling = CableVector::Ones(num_cables)};
 }
 
-WinchMotion CdprPlant::MotionOf(int cable, double motor_tension, double reel_speed, double reeling,
-                                const CableFaults& faults) const {
-  return {motor_tension, reel_speed, reeling, params.lock_winches || faults.is_stuck(cable)};
-}
-
 void CdprPlant::CalcCableForces(double time, const PlatformState& x, const Eigen::VectorXd& rest_length,
                                 const Eigen::VectorXd& motor_tension, const Eigen::VectorXd& reel_speed,
                                 const CableFaults& faults, CableForces* out) const {
@@ -196,13 +191,6 @@ void CdprPlant::CalcBody(const PlatformState& x, const CableForces& cables, cons
   PlatformWrench level = Sum(cables.wrench, wrench);
   level.force_W[2] = level.torque_W[0] = level.torque_W[1] = 0;
   out->Calc(x, level, {payload.mass, {payload.p_B[0], payload.p_B[1], 0}}, 0);
-}
-
-void CdprPlant::CalcExtended(double time, const PlatformState& x, const Eigen::VectorXd& q,
-                             const Eigen::VectorXd& u, const Eigen::VectorXd& z,
-                             const Eigen::VectorXd& position_references,
-                             const Eigen::VectorXd& speed_references, ExtendedRobot* out) const {
-  if (out->exists()) out->SetState(time, {x}, q, u, z, position_references, speed_references);
 }
 
 void CdprPlant::CalcRates(const PlatformState& x, const CableForces& cables, const Payload& payload,

@@ -204,7 +204,9 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
   static Start StartOf(const CdprPlantParams& params);
   static CableForces NoForces(int num_cables);
   WinchMotion MotionOf(int cable, double motor_tension, double reel_speed, double reeling,
-                       const CableFaults& faults) const;
+                       const CableFaults& faults) const {
+    return {motor_tension, reel_speed, reeling, params.lock_winches || faults.is_stuck(cable)};
+  }
 
   void CalcCableForces(double time, const PlatformState& x, const Eigen::VectorXd& rest_length,
                        const Eigen::VectorXd& motor_tension, const Eigen::VectorXd& reel_speed,
@@ -213,7 +215,9 @@ class CdprPlant final : public LeafSystem<CdprPlantParams> {
                 const PlatformWrench& wrench, FreeRigidBody* out) const;
   void CalcExtended(double time, const PlatformState& x, const Eigen::VectorXd& q, const Eigen::VectorXd& u,
                     const Eigen::VectorXd& z, const Eigen::VectorXd& position_references,
-                    const Eigen::VectorXd& speed_references, ExtendedRobot* out) const;
+                    const Eigen::VectorXd& speed_references, ExtendedRobot* out) const {
+    if (out->exists()) out->SetState(time, {x}, q, u, z, position_references, speed_references);
+  }
   void CalcRates(const PlatformState& x, const CableForces& cables, const Payload& payload,
                  const PlatformWrench& wrench, const FreeRigidBody& body, const ExtendedRobot& extended,
                  const Eigen::VectorXd& added_forces, PlatformRates* out) const;

@@ -21,12 +21,11 @@ struct HangingLoadParams {
     return {Required("mass_kg", &P::mass).Positive(),
             Required("length_m", &P::length).Positive(),
             Field("attachment_m", &P::attachment_B).Finite(),
-            Undescribed(&P::axial_stiffness),
-            Undescribed(&P::axial_damping),
-            Undescribed(&P::p_W),
-            Undescribed(&P::gravity)};
+            Undescribed("axial_stiffness", &P::axial_stiffness).Positive(),
+            Undescribed("axial_damping", &P::axial_damping).AtLeast(0).Because("the rope would swing up"),
+            Undescribed("p_W", &P::p_W).Finite(),
+            Undescribed("gravity", &P::gravity).Positive()};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Position and velocity of a load on a rope.
@@ -70,8 +69,12 @@ class HangingLoad final : public LeafSystem<HangingLoadParams> {
  private:
   static Geometry MakeGeometry();
   Rope CalcRope(const PlatformState& platform, const HangingLoadState& state) const;
-  PlatformWrench CalcWrench(const Rope& rope, const PlatformWrench& others) const;
-  HangingLoadState CalcRate(const HangingLoadState& state, const Rope& rope) const;
+  PlatformWrench CalcWrench(const Rope& rope, const PlatformWrench& others) const {
+    return {others.force_W + rope.force_W, others.torque_W + rope.arm_W.cross(rope.force_W)};
+  }
+  HangingLoadState CalcRate(const HangingLoadState& state, const Rope& rope) const {
+    return {state.v_W, -rope.force_W / params.mass - Vec<3>(0, 0, params.gravity)};
+  }
   void CalcGeometry(const PlatformState& platform, const HangingLoadState& state, const Rope& rope,
                     Geometry* out) const;
 };

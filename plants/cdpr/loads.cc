@@ -20,19 +20,6 @@ PlatformWrench Gusts::CalcWrench(double time) const {
   return wrench;
 }
 
-void HangingLoadParams::Validate() const {
-  const auto check = [](const char* name, double value, const char* unit) {
-    Demand(std::isfinite(value) && value > 0,
-           fmt::format("{} = {} {} must be finite and positive", name, value, unit));
-  };
-  check("axial_stiffness", axial_stiffness, "N");
-  check("gravity", gravity, "m/s^2");
-  Demand(std::isfinite(axial_damping) && axial_damping >= 0,
-         fmt::format("axial_damping = {} N s must be finite and not negative: the rope would swing up",
-                     axial_damping));
-  Demand(p_W.allFinite(), "p_W is not finite: give metres");
-}
-
 Geometry HangingLoad::MakeGeometry() {
   return {Shape::Sphere(ShapeRole::kLoad, "hanging load", 0.05),
           Shape::Segment(ShapeRole::kLine, "rope", 0.008, "N")};
@@ -52,14 +39,6 @@ HangingLoad::Rope HangingLoad::CalcRope(const PlatformState& platform, const Han
   return rope;
 }
 
-PlatformWrench HangingLoad::CalcWrench(const Rope& rope, const PlatformWrench& others) const {
-  return {others.force_W + rope.force_W, others.torque_W + rope.arm_W.cross(rope.force_W)};
-}
-
-HangingLoadState HangingLoad::CalcRate(const HangingLoadState& state, const Rope& rope) const {
-  return {state.v_W, -rope.force_W / params.mass - Vec<3>(0, 0, params.gravity)};
-}
-
 void HangingLoad::CalcGeometry(const PlatformState& platform, const HangingLoadState& state, const Rope& rope,
                                Geometry* out) const {
   Shape &ball = (*out)[0], &line = (*out)[1];
@@ -72,17 +51,6 @@ void HangingLoad::CalcGeometry(const PlatformState& platform, const HangingLoadS
 void PayloadScheduleParams::Validate() const {
   Demand(release_s >= attach_s,
          fmt::format("release_s = {} must not be before attach_s = {}", release_s, attach_s));
-}
-
-Payload PayloadSchedule::CalcPayload(double time, const Payload& load, double attach, double release) const {
-  return time >= attach && time < release ? load : Payload{};
-}
-
-void PlatformPullParams::Validate() const {
-  Demand(std::isfinite(stiffness) && stiffness >= 0 && std::isfinite(damping) && damping >= 0 &&
-             std::isfinite(max_force) && max_force >= 0,
-         fmt::format("a pull of {} N/m, {} N s/m and {} N at most: none may be negative", stiffness, damping,
-                     max_force));
 }
 
 Vec<3> PlatformPull::Force(const PlatformState& platform, const PlatformGrip& grip) const {

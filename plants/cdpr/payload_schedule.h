@@ -41,7 +41,9 @@ class PayloadSchedule final : public LeafSystem<PayloadScheduleParams> {
                               &PayloadSchedule::CalcPayload};
 
  private:
-  Payload CalcPayload(double time, const Payload& load, double attach, double release) const;
+  Payload CalcPayload(double time, const Payload& load, double attach, double release) const {
+    return time >= attach && time < release ? load : Payload{};
+  }
 };
 
 }  // namespace tenon

@@ -10,7 +10,12 @@ struct PlatformPullParams {
   double damping = 0;    ///< d [N s/m]
   double max_force = 0;  ///< [N]
 
-  void Validate() const;  ///< throws ParameterError
+  static FieldList Fields() {
+    using P = PlatformPullParams;
+    return {Undescribed("stiffness", &P::stiffness).AtLeast(0),
+            Undescribed("damping", &P::damping).AtLeast(0),
+            Undescribed("max_force", &P::max_force).AtLeast(0)};
+  }
 };
 
 /// Grip point and target of a PlatformPull.

@@ -17,14 +17,13 @@ struct WinchErrorsParams {
   bool any() const { return gain_deviation > 0 || ripple > 0 || friction > 0; }
   static FieldList Fields() {
     using P = WinchErrorsParams;
-    return {Undescribed(&P::num_cables),
+    return {Undescribed("num_cables", &P::num_cables).Positive(),
             Undescribed(&P::rate),
             Field("gain_deviation", &P::gain_deviation).Between(0, 0.5),
             Field("ripple_ratio", &P::ripple).Between(0, 0.5),
             Field("friction_ratio", &P::friction).Between(0, 0.5),
             Field("friction_speed_m_per_s", &P::friction_speed).Positive()};
   }
-  void Validate() const;  ///< throws ParameterError
 };
 
 /// Errors of winches: gains that deviate from the model, torque ripple (modelled as white from tick to tick,

@@ -39,10 +39,6 @@ double GivenByDifferential(const DifferentialProperties& differential, double as
   return std::clamp((asked + other) / 2, -limit, limit) + std::clamp((asked - other) / 2, -limit, limit);
 }
 
-void WinchErrorsParams::Validate() const {
-  Demand(num_cables > 0, fmt::format("num_cables = {} must be positive", num_cables));
-}
-
 void WinchErrors::Draw(RandomStream& random, CableVector* gain) const {
   gain->resize(params.num_cables);
   for (double& each : *gain) each = params.gain_deviation * random.Normal();

@@ -46,7 +46,7 @@ class FallMonitor final : public LeafSystem<FallMonitorParams> {
   Monitor flight{this, "flight", Sampled{params.rate}, Uses(state, max_height), &FallMonitor::CheckFlight};
 
  private:
-  double Height(const LeggedState& x) const;
+  double Height(const LeggedState& x) const { return x.p_WB[2] - terrain.At(x.p_WB[0], x.p_WB[1]).height; }
   Verdict CheckFall(const LeggedState& x, double min_height, double max_tilt) const;
   Verdict CheckFlight(const LeggedState& x, double max_height) const;
 };

@@ -1,5 +1,4 @@
 #include <tenon/plants/legged/disturbances.h>
-#include <tenon/plants/legged/joint_lock.h>
 #include <tenon/plants/legged/ropes.h>
 #include <tenon/plants/legged/sliding_load.h>
 #include <tenon/plants/legged/spring_pull.h>
@@ -184,10 +183,6 @@ LoadMotion SlidingLoad::Start(const SlidingLoadParams& params) {
   return OnTrunk(params.robot, params.position_B);
 }
 
-Vec<3> SlidingLoad::CalcPlace(const LeggedState& robot, const LoadMotion& motion) const {
-  return robot.R_WB().transpose() * (motion.p_W - robot.p_WB);
-}
-
 ExternalForce SlidingLoad::CalcForce(const LeggedState& robot, const LoadMotion& motion, const Vec<3>& place,
                                      double mass, double friction, double slip_speed) const {
   ExternalForce force;
@@ -268,32 +263,6 @@ void Ropes::CalcGeometry(const LeggedState& robot, const CableVector& tension, G
     shape.vector_W = line.length * line.direction_W;
     shape.value = tension[static_cast<Eigen::Index>(i)];
   }
-}
-
-void JointLockParams::Validate() const {
-  for (const int j : joints)
-    Demand(j >= 0 && j < kNumJoints,
-           fmt::format("joint {} does not exist: give 3 leg + i, from 0 to {}", j, kNumJoints - 1));
-  Demand(std::isfinite(stiffness) && stiffness > 0,
-         fmt::format("stiffness = {} must be positive: give N m/rad", stiffness));
-  Demand(std::isfinite(damping) && damping >= 0,
-         fmt::format("damping = {} must not be negative: give N m s/rad", damping));
-}
-
-JointLocks JointLock::CalcLocks(const LeggedState& x, const JointLocks& others, bool acting,
-                                Memory& memory) const {
-  if (acting && !memory.acts) memory.angle = x.q;
-  memory.acts = acting;
-  JointLocks locks = others;
-  if (!acting) return locks;
-  const auto lock = [&](int j) {
-    locks.angle[j] = memory.angle[j];
-    locks.stiffness[j] = params.stiffness;
-    locks.damping[j] = params.damping;
-  };
-  for (const int j : params.joints) lock(j);
-  for (int j = 0; params.joints.empty() && j < kNumJoints; ++j) lock(j);
-  return locks;
 }
 
 }  // namespace tenon

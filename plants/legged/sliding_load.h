@@ -72,7 +72,9 @@ class SlidingLoad final : public LeafSystem<SlidingLoadParams> {
  private:
   static LoadMotion Start(const SlidingLoadParams& params);
   static Geometry MakeGeometry();
-  Vec<3> CalcPlace(const LeggedState& robot, const LoadMotion& motion) const;
+  Vec<3> CalcPlace(const LeggedState& robot, const LoadMotion& motion) const {
+    return robot.R_WB().transpose() * (motion.p_W - robot.p_WB);
+  }
   ExternalForce CalcForce(const LeggedState& robot, const LoadMotion& motion, const Vec<3>& place,
                           double mass, double friction, double slip_speed) const;
   LoadMotion CalcDerivative(const LeggedState& robot, const LoadMotion& motion, const ExternalForce& force,

@@ -12,18 +12,14 @@ namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
-void Require(bool good, const std::string& message) {
-  if (!good) throw ParameterError(message);
-}
-
 void RequireFinite(const char* path, const char* what, const Eigen::Vector3d& p) {
-  Require(p.allFinite(),
-          fmt::format("{}: {} is ({:g}, {:g}, {:g}), which is not finite.", path, what, p.x(), p.y(), p.z()));
+  Demand(p.allFinite(),
+         fmt::format("{}: {} is ({:g}, {:g}, {:g}), which is not finite.", path, what, p.x(), p.y(), p.z()));
 }
 
 void RequirePositive(const char* path, const char* what, double value, const char* units) {
-  Require(std::isfinite(value) && value > 0,
-          fmt::format("{}: {} is {:g} {} and must be positive.", path, what, value, units));
+  Demand(std::isfinite(value) && value > 0,
+         fmt::format("{}: {} is {:g} {} and must be positive.", path, what, value, units));
 }
 
 // A quintic from position, velocity and acceleration at both ends of a piece of a spline.
@@ -68,14 +64,14 @@ Path Path::Line(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double d
 
 Path Path::Spline(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& times) {
   const int n = static_cast<int>(points.size());
-  Require(n >= 2, fmt::format("Path::Spline: {} points, and it takes at least 2.", n));
-  Require(times.size() == points.size(),
-          fmt::format("Path::Spline: {} points but {} times.", points.size(), times.size()));
+  Demand(n >= 2, fmt::format("Path::Spline: {} points, and it takes at least 2.", n));
+  Demand(times.size() == points.size(),
+         fmt::format("Path::Spline: {} points but {} times.", points.size(), times.size()));
   for (int i = 0; i < n; ++i) {
     RequireFinite("Path::Spline", fmt::format("point {} of {}", i + 1, n).c_str(), points[i]);
-    Require(std::isfinite(times[i]) && (i == 0 || times[i] > times[i - 1]),
-            fmt::format("Path::Spline: time {} of {} is {:g} s; the times must be finite and increase.",
-                        i + 1, n, times[i]));
+    Demand(std::isfinite(times[i]) && (i == 0 || times[i] > times[i - 1]),
+           fmt::format("Path::Spline: time {} of {} is {:g} s; the times must be finite and increase.", i + 1,
+                       n, times[i]));
   }
 
   // Solves for velocities and accelerations of the inner points such that jerk and snap are continuous there.

@@ -127,9 +127,137 @@ struct ExtendedRobot::Model {
       u[u_index[j]] = motion.u[j];
     }
   }
-  Additions MakeAdditions(const Motion& initial);
-  void Assemble();
-  void Correct(const Eigen::Matrix<double, 6, 6>& payload, Eigen::VectorXd& rates) const;
+
+  Additions MakeAdditions(const Motion& initial) {
+    SetRobot(initial);
+    if (num_constraints > 0) Assemble();
+    system.realize(state, SimTK::Stage::Velocity);
+    struct Names {
+      std::vector<std::string> elements{}, units{};
+      void JoinTo(Added& out) const {
+        out.spec.elements = Join(elements);
+        out.spec.units = Join(units);
+      }
+    } q, u, z, forces, positions, speeds;
+    for (SimTK::MobilizedBodyIndex i = first_added(); i < matter.getNumBodies(); ++i) {
+      const SimTK::MobilizedBody& joint = matter.getMobilizedBody(i);
+      const int nq = joint.getNumQ(state), nu = joint.getNumU(state);
+      const int ratios = matter.isUsingQuaternion(state, i) ? 4 : 0;
+      const auto turns = [&](int k) {
+        return k < nu && joint.getHCol(state, SimTK::MobilizerUIndex(k))[0].norm() > 0;
+      };
+      for (int k = 0; k < nq; ++k) {
+        q.elements.push_back(ElementName(NameOf(i), nq, k));
+        q.units.push_back(k < ratios ? "" : turns(ratios > 0 ? k - 1 : k) ? "rad" : "m");
+      }
+      for (int k = 0; k < nu; ++k) {
+        u.elements.push_back(ElementName(NameOf(i), nu, k));
+        u.units.push_back(turns(k) ? "rad/s" : "m/s");
+        forces.units.push_back(turns(k) ? "N m" : "N");
+      }
+    }
+    forces.elements = u.elements;
+    for (int k = 0; k < num_z; ++k) z.elements.push_back(fmt::format("z_{}", k));
+    for (const RobotMultibody::Reference& each : robot->references()) {
+      const SimTK::MobilizedBody& joint = matter.getMobilizedBody(each.joint);
+      if (joint.getNumQ(state) != 1 || joint.getNumU(state) != 1)
+        throw ParameterError(
+            fmt::format("the added joint '{}' has {} coordinates; give references to joints with one",
+                        NameOf(each.joint), joint.getNumQ(state)));
+      const bool turns = joint.getHCol(state, SimTK::MobilizerUIndex(0))[0].norm() > 0;
+      positions.elements.push_back(NameOf(each.joint));
+      positions.units.push_back(turns ? "rad" : "m");
+      speeds.units.push_back(turns ? "rad/s" : "m/s");
+    }
+    speeds.elements = positions.elements;
+    Additions out;
+    q.JoinTo(out.q);
+    u.JoinTo(out.u);
+    z.JoinTo(out.z);
+    forces.JoinTo(out.forces);
+    positions.JoinTo(out.position_references);
+    speeds.JoinTo(out.speed_references);
+    out.q.initial = Pick(state.getQ(), added_q);
+    out.u.initial = Pick(state.getU(), added_u);
+    out.z.initial = ToVector(state.getZ());
+    out.forces.initial = Eigen::VectorXd::Zero(out.u.initial.size());
+    const auto drives = static_cast<Eigen::Index>(positions.elements.size());
+    out.position_references.initial = Eigen::VectorXd::Constant(drives, kNotConnected);
+    out.speed_references.initial = Eigen::VectorXd::Zero(drives);
+    for (const RobotMultibody::Drawn& each : robot->drawn()) out.shapes.push_back(each.shape_B);
+    out.replaced = robot->replaced();
+    system.realize(state, SimTK::Stage::Acceleration);
+    if (!ToVector(state.getUDot()).allFinite())
+      throw ParameterError(
+          "the added joints have no finite accelerations at the start; give the bodies at the ends of chains "
+          "mass and inertia");
+    return out;
+  }
+
+  /// Moves the added coordinates such that the constraints are met.
+  void Assemble() {
+    const auto errors_of = [](const SimTK::Vector& errors, int count) {
+      return ToVector(errors).head(count).eval();
+    };
+    system.realize(state, SimTK::Stage::Position);
+    const int positions = state.getNQErr() - matter.getNumQuaternionsInUse(state);
+    const auto misses = [&](const Eigen::VectorXd& error) {
+      return error.size() > 0 && error.lpNorm<Eigen::Infinity>() > kAssembled;
+    };
+    if (misses(errors_of(state.getQErr(), positions))) {
+      SimTK::Assembler assembler(system);
+      assembler.setErrorTolerance(kAssembled / 10);
+      for (SimTK::MobilizedBodyIndex i(1); i < first_added(); ++i) assembler.lockMobilizer(i);
+      assembler.assemble(state);
+    }
+    system.realize(state, SimTK::Stage::Velocity);
+    SimTK::Matrix G;
+    matter.calcG(state, G);
+    const Eigen::MatrixXd all = ToMatrix(G).topRows(state.getNUErr());
+    Eigen::MatrixXd added(all.rows(), static_cast<Eigen::Index>(added_u.size()));
+    for (std::size_t i = 0; i < added_u.size(); ++i)
+      added.col(static_cast<Eigen::Index>(i)) = all.col(added_u[i]);
+    const Eigen::VectorXd error = ToVector(state.getUErr());
+    if (!misses(error)) return;
+    Eigen::VectorXd u = Pick(state.getU(), added_u);
+    if (u.size() > 0) u -= SolveLeastSquares(added, error).x;
+    Place(u, added_u, state.updU());
+    system.realize(state, SimTK::Stage::Velocity);
+    if (misses(ToVector(state.getUErr())))
+      throw ParameterError(fmt::format(
+          "the added constraints are not met by the robot's initial velocities, by {} m/s or rad/s; "
+          "start at rest",
+          ToVector(state.getUErr()).lpNorm<Eigen::Infinity>()));
+  }
+
+  /// Adds the acceleration d of the class's comment.
+  void Correct(const Eigen::Matrix<double, 6, 6>& payload, Eigen::VectorXd& rates) const {
+    SimTK::Matrix simbody;
+    matter.calcM(state, simbody);
+    Eigen::MatrixXd M = ToMatrix(simbody);
+    Eigen::VectorXd load = Eigen::VectorXd::Zero(rates.size());
+    M.topLeftCorner<6, 6>() += payload;
+    load.head<6>() = -payload * rates.head<6>();
+    for (const int i : u_index) {
+      M(i, i) += rotor_inertia;
+      load[i] = -rotor_inertia * rates[i];
+    }
+    const Eigen::LLT<Eigen::MatrixXd> factors(M);
+    Eigen::VectorXd change = factors.solve(load);
+    if (num_constraints > 0) {
+      matter.calcG(state, simbody);
+      const Eigen::MatrixXd G = ToMatrix(simbody);
+      const Eigen::VectorXd v = ToVector(state.getUErr()), p = ToVector(state.getQErr());
+      const Eigen::Index holonomic = p.size() - matter.getNumQuaternionsInUse(state);
+      Eigen::VectorXd wanted = Eigen::VectorXd::Zero(num_constraints);
+      wanted.head(v.size()) -= 2 * kConstraintRate * v;
+      wanted.head(holonomic) -= kConstraintRate * kConstraintRate * p.head(holonomic);
+      const Eigen::MatrixXd response = factors.solve(G.transpose());
+      const Eigen::VectorXd multipliers = SolveLeastSquares(G * response, G * change - wanted).x;
+      change -= response * multipliers;
+    }
+    rates += change;
+  }
 
   std::unique_ptr<RobotMultibody> robot;
   SimTK::MultibodySystem& system;
@@ -144,137 +272,6 @@ struct ExtendedRobot::Model {
   SimTK::Vector mobility_forces;
   SimTK::Vector_<SimTK::SpatialVec> body_forces;
 };
-
-ExtendedRobot::Additions ExtendedRobot::Model::MakeAdditions(const Motion& initial) {
-  SetRobot(initial);
-  if (num_constraints > 0) Assemble();
-  system.realize(state, SimTK::Stage::Velocity);
-  struct Names {
-    std::vector<std::string> elements{}, units{};
-    void JoinTo(Added& out) const {
-      out.spec.elements = Join(elements);
-      out.spec.units = Join(units);
-    }
-  } q, u, z, forces, positions, speeds;
-  for (SimTK::MobilizedBodyIndex i = first_added(); i < matter.getNumBodies(); ++i) {
-    const SimTK::MobilizedBody& joint = matter.getMobilizedBody(i);
-    const int nq = joint.getNumQ(state), nu = joint.getNumU(state);
-    const int ratios = matter.isUsingQuaternion(state, i) ? 4 : 0;
-    const auto turns = [&](int k) {
-      return k < nu && joint.getHCol(state, SimTK::MobilizerUIndex(k))[0].norm() > 0;
-    };
-    for (int k = 0; k < nq; ++k) {
-      q.elements.push_back(ElementName(NameOf(i), nq, k));
-      q.units.push_back(k < ratios ? "" : turns(ratios > 0 ? k - 1 : k) ? "rad" : "m");
-    }
-    for (int k = 0; k < nu; ++k) {
-      u.elements.push_back(ElementName(NameOf(i), nu, k));
-      u.units.push_back(turns(k) ? "rad/s" : "m/s");
-      forces.units.push_back(turns(k) ? "N m" : "N");
-    }
-  }
-  forces.elements = u.elements;
-  for (int k = 0; k < num_z; ++k) z.elements.push_back(fmt::format("z_{}", k));
-  for (const RobotMultibody::Reference& each : robot->references()) {
-    const SimTK::MobilizedBody& joint = matter.getMobilizedBody(each.joint);
-    if (joint.getNumQ(state) != 1 || joint.getNumU(state) != 1)
-      throw ParameterError(
-          fmt::format("the added joint '{}' has {} coordinates; give references to joints with one",
-                      NameOf(each.joint), joint.getNumQ(state)));
-    const bool turns = joint.getHCol(state, SimTK::MobilizerUIndex(0))[0].norm() > 0;
-    positions.elements.push_back(NameOf(each.joint));
-    positions.units.push_back(turns ? "rad" : "m");
-    speeds.units.push_back(turns ? "rad/s" : "m/s");
-  }
-  speeds.elements = positions.elements;
-  Additions out;
-  q.JoinTo(out.q);
-  u.JoinTo(out.u);
-  z.JoinTo(out.z);
-  forces.JoinTo(out.forces);
-  positions.JoinTo(out.position_references);
-  speeds.JoinTo(out.speed_references);
-  out.q.initial = Pick(state.getQ(), added_q);
-  out.u.initial = Pick(state.getU(), added_u);
-  out.z.initial = ToVector(state.getZ());
-  out.forces.initial = Eigen::VectorXd::Zero(out.u.initial.size());
-  const auto drives = static_cast<Eigen::Index>(positions.elements.size());
-  out.position_references.initial = Eigen::VectorXd::Constant(drives, kNotConnected);
-  out.speed_references.initial = Eigen::VectorXd::Zero(drives);
-  for (const RobotMultibody::Drawn& each : robot->drawn()) out.shapes.push_back(each.shape_B);
-  out.replaced = robot->replaced();
-  system.realize(state, SimTK::Stage::Acceleration);
-  if (!ToVector(state.getUDot()).allFinite())
-    throw ParameterError(
-        "the added joints have no finite accelerations at the start; give the bodies at the ends of chains "
-        "mass and inertia");
-  return out;
-}
-
-/// Moves the added coordinates such that the constraints are met.
-void ExtendedRobot::Model::Assemble() {
-  const auto errors_of = [](const SimTK::Vector& errors, int count) {
-    return ToVector(errors).head(count).eval();
-  };
-  system.realize(state, SimTK::Stage::Position);
-  const int positions = state.getNQErr() - matter.getNumQuaternionsInUse(state);
-  const auto misses = [&](const Eigen::VectorXd& error) {
-    return error.size() > 0 && error.lpNorm<Eigen::Infinity>() > kAssembled;
-  };
-  if (misses(errors_of(state.getQErr(), positions))) {
-    SimTK::Assembler assembler(system);
-    assembler.setErrorTolerance(kAssembled / 10);
-    for (SimTK::MobilizedBodyIndex i(1); i < first_added(); ++i) assembler.lockMobilizer(i);
-    assembler.assemble(state);
-  }
-  system.realize(state, SimTK::Stage::Velocity);
-  SimTK::Matrix G;
-  matter.calcG(state, G);
-  const Eigen::MatrixXd all = ToMatrix(G).topRows(state.getNUErr());
-  Eigen::MatrixXd added(all.rows(), static_cast<Eigen::Index>(added_u.size()));
-  for (std::size_t i = 0; i < added_u.size(); ++i)
-    added.col(static_cast<Eigen::Index>(i)) = all.col(added_u[i]);
-  const Eigen::VectorXd error = ToVector(state.getUErr());
-  if (!misses(error)) return;
-  Eigen::VectorXd u = Pick(state.getU(), added_u);
-  if (u.size() > 0) u -= SolveLeastSquares(added, error).x;
-  Place(u, added_u, state.updU());
-  system.realize(state, SimTK::Stage::Velocity);
-  if (misses(ToVector(state.getUErr())))
-    throw ParameterError(fmt::format(
-        "the added constraints are not met by the robot's initial velocities, by {} m/s or rad/s; "
-        "start at rest",
-        ToVector(state.getUErr()).lpNorm<Eigen::Infinity>()));
-}
-
-/// Adds the acceleration d of the class's comment.
-void ExtendedRobot::Model::Correct(const Eigen::Matrix<double, 6, 6>& payload, Eigen::VectorXd& rates) const {
-  SimTK::Matrix simbody;
-  matter.calcM(state, simbody);
-  Eigen::MatrixXd M = ToMatrix(simbody);
-  Eigen::VectorXd load = Eigen::VectorXd::Zero(rates.size());
-  M.topLeftCorner<6, 6>() += payload;
-  load.head<6>() = -payload * rates.head<6>();
-  for (const int i : u_index) {
-    M(i, i) += rotor_inertia;
-    load[i] = -rotor_inertia * rates[i];
-  }
-  const Eigen::LLT<Eigen::MatrixXd> factors(M);
-  Eigen::VectorXd change = factors.solve(load);
-  if (num_constraints > 0) {
-    matter.calcG(state, simbody);
-    const Eigen::MatrixXd G = ToMatrix(simbody);
-    const Eigen::VectorXd v = ToVector(state.getUErr()), p = ToVector(state.getQErr());
-    const Eigen::Index holonomic = p.size() - matter.getNumQuaternionsInUse(state);
-    Eigen::VectorXd wanted = Eigen::VectorXd::Zero(num_constraints);
-    wanted.head(v.size()) -= 2 * kConstraintRate * v;
-    wanted.head(holonomic) -= kConstraintRate * kConstraintRate * p.head(holonomic);
-    const Eigen::MatrixXd response = factors.solve(G.transpose());
-    const Eigen::VectorXd multipliers = SolveLeastSquares(G * response, G * change - wanted).x;
-    change -= response * multipliers;
-  }
-  rates += change;
-}
 
 namespace {
 

@@ -44,14 +44,6 @@ void RobotMultibody::Name(const SimTK::MobilizedBody& added, const std::string& 
   names_[index] = name;
 }
 
-void RobotMultibody::Draw(const SimTK::MobilizedBody& body, const Shape& shape) {
-  drawn_.push_back({body.getMobilizedBodyIndex(), shape});
-}
-
-const RobotMultibody::Reference& RobotMultibody::AddReference(const SimTK::MobilizedBody& added) {
-  return references_.emplace_back(Reference{added.getMobilizedBodyIndex()});
-}
-
 QuadrupedMultibody::QuadrupedMultibody(const QuadrupedDescription& robot, double gravity)
     : RobotMultibody(robot.trunk, gravity) {
   bodies_.reserve(1 + kNumJoints);  // `base` and `link` return references

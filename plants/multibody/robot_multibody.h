@@ -60,7 +60,9 @@ class RobotMultibody {
   void Name(const SimTK::MobilizedBody& added, const std::string& name);
   /// Draws a shape on a body. The pose of the shape, and the vector of a segment, are given in the body's
   /// frame.
-  void Draw(const SimTK::MobilizedBody& body, const Shape& shape);
+  void Draw(const SimTK::MobilizedBody& body, const Shape& shape) {
+    drawn_.push_back({body.getMobilizedBodyIndex(), shape});
+  }
 
   /// Present reference of the drive of an added joint, from the plant's inputs.
   struct Reference {
@@ -70,7 +72,9 @@ class RobotMultibody {
   };
   /// Adds an element to the plant's inputs `added_position_references` and `added_speed_references`, for a
   /// joint with one coordinate. A force element of yours reads the result, which lives as long as the robot.
-  const Reference& AddReference(const SimTK::MobilizedBody& added);
+  const Reference& AddReference(const SimTK::MobilizedBody& added) {
+    return references_.emplace_back(Reference{added.getMobilizedBodyIndex()});
+  }
 
   struct Drawn {
     SimTK::MobilizedBodyIndex body;

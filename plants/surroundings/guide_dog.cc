@@ -166,11 +166,6 @@ bool ObstacleDetector::CalcObstacle(const LeggedState& state, double range, doub
   return false;
 }
 
-bool ObstacleDetector::CalcInSight(const LeggedState& state, double range, double half_width,
-                                   bool& saw) const {
-  return saw = CalcObstacle(state, saw ? range + params.margin : range, half_width);
-}
-
 Geometry ObstacleDetector::MakeGeometry(const ObstacleDetectorParams& params) {
   Geometry shapes;
   for (std::size_t i = 0; i < params.obstacles.size(); ++i) {

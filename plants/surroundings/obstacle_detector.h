@@ -56,7 +56,9 @@ class ObstacleDetector final : public LeafSystem<ObstacleDetectorParams> {
 
  private:
   bool CalcObstacle(const LeggedState& state, double range, double half_width) const;
-  bool CalcInSight(const LeggedState& state, double range, double half_width, bool& saw) const;
+  bool CalcInSight(const LeggedState& state, double range, double half_width, bool& saw) const {
+    return saw = CalcObstacle(state, saw ? range + params.margin : range, half_width);
+  }
   static Geometry MakeGeometry(const ObstacleDetectorParams& params);
 };
 

@@ -88,9 +88,6 @@ struct DdsInputParams {
 ///     builder.Connect(robot.state, builder.Add<DdsPublisher<UnitreeState>>(
 ///         "to_client", {.topic = "rt/lowstate", .link = {.domain = 1, .interface = "lo"}}).u);
 ///
-///     | port | kind  | size |
-///     | u    | input | T    |
-///
 /// The writer is reliable and keeps the last message, as is the default of DDS, or the last ten messages of
 /// ROS 2, as is the default there; readers may be reliable or not, and none is required. `unsent` counts the
 /// messages that Cyclone DDS refused. Only the first message allocates, apart from Cyclone DDS itself. Throws
@@ -120,13 +117,9 @@ class DdsPublisher final : public LeafSystem<DdsPublisherParams> {
 ///     auto& command = builder.Add<DdsInput<UnitreeCommand>>("command", {.topic = "rt/lowcmd"});
 ///
 /// At each tick, y takes over the last message and holds it until the next tick, also that of a sender that
-/// has ended, unless `valid_s` is given. The block has no thread:
-/// Cyclone DDS receives, and keeps the last 64 messages until the tick. With `lock_step`, a tick waits for
-/// the message with its own time, as UdpInput does; the two programs can start in any order. Recording and
-/// replay work as in ExternalInput.
-///
-///     | port | kind            | size |
-///     | y    | output, sampled | T    |
+/// has ended, unless `valid_s` is given. The block has no thread: Cyclone DDS receives, and keeps the last 64
+/// messages until the tick. With `lock_step`, a tick waits for the message with its own time, as UdpInput
+/// does; the two programs can start in any order. Recording and replay work as in ExternalInput.
 ///
 /// Received messages are not trusted. A refused one leaves y as it is; `context.Eval(command.refused)`
 /// returns the number of refusals and the last reason:

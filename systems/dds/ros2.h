@@ -40,9 +40,6 @@ struct Ros2VelocityParams {
 ///     auto& velocity = builder.Add<Ros2Velocity>("cmd_vel", {.link = Ros2Link()});
 ///     builder.Connect(velocity.y, drive.request);  // of a WalkDrive
 ///
-///     | port | kind            | size            |
-///     | y    | output, sampled | VelocityCommand |
-///
 /// From a Twist, the block takes linear.x, linear.y and angular.z. While its button is pressed, the gamepad
 /// overrides the Twist. Refused messages are counted as in DdsInput. A message is too old `timeout` after the
 /// tick that took it over.

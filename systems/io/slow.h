@@ -133,9 +133,7 @@ long TicksPerPeriod(const Source& output, const SlowOptions& slow);
 /// snapshot continues bit for bit, but without a calculation that runs in a thread: it starts anew at the
 /// next tick of the block. The destructor of a context waits for the thread.
 ///
-///     ports out  those of the block
-///                result  the output, and the start of its calculation
-///                age     time since then [s]
+/// `result` is the output with the start of its calculation, and `age` the time since then.
 ///
 /// Throws ParameterError unless 0 <= jitter <= time, and `rate` is a multiple of the output's.
 template <class Block, auto kOutput>

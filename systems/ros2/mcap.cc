@@ -94,24 +94,18 @@ class Fields {
   bool good_ = true;
 };
 
-/// Appends a record whose contents `write` appends.
-template <class F>
-void PutRecord(std::vector<char>& out, Op op, const F& write) {
-  out.push_back(static_cast<char>(op));
+/// Appends the length in bytes of what `write` appends, and that: a list or a map.
+template <class Length = std::uint32_t>
+void PutList(std::vector<char>& out, const auto& write) {
   const std::size_t length_at = out.size();
-  Put(out, std::uint64_t{0});
+  Put(out, Length{0});
   write();
-  const std::uint64_t length = out.size() - length_at - sizeof(std::uint64_t);
+  const auto length = static_cast<Length>(out.size() - length_at - sizeof(Length));
   std::memcpy(out.data() + length_at, &length, sizeof length);
 }
-/// Appends a list or map with its length in bytes.
-template <class F>
-void PutList(std::vector<char>& out, const F& write) {
-  const std::size_t length_at = out.size();
-  Put(out, std::uint32_t{0});
-  write();
-  const auto length = static_cast<std::uint32_t>(out.size() - length_at - sizeof(std::uint32_t));
-  std::memcpy(out.data() + length_at, &length, sizeof length);
+void PutRecord(std::vector<char>& out, Op op, const auto& write) {
+  out.push_back(static_cast<char>(op));
+  PutList<std::uint64_t>(out, write);
 }
 
 }  // namespace

@@ -80,9 +80,6 @@ struct McapPublisherParams {
 ///     auto& log = builder.Add<McapPublisher<ros2::sensor_msgs::Imu>>("log", {.file = file, .topic =
 ///     "/imu"});
 ///
-///     | port | kind  | size |
-///     | u    | input | M    |
-///
 /// The time of a message is that of the run. Messages of a run that was set back stay in the file.
 template <ros2::Message M>
 class McapPublisher final : public LeafSystem<McapPublisherParams> {

@@ -18,7 +18,9 @@ class LogSink {
  public:
   virtual ~LogSink() = default;
   /// Called once, before the first row. Names are "block.port.element"; units may be empty.
-  virtual void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) = 0;
+  virtual void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) {
+    (void)names, (void)units;
+  }
   virtual void Row(std::span<const double> row) = 0;
   /// Called when the run pauses or ends, also after an error; makes all rows readable.
   virtual void Flush() {}

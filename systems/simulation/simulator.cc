@@ -104,7 +104,7 @@ Simulator::Simulator(std::unique_ptr<Context> context, SimulatorOptions options)
     : context_(Given(std::move(context), "context")),
       options_(std::move(options)),
       program_(context_->diagram().program()),
-      integrator_(std::make_unique<SundialsIntegrator>(*context_, options_)) {
+      integrator_(SundialsIntegrator::Make(*context_, options_)) {
   if (options_.seed && *options_.seed != context_->seed()) {
     throw ParameterError(
         fmt::format("SimulatorOptions: seed = {} applies to a context that the simulator creates, but "

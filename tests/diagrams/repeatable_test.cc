@@ -142,11 +142,7 @@ TEST(ParametersTest, AWalkGoesOnWithOtherGains) {
       EXPECT_EQ(simulator.context().Eval(controller.torque), before) << "held until its tick";
     }
     simulator.RunTo(0.4);
-    if (AllocationGuard::Available()) {
-      const AllocationGuard guard;
-      simulator.RunTo(0.45);
-      EXPECT_EQ(guard.count(), 0);
-    }
+    EXPECT_EQ(AllocationsOf([&] { simulator.RunTo(0.45); }), 0);
     return std::pair(before, simulator.context().Eval(controller.torque));
   };
   const auto plain = torque(false), changed = torque(true);

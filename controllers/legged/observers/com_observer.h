@@ -71,15 +71,6 @@ struct ComObserverParams {
 /// external forces except `known_wrench`, wherever they act; it does not depend on the estimates of other
 /// observers.
 ///
-///     | port        | kind            | type                                      |
-///     | state       | input           | LeggedState; v_W is read by kMomentum only |
-///     | foot_forces | input           | FootForces                                |
-///     | ground      | input           | GroundPlane; level if not connected       |
-///     | imu         | input           | ImuMeasurement                            |
-///     | known_wrench | input          | a wrench that is not estimated; zero if not connected |
-///     | estimate    | output, sampled | WrenchEstimate                            |
-///     | gains       | parameter       | ComObserverGains                          |
-///
 /// The estimate depends on the present state and foot forces and on the IMU sample of the previous tick, so a
 /// controller may use it for the torque of the same tick, which affects the IMU without delay. If
 /// `gains.force_source` changes during a run, the filter continues from the present estimate.

@@ -15,12 +15,6 @@ struct FootForceEstimateParams {
 /// Foot forces in the axes of W from force sensors in the shanks: f_W = R_WB R_BJ(q) f_J. R_WB is the
 /// estimated attitude of the previous tick, since the estimate of this tick depends on which feet stand, and
 /// these depend on the forces.
-///
-///     | port   | kind            | type                                              |
-///     | shank  | input           | FootForces, each in the axes of its last body [N] |
-///     | joints | input           | JointMotion                                       |
-///     | state  | input           | LeggedState, as estimated                         |
-///     | forces | output          | FootForces in W [N]                               |
 class FootForceEstimate final : public LeafSystem<FootForceEstimateParams> {
  public:
   using LeafSystem::LeafSystem;

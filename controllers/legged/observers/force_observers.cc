@@ -75,10 +75,6 @@ void LegMomentumObserverParams::Validate() const {
   gains.Validate();
 }
 
-DisturbanceFilter LegMomentumObserver::CalcFilter(const LegObserverGains& gains) const {
-  return {gains.Gains(), params.rate.period()};
-}
-
 LegForceEstimate LegMomentumObserver::CalcEstimate(const LeggedState& state,
                                                    const QuadrupedDynamics& dynamics,
                                                    const FootForces& foot_forces, const GroundPlane& ground,

@@ -35,13 +35,6 @@ struct GroundForceObserverParams {
 /// for stance legs; forces of swing legs are zero. A foot stands from when f_i . n rises above `touch` until
 /// it falls below `leave`. Other external forces on a standing leg cannot be distinguished from its ground
 /// force and are part of it.
-///
-///     | port       | kind            | type                                                              |
-///     | state      | input           | LeggedState                                                       |
-///     | leg_forces | input           | LegForceEstimate of a LegMomentumObserver without foot forces     |
-///     | ground     | input           | GroundPlane; level if not connected                               |
-///     | forces     | output, sampled | FootForces in W [N]                                               |
-///     | thresholds | parameter       | ContactThresholds                                                 |
 class GroundForceObserver final : public LeafSystem<GroundForceObserverParams> {
  public:
   using LeafSystem::LeafSystem;

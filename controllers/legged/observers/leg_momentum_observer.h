@@ -112,7 +112,9 @@ class LegMomentumObserver final : public LeafSystem<LegMomentumObserverParams> {
       &LegMomentumObserver::CalcEstimate};
 
  private:
-  DisturbanceFilter CalcFilter(const LegObserverGains& gains) const;
+  DisturbanceFilter CalcFilter(const LegObserverGains& gains) const {
+    return {gains.Gains(), params.rate.period()};
+  }
   LegForceEstimate CalcEstimate(const LeggedState& state, const QuadrupedDynamics& dynamics,
                                 const FootForces& foot_forces, const GroundPlane& ground,
                                 const Vec<12>& held_torque, const LegObserverGains& gains,

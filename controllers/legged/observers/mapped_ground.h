@@ -16,11 +16,7 @@ struct MappedGroundParams {
 
 /// The plane that fits an elevation map below the robot best, by least squares: over a rectangle along the
 /// heading that holds the nominal feet and a margin around them. The planners follow it over stairs, whose
-/// steps it averages.
-///
-///     ports in   map     ElevationMap
-///                state   state of the robot
-///     port out   ground  sampled; level below the trunk without a map
+/// steps it averages. Without a map it is level below the trunk.
 class MappedGround final : public LeafSystem<MappedGroundParams> {
  public:
   using LeafSystem::LeafSystem;

@@ -7,12 +7,6 @@ namespace {
 
 constexpr int kC = 0, kV = 3, kE = 6, kL = 9, kP = 12;
 
-Eigen::Matrix3d Cross(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
-  return matrix;
-}
-
 }  // namespace
 
 double CentroidalWalkProblem::StageCost(int k, const State& x, const Input& u) const {
@@ -109,14 +103,14 @@ void CentroidalWalkProblem::LinearizeSteps(StepMethod, int count, const double* 
         const Vector f = Force(k, leg, inputs[k]);
         const Vector arm = Vector(x[p], x[p + 1], node.height[i]) - middle;
         total += f;
-        D.block<3, 2>(kL, p) = -T * Cross(f).leftCols<2>();
+        D.block<3, 2>(kL, p) = -T * CrossMatrix(f).leftCols<2>();
         D.block<3, 4>(kV, u) = T * node.stands[i] * edges;
         D.block<3, 4>(kC, u) = T / 2 * D.block<3, 4>(kV, u);
-        D.block<3, 4>(kL, u).noalias() = Cross(arm).lazyProduct(D.block<3, 4>(kV, u));
+        D.block<3, 4>(kL, u).noalias() = CrossMatrix(arm).lazyProduct(D.block<3, 4>(kV, u));
       }
     }
     D.block<3, 3>(kC, kV).diagonal().setConstant(T);
-    D.block<3, 3>(kL, kC) = T * Cross(total);
+    D.block<3, 3>(kL, kC) = T * CrossMatrix(total);
     D.block<3, 3>(kL, kV) = T / 2 * D.block<3, 3>(kL, kC);
     const Eigen::Matrix3d turned = T / 2 * node.inverse_inertia;
     D.block<3, 6>(kE, kC) = turned.lazyProduct(D.block<3, 6>(kL, kC));

@@ -69,10 +69,6 @@ bool Pacer::Feasible(Gait gait, double speed) const {
          swing <= params.pace.drive_speed * drive_speed_ * hip_height_;
 }
 
-double Pacer::SpeedOfFeet(const Vec<3>& velocity) const {
-  return velocity.head<2>().norm() + std::abs(velocity[2]) * foot_radius_;
-}
-
 WalkCommand Pacer::CalcPaced(const WalkCommand& command, Progress& progress) const {
   const double dt = params.rate.period();
   Vec<3> wanted(command.forward, command.left, command.yaw_rate);
@@ -90,10 +86,6 @@ WalkCommand Pacer::CalcPaced(const WalkCommand& command, Progress& progress) con
   paced.left = progress.velocity[1];
   paced.yaw_rate = progress.velocity[2];
   return paced;
-}
-
-GaitTiming Pacer::CalcTiming(const WalkCommand& paced) const {
-  return TimingAt(paced.gait, SpeedOfFeet({paced.forward, paced.left, paced.yaw_rate}));
 }
 
 }  // namespace tenon

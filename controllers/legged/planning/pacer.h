@@ -82,8 +82,12 @@ class Pacer final : public LeafSystem<PacerParams> {
 
  private:
   WalkCommand CalcPaced(const WalkCommand& command, Progress& progress) const;
-  GaitTiming CalcTiming(const WalkCommand& paced) const;
-  double SpeedOfFeet(const Vec<3>& velocity) const;
+  GaitTiming CalcTiming(const WalkCommand& paced) const {
+    return TimingAt(paced.gait, SpeedOfFeet({paced.forward, paced.left, paced.yaw_rate}));
+  }
+  double SpeedOfFeet(const Vec<3>& velocity) const {
+    return velocity.head<2>().norm() + std::abs(velocity[2]) * foot_radius_;
+  }
   bool Feasible(Gait gait, double speed) const;
 
   double hip_height_, length_, foot_radius_, reach_, drive_speed_;

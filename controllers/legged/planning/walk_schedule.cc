@@ -92,14 +92,6 @@ WalkSchedule::Extent WalkSchedule::extent() const {
   return extent;
 }
 
-double WalkSchedule::end_time() const {
-  return pieces_.back().end;
-}
-
-double WalkSchedule::last_ramp_end() const {
-  return pieces_.back().begin + pieces_.back().ramp;
-}
-
 WalkCommand WalkSchedule::CalcCommand(const double& time) const {
   for (const Piece& piece : pieces_) {
     if (time >= piece.end) continue;

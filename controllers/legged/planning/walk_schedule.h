@@ -66,9 +66,9 @@ class WalkSchedule final : public LeafSystem<WalkScheduleParams> {
   };
   Extent extent() const;
   /// End of the last segment [s].
-  double end_time() const;
+  double end_time() const { return pieces_.back().end; }
   /// End of the last segment's ramp [s].
-  double last_ramp_end() const;
+  double last_ramp_end() const { return pieces_.back().begin + pieces_.back().ramp; }
   OutputPort<WalkCommand> command{
       this, {"command"}, Sampled{params.rate}, Uses(time), &WalkSchedule::CalcCommand};
 

@@ -95,10 +95,6 @@ class Reader {
   }
 
   template <class... Args>
-  [[noreturn]] void Fail(fmt::format_string<Args...> format, Args&&... args) const {
-    file_.Fail(fmt::format(format, std::forward<Args>(args)...));
-  }
-  template <class... Args>
   void Warn(fmt::format_string<Args...> format, Args&&... args) {
     const std::string what = fmt::format(format, std::forward<Args>(args)...);
     warnings_.push_back(fmt::format("{}: {}", file_.PlaceOf(what), what));
@@ -110,14 +106,14 @@ class Reader {
     if (!reading_.trunk.empty()) {
       const UrdfLink* link = file_.FindLink(reading_.trunk);
       if (link == nullptr)
-        Fail("there is no link '{}', the trunk; correct its name under 'trunk_link'",
-             Excerpt(reading_.trunk));
+        file_.Fail("there is no link '{}', the trunk; correct its name under 'trunk_link'",
+                   Excerpt(reading_.trunk));
       for (; link != &file_.FloatingLink() && link->parent != nullptr; link = link->parent) {
         const UrdfJoint& joint = *link->parent_joint;
         const std::optional<double> position = LockedAt(joint);
         if (joint.turns() && !position)
-          Fail("the link '{}' moves relative to the root; give a link of the trunk under 'trunk_link'",
-               reading_.trunk);
+          file_.Fail("the link '{}' moves relative to the root; give a link of the trunk under 'trunk_link'",
+                     reading_.trunk);
         T_RB = joint.pose * joint.Moved(position.value_or(0)) * T_RB;
       }
     }
@@ -131,12 +127,12 @@ class Reader {
       const bool moves = Drive(name) != nullptr;
       if (joint != nullptr && (joint->turns() || (joint->slides() && !moves))) continue;
       if (joint != nullptr && moves)
-        Fail("joint '{}' does not turn; take it out of 'actuated_joints', or make it revolute", name);
+        file_.Fail("joint '{}' does not turn; take it out of 'actuated_joints', or make it revolute", name);
       std::vector<std::string> names;
       for (const auto& entry : file_.joints)
         if (entry.second.turns() || entry.second.slides()) names.push_back(entry.first);
       const std::string nearest = NearestName(name, names);
-      Fail(
+      file_.Fail(
           "there is no joint '{}' that moves{}; correct its name, under 'locked_joints' or 'actuated_joints' "
           "or in --lock",
           Excerpt(name), nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
@@ -156,7 +152,7 @@ class Reader {
 
   void CheckNotOfLeg(const std::string& joint) const {
     if (Drive(joint) != nullptr)
-      Fail(
+      file_.Fail(
           "joint '{}' moves with a leg, but 'actuated_joints' can only have joints on the trunk; take it out",
           joint);
   }
@@ -169,8 +165,8 @@ class Reader {
       std::vector<std::string> names;
       for (const auto& entry : file_.links) names.push_back(entry.first);
       const std::string nearest = NearestName(foot, names);
-      Fail("there is no link '{}', the foot of {}{}; give the names of the feet's links under 'feet'",
-           Excerpt(foot), leg_name, nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
+      file_.Fail("there is no link '{}', the foot of {}{}; give the names of the feet's links under 'feet'",
+                 Excerpt(foot), leg_name, nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
     }
     std::vector<const UrdfJoint*> chain;
     for (; link->parent != nullptr; link = link->parent) {
@@ -181,7 +177,7 @@ class Reader {
       std::string names;
       for (auto joint = chain.rbegin(); joint != chain.rend(); ++joint)
         names += (names.empty() ? "'" : ", '") + (*joint)->name + "'";
-      Fail(
+      file_.Fail(
           "leg {} has {} revolute joints between the root '{}' and its foot '{}' ({}) but must have {}: "
           "abduction, hip pitch and knee pitch; add missing joints, or lock additional ones under "
           "'locked_joints'",
@@ -191,14 +187,14 @@ class Reader {
       const UrdfJoint& joint = *chain[static_cast<std::size_t>(kJointsPerLeg - 1 - i)];
       const std::string& name = joint.name;
       if (joint.mimic)
-        Fail(
+        file_.Fail(
             "joint '{}' of leg {} moves with '{}' (<mimic>), but a leg's joints have a drive each; lock it "
             "under 'locked_joints', or take <mimic> out",
             name, leg_name, joint.mimic->joint);
       const auto [at, is_new] = joints_.emplace(name, kJointsPerLeg * leg + i);
       if (!is_new)
-        Fail("the joint '{}' is in the legs {} and {}; give each leg a foot of its own under 'feet'", name,
-             kLegNames[static_cast<std::size_t>(at->second / kJointsPerLeg)], leg_name);
+        file_.Fail("the joint '{}' is in the legs {} and {}; give each leg a foot of its own under 'feet'",
+                   name, kLegNames[static_cast<std::size_t>(at->second / kJointsPerLeg)], leg_name);
     }
   }
 
@@ -228,8 +224,8 @@ class Reader {
       } else if (joint->turns()) {
         child = NoteJoint(*joint, T_BJ) + 1;
       } else if (joint->type != UrdfJoint::Type::kFixed) {
-        Fail("joint '{}' must be revolute or fixed; make it fixed, or list it under 'locked_joints'",
-             joint->name);
+        file_.Fail("joint '{}' must be revolute or fixed; make it fixed, or list it under 'locked_joints'",
+                   joint->name);
       }
       Add(file_.ChildOf(*joint), child, T_BJ);
     }
@@ -371,7 +367,7 @@ class Reader {
   }
 
   Eigen::Vector3d AxisOf(const UrdfJoint& joint) const {
-    if (!(joint.axis.norm() > 0)) Fail("joint '{}' has the axis 0 0 0; give its direction", joint.name);
+    if (!(joint.axis.norm() > 0)) file_.Fail("joint '{}' has the axis 0 0 0; give its direction", joint.name);
     return joint.axis.normalized();
   }
 
@@ -379,7 +375,7 @@ class Reader {
   int NoteJoint(const UrdfJoint& joint, const Eigen::Isometry3d& T_BJ) {
     const auto at = joints_.find(joint.name);
     if (at == joints_.end())
-      Fail(
+      file_.Fail(
           "joint '{}' turns but belongs to no leg; list it under 'locked_joints' or 'actuated_joints', or "
           "make it fixed",
           joint.name);
@@ -393,7 +389,7 @@ class Reader {
     out.torque_limit = own.torque.value_or(limits ? limits->effort : 0);
     out.speed_limit = own.speed.value_or(limits ? limits->velocity : 0);
     if (!(out.torque_limit > 0 && out.speed_limit > 0))
-      Fail(
+      file_.Fail(
           "joint '{}' has no limits of torque and speed; add <limit effort=\"N m\" velocity=\"rad/s\" .../> "
           "with positive values, or torque_N_m and speed_rad_per_s under 'joint_limits.{}' in the YAML",
           joint.name, kLimitKeys[kind]);
@@ -407,7 +403,7 @@ class Reader {
       out.upper = limits->upper;
     }
     if (!(out.lower < out.upper))
-      Fail(
+      file_.Fail(
           "joint '{}' has the range {} to {} rad; the lower limit must be below the upper: correct it, or "
           "give range_rad under 'joint_limits.{}' in the YAML",
           joint.name, out.lower, out.upper, kLimitKeys[kind]);
@@ -421,7 +417,7 @@ class Reader {
     if (carrier > 0 && carrier <= kNumJoints) CheckNotOfLeg(joint.name);
     const std::optional<UrdfJoint::Limits>& limits = joint.limits;
     if (!limits || !(limits->effort > 0))
-      Fail(
+      file_.Fail(
           "joint '{}' has no limit of torque; add <limit effort=\"N m\" .../> with a positive value, or move "
           "it from 'actuated_joints' to 'locked_joints'",
           joint.name);
@@ -430,7 +426,7 @@ class Reader {
     if (joint.type == UrdfJoint::Type::kRevolute &&
         (std::min(drive.rest, centre - drive.amplitude) < limits->lower - kRounding ||
          std::max(drive.rest, centre + drive.amplitude) > limits->upper + kRounding))
-      Fail(
+      file_.Fail(
           "joint '{}' turns from {} to {} rad, but under 'actuated_joints' its angle_rad is {}, its "
           "amplitude_rad {} and its phase_rad {}; change them",
           joint.name, limits->lower, limits->upper, drive.rest, drive.amplitude, drive.phase);
@@ -512,8 +508,8 @@ class Reader {
   RigidInertia Believed(const Part& part, double extent) {
     RigidInertia given = part.inertia;
     if (given.mass < 0)
-      Fail("link '{}' has the mass {} kg; give a positive mass, or no <inertial> at all", part.link,
-           given.mass);
+      file_.Fail("link '{}' has the mass {} kg; give a positive mass, or no <inertial> at all", part.link,
+                 given.mass);
     if (given.mass == 0) {
       if (!given.inertia.isZero(0)) Warn("link '{}' has an inertia but no mass and is ignored", part.link);
       return {};
@@ -536,7 +532,7 @@ class Reader {
       return given;
     } catch (const ParameterError& error) {
       const Eigen::Matrix3d mended = Mended(given.inertia);
-      if (reading_.strict) Fail("link '{}': {}", part.link, error.what());
+      if (reading_.strict) file_.Fail("link '{}': {}", part.link, error.what());
       const Eigen::Vector3d taken = internal::SymmetricEigenvalues3(mended);
       Warn("link '{}': {}; taken with {:.3g}, {:.3g}, {:.3g} kg m^2", part.link, error.what(), taken[0],
            taken[1], taken[2]);
@@ -564,7 +560,7 @@ class Reader {
         without += fmt::format("{}{}", without.empty() ? "" : "; ", names_[body]);
     }
     if (!without.empty())
-      Fail(
+      file_.Fail(
           "no mass is given for the bodies of link {}; give a link of each one an <inertial> with a positive "
           "mass, or {}{}{}",
           without, have_shapes ? "" : "a <collision> with a volume whose mesh is found",
@@ -573,8 +569,8 @@ class Reader {
     if (!reading_.mass) return;
     const double left = *reading_.mass - given;
     if (bodies.empty() || left <= 0)
-      Fail("the robot's mass is given as {} kg, but its links have {:.4g} kg{}", *reading_.mass, given,
-           bodies.empty() ? ", and no body is without mass; take it out" : "; give more");
+      file_.Fail("the robot's mass is given as {} kg, but its links have {:.4g} kg{}", *reading_.mass, given,
+                 bodies.empty() ? ", and no body is without mass; take it out" : "; give more");
     for (const std::size_t body : bodies) {
       const auto& [filled, com, inertia] = volumes_[body];
       parts_[body].push_back({names_[body], {left / volume * filled, com, left / volume * inertia}});
@@ -593,7 +589,7 @@ class Reader {
     try {
       CheckInertia(sum.inertia);
     } catch (const ParameterError& error) {
-      Fail("the body of link {}: {}", names, error.what());
+      file_.Fail("the body of link {}: {}", names, error.what());
     }
     return sum;
   }

@@ -5,6 +5,7 @@
 #include <tenon/plants/robots/robot_links.h>
 
 #include <Eigen/Geometry>
+#include <fmt/core.h>
 
 #include <filesystem>
 #include <functional>
@@ -89,8 +90,12 @@ struct UrdfFile {
 
   /// Returns the file and the line of the first link or joint that a message names, as link 'this'.
   std::string PlaceOf(const std::string& what) const;
-  /// Throws ParameterError with the place that `what` names.
-  [[noreturn]] void Fail(const std::string& what) const;
+  /// Throws ParameterError with the place that the message names.
+  template <class... Args>
+  [[noreturn]] void Fail(fmt::format_string<Args...> format, Args&&... args) const {
+    const std::string what = fmt::format(format, std::forward<Args>(args)...);
+    throw ParameterError(PlaceOf(what) + ": " + what);
+  }
 };
 
 /// Reads a URDF. Limits on its size, nesting and numbers protect from files that are no robot's. Throws

@@ -385,16 +385,14 @@ std::string ReadBytes(const std::filesystem::path& path, const UrdfFile& file) {
   if (std::filesystem::is_directory(path, error)) file.Fail("this is a directory; give the path of a URDF");
   std::ifstream in = OpenInput(path);
   if (!in.is_open())
-    file.Fail(
-        fmt::format("the file cannot be read: {}; give the path of a URDF, relative to the robot's YAML file",
-                    std::filesystem::exists(path, error) ? "not a readable file" : "no such file"));
+    file.Fail("the file cannot be read: {}; give the path of a URDF, relative to the robot's YAML file",
+              std::filesystem::exists(path, error) ? "not a readable file" : "no such file");
   std::string text;
   for (char part[1 << 16]; text.size() <= kMaxBytes && in;
        text.append(part, static_cast<std::size_t>(in.gcount())))
     in.read(part, sizeof(part));
   if (text.size() > kMaxBytes)
-    file.Fail(
-        fmt::format("the file exceeds the limit of {} bytes; check that it is the right file", kMaxBytes));
+    file.Fail("the file exceeds the limit of {} bytes; check that it is the right file", kMaxBytes);
   return text;
 }
 
@@ -447,10 +445,6 @@ std::string UrdfFile::PlaceOf(const std::string& what) const {
       return fmt::format("{}:{}", name, joint->line);
   }
   return name;
-}
-
-void UrdfFile::Fail(const std::string& what) const {
-  throw ParameterError(fmt::format("{}: {}", PlaceOf(what), what));
 }
 
 UrdfFile ReadUrdfFile(const std::filesystem::path& path) {

@@ -13,13 +13,7 @@ constexpr const char* kJsonTimestamp = "timestamp";
 std::vector<std::string> JsonKeys(const std::string& name, const TypeInfo& type, const void* value,
                                   const Spec& spec);
 
-/// Writes messages of one signal:
-///
-///     {"timestamp":0.25,"cart":{"position":0.1,"velocity":-0.2}}
-///
-/// with the elements of the signal named as in logs, one level of objects for each dot. Numbers are written
-/// in the shortest form that reads back exactly, and "NaN", "Infinity" and "-Infinity" as texts. Members that
-/// are not numbers are omitted.
+/// Writes messages of one signal, see UdpPublisher.
 class JsonWriter {
  public:
   /// Returns the message, which is valid until the next call. Allocates only for the first message and when

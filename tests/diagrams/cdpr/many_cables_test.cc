@@ -103,9 +103,7 @@ TEST_P(ManyCables, RunWithoutAllocating) {
     builder.Add<CdprLoop>("loop", Circle(robot, mpc));
     Simulator simulator(builder.Build(), {.order = 2, .rtol = 1e-4, .atol = 1e-6});
     simulator.RunTo(0.02);
-    const AllocationGuard guard;
-    simulator.RunTo(0.04);
-    EXPECT_EQ(guard.count(), 0) << (mpc ? "MPC" : "PD");
+    EXPECT_EQ(AllocationsOf([&] { simulator.RunTo(0.04); }), 0) << (mpc ? "MPC" : "PD");
   }
 }
 
@@ -182,9 +180,7 @@ TEST(MovingAnchorsAndSprings, AreFollowedUnderPdAndMpcWithoutAllocating) {
     auto& loop = builder.Add<CdprLoop>("loop", params);
     Simulator simulator(builder.Build(), {.order = 2, .rtol = 1e-4, .atol = 1e-6});
     simulator.RunTo(0.3);
-    const AllocationGuard guard;
-    simulator.RunTo(0.35);
-    if (AllocationGuard::Available()) EXPECT_EQ(guard.count(), 0) << (mpc ? "MPC" : "PD");
+    EXPECT_EQ(AllocationsOf([&] { simulator.RunTo(0.35); }), 0) << (mpc ? "MPC" : "PD");
     double worst = 0;
     while (simulator.context().time() < 1.5) {
       simulator.RunTo(simulator.context().time() + 0.05);

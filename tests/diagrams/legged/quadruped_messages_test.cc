@@ -136,15 +136,6 @@ TEST_F(QuadrupedMessagesTest, FootForcesAreInTheFramesOfTheFeet) {
   EXPECT_EQ(Of(rig[rig->front_left].wrench.force), Vector3d::Zero());
 }
 
-TEST_F(QuadrupedMessagesTest, ComputingThemDoesNotAllocate) {
-  EXPECT_EQ(AllocationsOf([&] {
-              rig.Fix(rig->state, x);
-              rig[rig->tf], rig[rig->joint_states], rig[rig->odometry], rig[rig->disturbance],
-                  rig[rig->rear_left];
-            }),
-            0);
-}
-
 TEST(CdprMessagesTest, AreThoseOfTheSignals) {
   TestRig<CdprMessages> rig({.num_cables = 2});
   const CableVector two = Eigen::Vector2d(2, 3);

@@ -101,10 +101,6 @@ TEST(WinchErrorsTest, EachWinchHasAConstantThatStaysAndARippleThatDoesNot) {
   EXPECT_GT((sum - sum.mean()).abs().minCoeff(), 0.2) << "no two alike: " << sum.transpose();
 }
 
-TEST(WinchErrorsTest, RefusesNonsense) {
-  EXPECT_TRUE(Refuses<WinchErrors>({.num_cables = 0}, "num_cables"));
-}
-
 constexpr double kPi = std::numbers::pi;
 constexpr DrumProperties kDrum{
     .radius = 0.036, .cable_diameter = 0.005, .turns_per_layer = 10, .cable_length = 9};

@@ -318,11 +318,7 @@ TEST(NoAllocationTest, RunningAllocatesNothing) {
     const auto log = simulator.AddLog(Hz(100), {&plant.state, &everything.u, &everything.list});
     log->Reserve(1000);
     simulator.RunTo(0.5);
-    {
-      AllocationGuard guard;
-      simulator.RunTo(3);
-      EXPECT_EQ(guard.count(), 0);
-    }
+    EXPECT_EQ(AllocationsOf([&] { simulator.RunTo(3); }), 0);
     EXPECT_GT(simulator.context().Eval(everything.crossings), 8);
     EXPECT_EQ(simulator.context().Eval(everything.steps), simulator.statistics().steps);
     EXPECT_EQ(log->rows(), 301);

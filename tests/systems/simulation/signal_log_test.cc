@@ -295,7 +295,6 @@ TEST_F(SignalLogTest, ColumnsWhoseNumberIsKnownAtRunTimeAreComparedAtTheFirstRow
 }
 
 struct SinkOnAFullDisk final : LogSink {
-  void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void Row(std::span<const double>) override { throw OutputError("the disk is full"); }
 };
 
@@ -424,7 +423,6 @@ class SmallDisk {
 };
 
 struct BrokenSink final : LogSink {
-  void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void Row(std::span<const double> row) override {
     if (row[0] == 3) throw OutputError("this sink is broken");
   }

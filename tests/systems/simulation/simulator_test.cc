@@ -646,7 +646,6 @@ TEST_F(SimulatorTest, InfinityIsReportedWhenItReachesADerivative) {
 }
 
 struct CountFlushes final : LogSink {
-  void Begin(const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void Row(std::span<const double>) override { ++rows; }
   void Flush() override { flushed_rows = rows; }
   int rows = 0, flushed_rows = 0;
