@@ -158,7 +158,7 @@ SignalLog::SignalLog(Context& context, std::vector<const Source*> signals,
 SignalLog::~SignalLog() = default;
 
 SignalLog::Columns SignalLog::ListColumns() const {
-  Columns columns{{"time"}, {"s"}, {}};
+  Columns columns{{"time"}, {"s"}};
   std::map<std::string, std::size_t> signal_of;
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     const Source& signal = *signals_[i];
