@@ -183,16 +183,12 @@ TEST_F(TenonCdprTest, NumericalFailureIsExitCode4AndKeepsWhatWasWritten) {
 // One of each kind: a key, a name, ranges here and in the robot's file, and found when the diagram is made.
 TEST_F(TenonCdprTest, RefusesBadSettings) {
   ExpectSettingsRefused(
-      "D1", {"pd.stifness_N_per_m=1", "controller=mpc", "mpc.mass_error=-1", "mpc.mass_error=99",
-             "mpc.horizon_s=0.015", "mpc.rate_hz=0", "mpc.num_steps=1000", "mpc.weights.tension_per_N2=0",
-             "noise.imu_rate_hz=-5", "noise.position_m=-1", "robot.mass=6", "robot.mass_kg=1e300",
-             "payload.mass_kg=-1", "integrator.atol=1e308", "path.attitudes_rad=[[0,0,0]]",
-             "path.tension_aim_N=50", "hardware.winches.ripple_ratio=0.6"});
+      "D1", {"pd.stifness_N_per_m=1", "controller=mpc", "mpc.mass_error=-1", "mpc.horizon_s=0.015",
+             "mpc.num_steps=1000", "noise.imu_rate_hz=-5", "robot.mass=6", "integrator.atol=1e308",
+             "path.attitudes_rad=[[0,0,0]]", "path.tension_aim_N=50"});
   ExpectSettingsRefused("turn_8", {"path.attitude_rad=[0,0,0]"});
   ExpectSettingsRefused("gust", {"gusts.0.duration_s=0"});
   ExpectSettingsRefused("pendulum", {"hanging_load.swing_m=[1,1]"});
-  ExpectSettingsRefused("waypoints", {"path.waypoints.1.speed_m_per_s=0", "path.waypoints.1.dwell_s=-1",
-                                      "path.waypoints.1.position_m=[1e300,0,2]"});
 }
 
 // The message names the key that contradicts another one, or that a map lacks.
@@ -204,8 +200,6 @@ TEST_F(TenonCdprTest, RefusesSettingsThatDoNotFitTogether) {
        {"D1 --set 'payload={mass_kg: 1, position_m: [1e6, 0, 0]}'", ": payload.position_m.0: "},
        {"D1 --set path.center_m=[0,0,5]", "D1.yaml:10:3: path: "},
        {"D1 --set path.kind=hold", "D1.yaml:10:3: path: "},
-       {"D1 --set path.kind=line", "D1.yaml:10:3: path: "},
-       {"D1 --set path.kind=file", "D1.yaml:10:3: path: "},
        {"D1 --set path.kind=waypoints", "D1.yaml:10:3: path: "},
        {"D1 --set path.kind=spline --set 'path.points_m=[[0,0,2],[0,0,1]]'", ": path.points_m: "},
        {"D1 --set 'path={kind: spline, points_m: [[0,0,2],[0,0,1]], times_s: [1, 1]}'", ": path.times_s.1: "},
@@ -213,16 +207,9 @@ TEST_F(TenonCdprTest, RefusesSettingsThatDoNotFitTogether) {
        {"turn_8 --set path.attitudes_rad=[[0,0,0]]", "turn_8.yaml:10:18: path.points_m: "},
        {"waypoints --set path.attitude_rad=[0,0,0]", "waypoints.yaml:10:3: path: "},
        {"waypoints --set path.waypoints.0.travel_s=1", "waypoints.yaml:12:7: path.waypoints.0: "},
-       {"waypoints --set path.waypoints.1.travel_s=1", "waypoints.yaml:13:7: path.waypoints.1: "},
-       {"waypoints --set path.waypoints.1.speed_m_per_s=null", "waypoints.yaml:13:7: path.waypoints.1: "},
-       {"waypoints --set path.waypoints.1.position_m=[0,0,1.6]", "waypoints.yaml:13:7: path.waypoints.1: "},
-       {"waypoints --set path.waypoints.0.attitude_rad=null", "waypoints.yaml:13:7: path.waypoints.1: "},
-       {"D1 --set 'report.plots=[{title: speed, signals: [loop.plant.platform.v_B]}]'",
-        ": report.plots.0.signals.0: the diagram has no port 'loop.plant.platform.v_B'"},
        {"D1 --set 'report.plots=[{title: speed}]'", ": report.plots.0: "},
        {"D1 --set \"report.events=[$(seq -s, 1001)]\"", ": report.events: "},
        {"D1 --set mpc.weights.tension_per_N2=[1,2,3]", ": mpc.weights.tension_per_N2: "},
-       {"D1 --controller pd --set pd.damping_N_s_per_m=[1,2,3]", ": pd.damping_N_s_per_m: "},
        {"D1 --set robot.cables=[1,2,3]", ": robot.cables.0: "}});
 }
 

@@ -180,8 +180,8 @@ TEST_F(ThesisPlannerTest, AHeuristicPlanRestsWhereTheFeetThatStayHoldThePush) {
   const Vec<3> down(0, 0, -robot_.mass() * kGravity);
   EXPECT_LT((arm.cross(Vec<3>(push.force_W + down)) + push.torque_W).head<2>().norm(), 1e-9);
   schedule_.legs[kFrontLeft].state = ContactState::kSwing;
-  rig.Fix(block.schedule, schedule_);
-  EXPECT_THAT(rig.RunTo(0.3)[block.reference].com_W, IsNear(com, 1e-12)) << "rests in the swing";
+  EXPECT_THAT(rig.Fix(block.schedule, schedule_).RunTo(0.3)[block.reference].com_W, IsNear(com, 1e-12))
+      << "rests in the swing";
   schedule_.timing.stance = 0;
   ++schedule_.footsteps;
   rig.Fix(block.schedule, schedule_);

@@ -352,12 +352,9 @@ TEST(WholeBodyController, LoadsRampAfterTouchdownAndBeforeLiftOff) {
   EXPECT_GT(rig[rig->plan].solution.force[kFrontLeft][2], 0.15 * weight);
 }
 
-// Eq. (2.3): I_com and M_q are decoupled, and the rows of the legs do not contain the wrench on the trunk.
-TEST(WholeBodyController, TheDecoupledFormIsThatOfTheThesis) {
-  WholeBodyParams params = Params();
-  params.gains.dynamics = BodyDynamics::kDecoupled;
-  params.gains.compensation = LegCompensation::kThesis;
-  Inputs inputs(params.robot);
+/// A robot that moves under a wrench, with a foot in the air.
+Inputs Moving(const QuadrupedDescription& robot) {
+  Inputs inputs(robot);
   inputs.Swing({kFrontRight});
   inputs.state.w_W = Vec<3>(0.4, -0.3, 0.5);
   inputs.state.qd.segment<3>(3) << 1, -4, 3;
@@ -365,6 +362,15 @@ TEST(WholeBodyController, TheDecoupledFormIsThatOfTheThesis) {
   inputs.Follow();
   inputs.wrench.force_W = Vec<3>(10, -20, -30);
   inputs.wrench.torque_W = Vec<3>(3, 2, -1);
+  return inputs;
+}
+
+// Eq. (2.3): I_com and M_q are decoupled, and the rows of the legs do not contain the wrench on the trunk.
+TEST(WholeBodyController, TheDecoupledFormIsThatOfTheThesis) {
+  WholeBodyParams params = Params();
+  params.gains.dynamics = BodyDynamics::kDecoupled;
+  params.gains.compensation = LegCompensation::kThesis;
+  const Inputs inputs = Moving(params.robot);
   Ticked rig(inputs, params);
   const WholeBodySolution& solution = rig[rig->plan].solution;
   DecoupledDynamics decoupled;
@@ -392,13 +398,7 @@ TEST(WholeBodyController, TheDecoupledFormIsThatOfTheThesis) {
 TEST(WholeBodyController, QuasiStaticForcesMoveOneRigidBody) {
   WholeBodyParams params = Params();
   params.gains.dynamics = BodyDynamics::kQuasiStatic;
-  Inputs inputs(params.robot);
-  inputs.Swing({kFrontRight});
-  inputs.state.w_W = Vec<3>(0.4, -0.3, 0.5);
-  inputs.state.qd.segment<3>(3) << 1, -4, 3;
-  inputs.Follow();
-  inputs.wrench.force_W = Vec<3>(10, -20, -30);
-  inputs.wrench.torque_W = Vec<3>(3, 2, -1);
+  const Inputs inputs = Moving(params.robot);
   Ticked rig(inputs, params);
   const QuadrupedDynamics& dynamics = inputs.dynamics;
   const WholeBodySolution& solution = rig[rig->plan].solution;
