@@ -69,9 +69,7 @@ class HangingLoad final : public LeafSystem<HangingLoadParams> {
  private:
   static Geometry MakeGeometry();
   Rope CalcRope(const PlatformState& platform, const HangingLoadState& state) const;
-  PlatformWrench CalcWrench(const Rope& rope, const PlatformWrench& others) const {
-    return {others.force_W + rope.force_W, others.torque_W + rope.arm_W.cross(rope.force_W)};
-  }
+  PlatformWrench CalcWrench(const Rope& rope, const PlatformWrench& others) const;
   HangingLoadState CalcRate(const HangingLoadState& state, const Rope& rope) const {
     return {state.v_W, -rope.force_W / params.mass - Vec<3>(0, 0, params.gravity)};
   }

@@ -20,6 +20,10 @@ PlatformWrench Gusts::CalcWrench(double time) const {
   return wrench;
 }
 
+PlatformWrench HangingLoad::CalcWrench(const Rope& rope, const PlatformWrench& others) const {
+  return {others.force_W + rope.force_W, others.torque_W + rope.arm_W.cross(rope.force_W)};
+}
+
 Geometry HangingLoad::MakeGeometry() {
   return {Shape::Sphere(ShapeRole::kLoad, "hanging load", 0.05),
           Shape::Segment(ShapeRole::kLine, "rope", 0.008, "N")};
