@@ -1,5 +1,6 @@
 #include <tenon/controllers/cdpr/equilibrium_path.h>
 #include <tenon/plants/signals/euler.h>
+#include <tenon/systems/block.h>
 
 #include <Eigen/LU>
 #include <fmt/format.h>

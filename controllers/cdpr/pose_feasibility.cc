@@ -1,6 +1,7 @@
 #include <tenon/controllers/cdpr/pose_feasibility.h>
 #include <tenon/controllers/optimization/infinity.h>
 #include <tenon/plants/model/platform_springs.h>
+#include <tenon/plants/model/vectors.h>
 
 #include <Eigen/Cholesky>
 #include <fmt/core.h>

@@ -1,4 +1,5 @@
 #include <tenon/plants/model/path.h>
+#include <tenon/systems/block.h>
 
 #include <Eigen/SparseLU>
 #include <fmt/format.h>

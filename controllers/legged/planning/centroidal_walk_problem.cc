@@ -1,4 +1,5 @@
 #include <tenon/controllers/legged/planning/centroidal_walk_problem.h>
+#include <tenon/plants/model/vectors.h>
 
 #include <Eigen/Geometry>
 
