@@ -18,8 +18,9 @@ struct AdmittanceGains {
   double max_left = 0.05;       ///< maximum lateral velocity to either side [m/s]
   double acceleration = 0.5;    ///< maximum acceleration of the forward and lateral velocities [m/s^2]
   double adaptation_rate = 0;   ///< rate at which the forward velocity adapts to the person's [1/s]
-  double yield_tension = 0;     ///< backward pull above which a standing robot steps back; 0: none [N]
-  double max_backward = 0.3;    ///< maximum backward velocity of a robot that steps back [m/s]
+  double yield_tension = 0;     ///< pull above which a standing robot steps; 0: none [N]
+  double yield_time = 0;        ///< accumulated time of such a pull before the robot steps [s]
+  double max_backward = 0.3;    ///< maximum backward velocity of a robot that yields [m/s]
 
   static FieldList Fields() {
     using G = AdmittanceGains;
@@ -33,6 +34,7 @@ struct AdmittanceGains {
             Field("acceleration_m_per_s2", &G::acceleration).Positive(),
             Field("adaptation_rate_per_s", &G::adaptation_rate).AtLeast(0),
             Field("yield_tension_N", &G::yield_tension).AtLeast(0),
+            Field("yield_time_s", &G::yield_time).AtLeast(0),
             Field("max_backward_m_per_s", &G::max_backward).AtLeast(0)};
   }
   void Validate() const;  ///< throws ParameterError
@@ -86,10 +88,12 @@ struct AdmittanceMotion {
 /// forward command gets the correction c with c' = r (f_d - T) e_x / D_a, which is held while a limit acts,
 /// and is 0 after a stop.
 ///
-/// **Yielding.** A robot that stops from a person's pace stretches the leash on its way to rest. If the leash
-/// pulls it backwards by more than yield_tension > f_d, it does not stand: it walks on in its last gait by
-/// the equation above with the nominal velocity 0, at most with max_backward towards the person, until the
-/// pull is below the mean of f_d and yield_tension.
+/// **Yielding.** A robot that stops from a person's pace stretches the leash on its way to rest, and a light
+/// robot that stands is tipped by a pull to the side. If the horizontal pull exceeds yield_tension > f_d, the
+/// robot does not stand: it walks on in its last gait by the equation above with the nominal velocity 0, at
+/// most with max_backward and max_left and never ahead, until the pull is below the mean of f_d and
+/// yield_tension. Against noise, the time of the pull is accumulated as for the pulls of the Supervisor, also
+/// before the stop: up to yield_time before the robot yields, and down to 0 before it stands.
 ///
 /// The force is held between ticks and the equation is integrated exactly.
 class AdmittanceFilter final : public LeafSystem<AdmittanceFilterParams> {
@@ -114,12 +118,14 @@ class AdmittanceFilter final : public LeafSystem<AdmittanceFilterParams> {
     double adaptation = 0;     ///< c [m/s]
     Gait gait = Gait::kStand;  ///< last gait of the command other than kStand
     bool yields = false;
+    double pull_time = 0;  ///< accumulated time of a pull, at most yield_time [s]
 
     static FieldList Fields() {
       return {{"motion", &Memory::motion},
               {"adaptation", &Memory::adaptation, "m/s"},
               {"gait", &Memory::gait},
-              {"yields", &Memory::yields}};
+              {"yields", &Memory::yields},
+              {"pull_time", &Memory::pull_time, "s"}};
     }
   };
   Scratch<Memory> memory{this, "memory", Memory()};

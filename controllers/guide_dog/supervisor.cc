@@ -163,12 +163,16 @@ AdmittanceFilter::Memory AdmittanceFilter::CalcProgress(const WalkCommand& comma
   AdmittanceMotion next;
   next.direction = ahead == force ? Eigen::Vector2d(1, 0) : (ahead - force).normalized();
   next.tension = -force.dot(next.direction);
+  const double period = params.rate.period();
   const bool commanded = command.gait != Gait::kStand;
   if (commanded) memory.gait = command.gait;
   const double bearable =
       memory.yields ? (gains.desired_tension + gains.yield_tension) / 2 : gains.yield_tension;
-  memory.yields =
-      !commanded && memory.gait != Gait::kStand && gains.yield_tension > 0 && -force[0] > bearable;
+  const bool pulled = memory.gait != Gait::kStand && gains.yield_tension > 0 && force.norm() > bearable;
+  memory.pull_time = std::min(Evidence(memory.pull_time, pulled, period), gains.yield_time);
+  const bool lasts = memory.yields ? pulled || memory.pull_time > 0
+                                   : pulled && memory.pull_time > gains.yield_time - period / 2;
+  memory.yields = !commanded && lasts;
   if (!commanded) memory.adaptation = 0;
   next.walks = commanded || memory.yields;
   if (!next.walks) {
@@ -187,7 +191,6 @@ AdmittanceFilter::Memory AdmittanceFilter::CalcProgress(const WalkCommand& comma
 
   const Eigen::Vector2d lowest(commanded ? gains.min_forward : -gains.max_backward, -gains.max_left);
   const Eigen::Vector2d highest(commanded ? gains.max_forward : 0, gains.max_left);
-  const double period = params.rate.period();
   const Eigen::Array2d change = Eigen::Array2d::Constant(gains.acceleration * period);
   const Eigen::Array2d inside =
       wanted.array().max(lowest.cwiseMin(asked).array()).min(highest.cwiseMax(asked).array());
