@@ -1,5 +1,7 @@
 #include <tenon/controllers/legged/planning/map_footholds.h>
 
+#include <algorithm>
+
 namespace tenon {
 
 MapPlace Survey(const ElevationMap& map, const Eigen::Vector2d& position, double radius) {
@@ -20,13 +22,18 @@ MapPlace Survey(const ElevationMap& map, const Eigen::Vector2d& position, double
 }
 
 MapPlace FlatPlace(const ElevationMap& map, const Eigen::Vector2d& wanted, const std::optional<double>& level,
-                   const MapFootholdProperties& choice, double climb, double edge_weight) {
+                   const MapFootholdProperties& choice, std::span<const Vec<3>> taken, double climb,
+                   double edge_weight) {
   const int reach = static_cast<int>(choice.search / map.cell);
   MapPlace best = Survey(map, wanted, choice.radius);
   double least = std::numeric_limits<double>::infinity();
   for (int j = -reach; j <= reach; ++j) {
     for (int i = -reach; i <= reach; ++i) {
       const Eigen::Vector2d displacement = map.cell * Eigen::Vector2d(i, j);
+      const auto is_too_close = [&](const Vec<3>& other) {
+        return (wanted + displacement - other.head<2>()).norm() < choice.clear;
+      };
+      if (std::ranges::any_of(taken, is_too_close)) continue;
       const MapPlace place = Survey(map, wanted + displacement, choice.radius);
       if (level && std::abs(place.height - *level) > climb) continue;
       const double cost =

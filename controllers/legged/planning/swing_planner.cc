@@ -140,7 +140,16 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
                                    ? Eigen::Vector2d(planned.position_W[i])
                                    : Foothold(i, schedule, below, ground.slope,
                                               Feedback(v_error, known_wrench, step) + memory.shift);
-      if (map.known()) PlaceOnMap(map, lifts_off, step, &leg);
+      // At lift-off, the plan may be one in which the foot still stands.
+      const bool renewed = leg.awaits && planned.position_W[i] != leg.planned;
+      if (lifts_off) leg.planned = planned.position_W[i];
+      leg.awaits = planned.planned && (lifts_off || (leg.awaits && !renewed));
+      if (map.known()) {
+        std::array<Vec<3>, kNumLegs - 1> others;
+        for (std::size_t j = 0, n = 0; j < kNumLegs; ++j)
+          if (j != i) others[n++] = memory.legs[j].foothold;
+        PlaceOnMap(map, lifts_off || renewed, others, step, &leg);
+      }
       leg.foothold[2] = leg.ground.HeightAt(leg.foothold.head<2>());
     } else {
       const bool goes_on = Searches(before) && memory.started;
@@ -168,17 +177,18 @@ Eigen::Vector2d SwingPlanner::PushedBack(std::size_t i, const ContactSchedule& s
   return pushed ? back : Eigen::Vector2d::Zero();
 }
 
-/// Moves the foothold to flat ground, and replaces the ground plane by a level one there.
-void SwingPlanner::PlaceOnMap(const ElevationMap& map, bool lifts_off, const StepProperties& step,
-                              LegMemory* leg) const {
+/// Moves the foothold to flat ground, and replaces the ground plane by a level one there. `decides` chooses
+/// its level and the way to it anew.
+void SwingPlanner::PlaceOnMap(const ElevationMap& map, bool decides, std::span<const Vec<3>> others,
+                              const StepProperties& step, LegMemory* leg) const {
   const double radius = params.robot.foot_radius;
   const Eigen::Vector2d wanted = leg->foothold.head<2>();
-  const std::optional<double> level = lifts_off ? std::nullopt : std::optional(leg->ground.p_W[2] - radius);
-  const MapPlace place =
-      leg->blocked ? Survey(map, wanted, step.footing.radius) : FlatPlace(map, wanted, level, step.footing);
+  const std::optional<double> level = decides ? std::nullopt : std::optional(leg->ground.p_W[2] - radius);
+  const MapPlace place = leg->blocked ? Survey(map, wanted, step.footing.radius)
+                                      : FlatPlace(map, wanted, level, step.footing, others);
   leg->foothold.head<2>() = place.position;
   leg->ground = {.p_W = {place.position[0], place.position[1], place.height + radius}};
-  if (!lifts_off) return;
+  if (!decides) return;
   leg->highest = HighestBetween(map, leg->lift_off.head<2>(), place.position) + radius;
   if (leg->highest > leg->lift_off[2] + step.height / 2) leg->rise = step.reflex.rise_phase;
   if (leg->highest > leg->ground.p_W[2] + step.height / 2) leg->sink = step.reflex.rise_phase;

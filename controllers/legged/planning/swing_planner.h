@@ -75,10 +75,11 @@ struct SwingPlannerParams {
 /// conditions are required: a foot that deviates without a force belongs to a tipping trunk and must reach
 /// its foothold.
 ///
-/// **Elevation map.** With a map, a foothold near an edge moves to a flatter place (see FlatPlace), on the
-/// level that was chosen at lift-off, and has the height of the map there. The top of the swing is `height`
-/// above the highest point of the map between lift-off and foothold. A foot that must climb first moves
-/// straight up until reflex.rise_phase; one that must descend moves straight down for as long at the end.
+/// **Elevation map.** With a map, a foothold near an edge moves to a flatter place that is free of the other
+/// feet (see FlatPlace), on the level that was chosen at lift-off, or at the first foothold of CentroidalMpc
+/// after it, and has the height of the map there. The top of the swing is `height` above the highest point of
+/// the map between lift-off and foothold. A foot that must climb first moves straight up until
+/// reflex.rise_phase; one that must descend moves straight down for as long at the end.
 ///
 /// **Reach.** The distance of a swing foot from its hip is limited to that of a leg with a bent knee, since a
 /// straight leg would snap through its singularity. The foot is moved horizontally, at constant height.
@@ -103,6 +104,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
     double searching = 0;              ///< time in the states late and searching [s]
     bool blocked = false;  ///< the reflex triggered in this swing, or in the last one of a stance foot
     bool high = false;     ///< this swing follows one with a reflex
+    bool awaits = false;   ///< `footholds` has not changed since lift-off
+    Vec<2> planned = Vec<2>::Zero();  ///< its foothold at lift-off [m]
 
     static FieldList Fields() {
       return {{"state", &LegMemory::state},
@@ -118,7 +121,9 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
               {"hip", &LegMemory::hip, "m"},
               {"searching", &LegMemory::searching, "s"},
               {"blocked", &LegMemory::blocked},
-              {"high", &LegMemory::high}};
+              {"high", &LegMemory::high},
+              {"awaits", &LegMemory::awaits},
+              {"planned", &LegMemory::planned, "m"}};
     }
   };
   struct Memory {
@@ -169,7 +174,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
 
   Eigen::Vector2d PushedBack(std::size_t leg, const ContactSchedule& schedule, const LegMemory& memory,
                              const Vec<3>& foot, const Vec<3>& force, const StepProperties& step) const;
-  void PlaceOnMap(const ElevationMap& map, bool lifts_off, const StepProperties& step, LegMemory* leg) const;
+  void PlaceOnMap(const ElevationMap& map, bool decides, std::span<const Vec<3>> others,
+                  const StepProperties& step, LegMemory* leg) const;
   Eigen::Vector2d Feedback(const Eigen::Vector2d& v_error, const WrenchEstimate& known_wrench,
                            const StepProperties& step) const;
   Eigen::Vector2d Shift(const WrenchEstimate& wrench, const StepProperties& step) const;

@@ -27,7 +27,7 @@ bool TrajectoryPlanner::Land(const Eigen::Vector2d& wanted, double level, const 
   MapPlace place{wanted, ground.HeightAt(wanted)};
   Eigen::Vector2d lower = wanted.array() - kAdjustment, upper = wanted.array() + kAdjustment;
   if (map.known()) {
-    place = FlatPlace(map, wanted, level, choice, params.trajectory.climb, kEdgeWeight);
+    place = FlatPlace(map, wanted, level, choice, {}, params.trajectory.climb, kEdgeWeight);
     const bool climbs = std::abs(place.height - level) > params.trajectory.climb;
     if (climbs || place.deviation > 2 * choice.roughness) return false;
     lower = upper = place.position;

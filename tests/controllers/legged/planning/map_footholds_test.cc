@@ -48,6 +48,18 @@ TEST(MapFootholdsTest, AFootInTheAirKeepsItsLevel) {
   EXPECT_NEAR(FlatPlace(map, {-0.5, 0}, 0.12, kChoice).height, 0, 1e-12) << "out of reach";
 }
 
+TEST(MapFootholdsTest, AFootholdIsFreeOfTheOtherFeet) {
+  const ElevationMap map = Step();
+  for (const double x : {-0.3, -0.04, 0.0, 0.03, 0.4}) {
+    const Eigen::Vector2d alone = FlatPlace(map, {x, 0.3}, std::nullopt, kChoice).position;
+    const std::array<Vec<3>, 2> others = {Vec<3>(alone[0], alone[1] + 0.02, 0), Vec<3>(x + 0.1, 0.2, 0.12)};
+    const Eigen::Vector2d free = FlatPlace(map, {x, 0.3}, std::nullopt, kChoice, others).position;
+    for (const Vec<3>& other : others) EXPECT_GE((free - other.head<2>()).norm(), kChoice.clear) << x;
+    const std::array<Vec<3>, 1> far = {Vec<3>(alone[0], alone[1] + kChoice.clear + 1e-9, 0)};
+    EXPECT_EQ(FlatPlace(map, {x, 0.3}, std::nullopt, kChoice, far).position, alone);
+  }
+}
+
 TEST(MapFootholdsTest, KnowsTheHighestPointOfTheWay) {
   const ElevationMap map = test::MapOf([](double x, double) { return std::abs(x) < 0.02 ? 0.3 : -x; });
   EXPECT_NEAR(HighestBetween(map, {-0.2, 0.1}, {0.2, -0.1}), 0.3, 1e-12);

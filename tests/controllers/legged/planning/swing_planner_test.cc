@@ -40,7 +40,11 @@ class Trot {
     auto& block = rig_.system();
     rig_.Fix(block.schedule, schedule).Fix(block.path, path).Fix(block.body, body);
     rig_.Fix(block.state, state).Fix(block.ground, ground).Fix(block.wrench, wrench);
-    rig_.Fix(block.map, map).Fix(block.known_wrench, known_wrench).Fix(block.foot_forces, forces).Tick();
+    rig_.Fix(block.planned, planned)
+        .Fix(block.map, map)
+        .Fix(block.known_wrench, known_wrench)
+        .Fix(block.foot_forces, forces)
+        .Tick();
     return rig_[block.feet][kFrontLeft];
   }
   /// The swing from stance along the path, tick by tick; the last entry is the first tick of a late foot. At
@@ -75,6 +79,7 @@ class Trot {
   WrenchEstimate wrench, known_wrench;
   FootForces forces;
   ElevationMap map;
+  FootholdPlan planned;
 
  private:
   TestRig<SwingPlanner> rig_;
@@ -239,6 +244,29 @@ TEST(SwingPlannerTest, AFootClimbsOntoTheMap) {
   EXPECT_NEAR(Top(swing, begin), 0.05 + on_kerb - begin[2], 2e-4);
   for (const FootReference& foot : swing)
     EXPECT_TRUE(foot.p_W[0] < edge - radius || foot.p_W[2] > on_kerb - 1e-9) << foot.p_W.transpose();
+}
+
+// At lift-off, the plan of CentroidalMpc may be one in which the foot still stands, before a kerb of 0.1 m.
+TEST(SwingPlannerTest, AFootClimbsOntoTheMapWhereALaterPlanPutsIt) {
+  for (const int renewed_at : {0, 1, 5, 20}) {
+    Trot trot;
+    const Vec<3> begin = trot.Foot(kFrontLeft);
+    const double edge = begin[0] + 0.06;
+    trot.map = test::MapOf([&](double x, double) { return x > edge ? 0.1 : 0; }, 0.01);
+    trot.planned.planned = true;
+    for (int i = 0; i < kNumLegs; ++i)
+      trot.planned.position_W[static_cast<std::size_t>(i)] = trot.Foot(static_cast<Leg>(i)).head<2>();
+    const double radius = test::DogBot().foot_radius;
+    trot.Set(kStance);
+    trot.Tick();
+    for (int n = 0; n < kSwingTicks; ++n) {
+      if (n == renewed_at) trot.planned.position_W[kFrontLeft][0] += 0.3;
+      trot.Set(kSwing, static_cast<double>(n) / kSwingTicks);
+      const Vec<3> foot = trot.Tick().p_W;
+      EXPECT_TRUE(foot[0] < edge - radius || foot[2] > 0.1 + radius - 1e-9) << n << ": " << foot.transpose();
+    }
+    EXPECT_NEAR(trot.Foothold(kFrontLeft)[2], 0.1 + radius, 1e-9);
+  }
 }
 
 TEST(SwingPlannerTest, AFootDescendsStraight) {
