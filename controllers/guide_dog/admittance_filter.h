@@ -18,8 +18,8 @@ struct AdmittanceGains {
   double max_left = 0.05;       ///< maximum lateral velocity to either side [m/s]
   double acceleration = 0.5;    ///< maximum acceleration of the forward and lateral velocities [m/s^2]
   double adaptation_rate = 0;   ///< rate at which the forward velocity adapts to the person's [1/s]
-  double yield_tension = 0;     ///< pull above which a standing robot steps; 0: none [N]
-  double yield_time = 0;        ///< accumulated time of such a pull before the robot steps [s]
+  double yield_tension = 0;     ///< horizontal pull above which a standing robot yields; 0: never [N]
+  double yield_time = 0;        ///< accumulated time of such a pull before the robot yields [s]
   double max_backward = 0.3;    ///< maximum backward velocity of a robot that yields [m/s]
 
   static FieldList Fields() {
@@ -90,10 +90,11 @@ struct AdmittanceMotion {
 ///
 /// **Yielding.** A robot that stops from a person's pace stretches the leash on its way to rest, and a light
 /// robot that stands is tipped by a pull to the side. If the horizontal pull exceeds yield_tension > f_d, the
-/// robot does not stand: it walks on in its last gait by the equation above with the nominal velocity 0, at
-/// most with max_backward and max_left and never ahead, until the pull is below the mean of f_d and
-/// yield_tension. Against noise, the time of the pull is accumulated as for the pulls of the Supervisor, also
-/// before the stop: up to yield_time before the robot yields, and down to 0 before it stands.
+/// robot does not stand: it walks on in its last gait by the equation above with the nominal velocity 0,
+/// limited by max_backward and max_left, and not forwards once it has braked, until the pull is below the
+/// mean of f_d and yield_tension. Against noise, the time of the pull is accumulated as for the pulls of the
+/// Supervisor, also before the stop: up to yield_time before the robot yields, and down to 0 before it
+/// stands.
 ///
 /// The force is held between ticks and the equation is integrated exactly.
 class AdmittanceFilter final : public LeafSystem<AdmittanceFilterParams> {

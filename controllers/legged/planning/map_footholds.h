@@ -11,13 +11,13 @@ struct MapFootholdProperties {
   double radius = 0.05;      ///< radius of the ground around a foothold that should be flat [m]
   double roughness = 0.015;  ///< standard deviation of heights up to which ground counts as flat [m]
   double search = 0.12;      ///< largest displacement of a foothold along x and y [m]
-  double clear = 0.08;       ///< least distance of a displaced foothold from those of the other feet [m]
+  double clear = 0.08;       ///< least distance of a foothold from those of the other feet [m]
 
   static FieldList Fields() {
     return {Field("radius_m", &MapFootholdProperties::radius).Above(0).AtMost(0.2),
             Field("roughness_m", &MapFootholdProperties::roughness).AtLeast(0),
             Field("search_m", &MapFootholdProperties::search).Between(0, 0.5),
-            Field("clear_m", &MapFootholdProperties::clear).AtLeast(0)};
+            Field("clear_m", &MapFootholdProperties::clear).Between(0, 0.5)};
   }
 };
 
@@ -32,8 +32,8 @@ struct MapPlace {
 MapPlace Survey(const ElevationMap& map, const Eigen::Vector2d& position, double radius);
 
 /// The place with the least sum of displacement from `wanted` and `edge_weight` times the deviation above
-/// `roughness`. Places closer than `clear` to a place in `taken` are excluded and, with a `level`, those
-/// whose height differs by more than `climb`, unless there are no others.
+/// `roughness`. Places closer than `clear` to one in `taken` are excluded and, with a `level`, those whose
+/// height differs by more than `climb`. If none is left, it is `wanted`.
 MapPlace FlatPlace(const ElevationMap& map, const Eigen::Vector2d& wanted, const std::optional<double>& level,
                    const MapFootholdProperties& choice, std::span<const Vec<3>> taken = {},
                    double climb = 0.05 /* [m] */, double edge_weight = 10);

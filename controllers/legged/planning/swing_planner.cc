@@ -109,6 +109,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
     leg.hip = state.p_WB + R * params.robot.HipPosition(static_cast<int>(i), state.q);
     if (leg.state == ContactState::kStance) {
       if (before != leg.state || !memory.started) leg.foothold = foot[i];
+      leg.planned = planned.position_W[i];
     } else if (leg.state == ContactState::kSwing) {
       const double swing = schedule.timing.swing, t = schedule.legs[i].phase * swing;
       // A leg that lands and lifts off again within a tick starts a new swing: its time decreases.
@@ -140,15 +141,17 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
                                    ? Eigen::Vector2d(planned.position_W[i])
                                    : Foothold(i, schedule, below, ground.slope,
                                               Feedback(v_error, known_wrench, step) + memory.shift);
-      // At lift-off, the plan may be one in which the foot still stands.
-      const bool renewed = leg.awaits && planned.position_W[i] != leg.planned;
-      if (lifts_off) leg.planned = planned.position_W[i];
-      leg.awaits = planned.planned && (lifts_off || (leg.awaits && !renewed));
+      // At lift-off, the plan may still be the last one in which the foot stands.
+      const bool same = planned.position_W[i] == leg.planned;
+      const bool renewed =
+          leg.awaits && !same && !leg.blocked && schedule.legs[i].phase < step.reflex.rise_phase;
+      leg.awaits = planned.planned && same && (lifts_off || leg.awaits);
       if (map.known()) {
         std::array<Vec<3>, kNumLegs - 1> others;
         for (std::size_t j = 0, n = 0; j < kNumLegs; ++j)
           if (j != i) others[n++] = memory.legs[j].foothold;
         PlaceOnMap(map, lifts_off || renewed, others, step, &leg);
+        if (renewed && leg.rise > 0) leg.from = {.position = leg.from.position};  // straight up from here
       }
       leg.foothold[2] = leg.ground.HeightAt(leg.foothold.head<2>());
     } else {
@@ -190,8 +193,10 @@ void SwingPlanner::PlaceOnMap(const ElevationMap& map, bool decides, std::span<c
   leg->ground = {.p_W = {place.position[0], place.position[1], place.height + radius}};
   if (!decides) return;
   leg->highest = HighestBetween(map, leg->lift_off.head<2>(), place.position) + radius;
-  if (leg->highest > leg->lift_off[2] + step.height / 2) leg->rise = step.reflex.rise_phase;
-  if (leg->highest > leg->ground.p_W[2] + step.height / 2) leg->sink = step.reflex.rise_phase;
+  const bool climbs = leg->highest > leg->lift_off[2] + step.height / 2;
+  const bool descends = leg->highest > leg->ground.p_W[2] + step.height / 2;
+  leg->rise = leg->high || climbs ? step.reflex.rise_phase : 0;
+  leg->sink = descends ? step.reflex.rise_phase : 0;
 }
 
 Eigen::Vector2d SwingPlanner::Feedback(const Eigen::Vector2d& v_error, const WrenchEstimate& known_wrench,

@@ -64,7 +64,8 @@ struct SwingPlannerParams {
 ///
 ///     z = z_0 - D (1 - e^(-v t / D)),
 ///
-/// bounded by the search depth D. The acceleration is continuous throughout the swing except at a reflex.
+/// bounded by the search depth D. The acceleration is continuous throughout the swing except at a reflex and
+/// where a foot chooses its level anew.
 ///
 /// **Step reflex** (after Focchi et al., Local reflex generation for obstacle negotiation in quadrupedal
 /// locomotion, CLAWAR 2013). A foot that hits the side of a block is held down by the friction of its own
@@ -104,8 +105,8 @@ class SwingPlanner final : public LeafSystem<SwingPlannerParams> {
     double searching = 0;              ///< time in the states late and searching [s]
     bool blocked = false;  ///< the reflex triggered in this swing, or in the last one of a stance foot
     bool high = false;     ///< this swing follows one with a reflex
-    bool awaits = false;   ///< `footholds` has not changed since lift-off
-    Vec<2> planned = Vec<2>::Zero();  ///< its foothold at lift-off [m]
+    bool awaits = false;   ///< `planned` has kept the foothold of a foot that stands
+    Vec<2> planned = Vec<2>::Zero();  ///< its foothold when the foot last stood [m]
 
     static FieldList Fields() {
       return {{"state", &LegMemory::state},

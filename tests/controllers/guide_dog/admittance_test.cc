@@ -293,8 +293,11 @@ TEST(AdmittanceFilterTest, YieldsToAPullThatWouldTipAStandingRobot) {
   filter.Force({0, 60, 0});
   filter.Run(100);
   EXPECT_EQ(filter.walk().gait, Gait::kTrot);
-  EXPECT_LE(filter.walk().forward, 0) << "never ahead";
   EXPECT_GT(filter.walk().left, 0) << "towards the pull";
+  filter.Force({60, 0, 0});
+  filter.Run(100);
+  EXPECT_EQ(filter.walk().gait, Gait::kTrot);
+  EXPECT_EQ(filter.walk().forward, 0) << "not forwards";
 }
 
 TEST(AdmittanceFilterTest, YieldsToAPullThatLastsNotToNoise) {
@@ -319,6 +322,17 @@ TEST(AdmittanceFilterTest, YieldsToAPullThatLastsNotToNoise) {
     filter.Tick();
     ASSERT_EQ(filter.walk().gait, Gait::kTrot) << n;
   }
+  filter.Force({-60, 0, 0});
+  filter.Run(1000);
+  filter.Force({-30, 0, 0});
+  filter.Run(12);
+  EXPECT_EQ(filter.walk().gait, Gait::kStand) << "after 0.1 s, however long the pull was";
+  filter.Command(kTrot);
+  filter.Force({-60, 0, 0});
+  filter.Run(20);
+  filter.Command({});
+  filter.Tick();
+  EXPECT_EQ(filter.walk().gait, Gait::kTrot) << "the pull lasts since before the stop";
 }
 
 TEST(AdmittanceFilterTest, RefusesNonsense) {

@@ -261,12 +261,24 @@ TEST(SwingPlannerTest, AFootClimbsOntoTheMapWhereALaterPlanPutsIt) {
     trot.Tick();
     for (int n = 0; n < kSwingTicks; ++n) {
       if (n == renewed_at) trot.planned.position_W[kFrontLeft][0] += 0.3;
+      if (n == 30) trot.planned.position_W[kFrontLeft][0] = edge - 0.02;  // keeps its level
       trot.Set(kSwing, static_cast<double>(n) / kSwingTicks);
       const Vec<3> foot = trot.Tick().p_W;
       EXPECT_TRUE(foot[0] < edge - radius || foot[2] > 0.1 + radius - 1e-9) << renewed_at << ", " << n;
     }
     EXPECT_NEAR(trot.Foothold(kFrontLeft)[2], 0.1 + radius, 1e-9);
   }
+}
+
+TEST(SwingPlannerTest, AFootholdOnTheMapIsFreeOfTheOtherFeet) {
+  Trot trot;
+  trot.map = test::MapOf([](double, double) { return 0.0; });
+  trot.planned.planned = true;
+  trot.planned.position_W.fill(trot.Foot(kFrontRight).head<2>());
+  trot.Swing();
+  const Vec<3> between = trot.Foothold(kFrontLeft) - trot.Foothold(kFrontRight);
+  EXPECT_GE(between.head<2>().norm(), StepProperties().footing.clear);
+  EXPECT_LT(between.head<2>().norm(), 2 * StepProperties().footing.clear);
 }
 
 TEST(SwingPlannerTest, AFootDescendsStraight) {
