@@ -30,11 +30,11 @@ MapPlace FlatPlace(const ElevationMap& map, const Eigen::Vector2d& wanted, const
   for (int j = -reach; j <= reach; ++j) {
     for (int i = -reach; i <= reach; ++i) {
       const Eigen::Vector2d displacement = map.cell * Eigen::Vector2d(i, j);
-      const auto is_too_close = [&](const Vec<3>& other) {
-        return (wanted + displacement - other.head<2>()).norm() < choice.clear;
-      };
-      if (std::ranges::any_of(taken, is_too_close)) continue;
-      const MapPlace place = Survey(map, wanted + displacement, choice.radius);
+      const Eigen::Vector2d candidate = wanted + displacement;
+      const bool is_free = std::ranges::none_of(
+          taken, [&](const Vec<3>& other) { return (candidate - other.head<2>()).norm() < choice.clear; });
+      if (!is_free) continue;
+      const MapPlace place = Survey(map, candidate, choice.radius);
       if (level && std::abs(place.height - *level) > climb) continue;
       const double cost =
           displacement.norm() + edge_weight * std::max(place.deviation - choice.roughness, 0.0);

@@ -305,23 +305,22 @@ TEST(AdmittanceFilterTest, YieldsToAPullThatLastsNotToNoise) {
   gains.yield_tension = 45;
   gains.yield_time = 0.1;
   Filter filter(gains);
+  const auto keeps = [&](Gait gait, double other_pull) {
+    for (int n = 0; n < 200; ++n) {
+      filter.Force({n % 3 ? -40.0 : -other_pull, 0, 0});
+      filter.Tick();
+      ASSERT_EQ(filter.walk().gait, gait) << n;
+    }
+  };
   filter.Run(100);
   filter.Command({});
-  for (int n = 0; n < 200; ++n) {
-    filter.Force({n % 3 ? -40.0 : -60.0, 0, 0});
-    filter.Tick();
-    ASSERT_EQ(filter.walk().gait, Gait::kStand) << n;
-  }
+  keeps(Gait::kStand, 60);
   filter.Force({-60, 0, 0});
   filter.Run(9);
   EXPECT_EQ(filter.walk().gait, Gait::kStand);
   filter.Tick();
   EXPECT_EQ(filter.walk().gait, Gait::kTrot) << "after 0.1 s";
-  for (int n = 0; n < 200; ++n) {
-    filter.Force({n % 3 ? -40.0 : -30.0, 0, 0});
-    filter.Tick();
-    ASSERT_EQ(filter.walk().gait, Gait::kTrot) << n;
-  }
+  keeps(Gait::kTrot, 30);
   filter.Force({-60, 0, 0});
   filter.Run(1000);
   filter.Force({-30, 0, 0});
