@@ -293,6 +293,7 @@ TEST(EveryBlock, ActsOnASetParameterAsOnOneThatItIsMadeWith) {
                                          "FootScheduler.early_touchdown_phase",
                                          "FootScheduler.gaits",
                                          "FootScheduler.late_wait",
+                                         "FootScheduler.start_margin",
                                          "FootScheduler.touchdown_force",
                                          "GroundForceObserver.thresholds",
                                          "LeggedStateEstimator.settle_time",

@@ -88,7 +88,32 @@ void PlanLegs(const std::array<bool, kNumLegs>& lifted, ContactSchedule* schedul
   }
 }
 
-void BeginStep(Gait gait, const GaitTable& gaits, const GaitTiming& timing, FootScheduler::Memory* memory) {
+/// The moment m_G of the group of a step, see FootScheduler [N].
+double MomentOf(const GaitTiming& timing, int step, const FootForces& forces) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const Leg leg : {kFrontLeft, kFrontRight, kRearLeft, kRearRight}) {
+    if (timing.step[leg] != step) continue;
+    const bool front = leg == kFrontLeft || leg == kFrontRight, left = leg == kFrontLeft || leg == kRearLeft;
+    sum += forces[leg][2] * Eigen::Vector2d(front ? 1 : -1, left ? 1 : -1).normalized();
+  }
+  return sum.norm();
+}
+
+/// The step with which a gait starts from standing.
+int FirstStep(const GaitTiming& timing, const FootForces& forces, double start_margin) {
+  int first = 0;
+  double least = MomentOf(timing, 0, forces) - start_margin;
+  for (int step = 1; step < timing.num_steps; ++step) {
+    const double moment = MomentOf(timing, step, forces);
+    if (moment >= least) continue;
+    first = step;
+    least = moment;
+  }
+  return first;
+}
+
+void BeginStep(Gait gait, const GaitTable& gaits, const GaitTiming& timing, const FootForces& forces,
+               double start_margin, FootScheduler::Memory* memory) {
   ContactSchedule& schedule = memory->schedule;
   ++schedule.footsteps;
   schedule.step_time = 0;
@@ -100,12 +125,13 @@ void BeginStep(Gait gait, const GaitTable& gaits, const GaitTiming& timing, Foot
     if (timing.num_steps > 0) schedule.timing = timing;
     return;
   }
+  const bool starts = schedule.gait == Gait::kStand;
   memory->lifted.fill(false);
   schedule.gait = gait;
-  schedule.step = 0;
   schedule.timing = gait == Gait::kStand   ? GaitTiming{}
                     : timing.num_steps > 0 ? timing
                                            : gaits[gait].Timing();
+  schedule.step = starts ? FirstStep(schedule.timing, forces, start_margin) : 0;
   if (Flies(schedule.timing)) {  // begins with the lift-off of the first group
     schedule.step = schedule.timing.num_steps - 1;
     schedule.step_time = schedule.timing.step_duration() + schedule.timing.stance;
@@ -182,7 +208,8 @@ FootSchedulerParams GaitFile::For(double weight) const {
           .touchdown_force = touchdown_force * weight,
           .early_touchdown_phase = early_touchdown_phase,
           .late_wait = late_wait,
-          .search_after = search_after};
+          .search_after = search_after,
+          .start_margin = start_margin * weight};
 }
 
 ContactState NextContactState(ContactState state, const ContactEvents& events) {
@@ -206,13 +233,13 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
                                             const GaitTiming& timing, double clock_rate,
                                             const GaitTable& gaits, double touchdown_force,
                                             double early_touchdown_phase, double late_wait,
-                                            double search_after, Memory& memory) const {
+                                            double search_after, double start_margin, Memory& memory) const {
   const double dt = params.rate.period();
   const auto wait_is_over = [&] { return memory.waited >= late_wait - kClockTolerance; };
   ContactSchedule& schedule = memory.schedule;
   if (!memory.started) {
     memory.started = true;
-    BeginStep(command.gait, gaits, timing, &memory);
+    BeginStep(command.gait, gaits, timing, forces, start_margin, &memory);
     schedule.footsteps = 0;
   } else {
     if (schedule.gait != Gait::kStand) {
@@ -244,7 +271,8 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
                                   [](const LegContact& leg) { return leg.state == ContactState::kLate; });
     if (schedule.gait == Gait::kStand ? command.gait != Gait::kStand : StepIsOver(schedule) && !late) {
       // A group in the air lands in its own step, before another gait begins.
-      BeginStep(NextIsInAir(memory) ? schedule.gait : command.gait, gaits, timing, &memory);
+      BeginStep(NextIsInAir(memory) ? schedule.gait : command.gait, gaits, timing, forces, start_margin,
+                &memory);
     }
   }
   const std::array<bool, kNumLegs> due = DueLegs(memory, command.gait);

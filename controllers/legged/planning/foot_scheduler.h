@@ -53,6 +53,8 @@ struct FootSchedulerParams {
   double early_touchdown_phase = 0;  ///< swing phase before which contact is ignored
   double late_wait = 0;              ///< longest wait of the gait clock for a late or searching foot [s]
   double search_after = 0;           ///< time without contact after which a stance foot searches [s]
+  /// moment, over the distance of a foot from the middle, by which another group must be better to begin [N]
+  double start_margin = std::numeric_limits<double>::infinity();
   Rate rate = Hz(1000);
   void Validate() const;  ///< throws ParameterError
 };
@@ -64,6 +66,7 @@ struct GaitFile {
   double early_touchdown_phase = 0;  ///< see FootSchedulerParams
   double late_wait = 0;              ///< see FootSchedulerParams [s]
   double search_after = 0;           ///< see FootSchedulerParams [s]
+  double start_margin = std::numeric_limits<double>::infinity();  ///< see FootSchedulerParams, over m g
 
   static FieldList Fields() {
     return {Required("gaits", &GaitFile::gaits),
@@ -75,7 +78,8 @@ struct GaitFile {
                 .Between(0, 1)
                 .Because("it is a fraction of the swing"),
             Required("late_wait_s", &GaitFile::late_wait).AtLeast(0),
-            Required("search_after_s", &GaitFile::search_after).Positive()};
+            Required("search_after_s", &GaitFile::search_after).Positive(),
+            Field("start_margin_mg", &GaitFile::start_margin).AtLeast(0).OrInfinite()};
   }
   FootSchedulerParams For(double weight /* [N] */) const;
 };
@@ -114,6 +118,16 @@ ContactState NextContactState(ContactState state, const ContactEvents& events);
 /// step starts. Hence no leg is in swing or late when a step starts. While a leg that must support the robot
 /// is searching, the group of the step does not lift off; the clock waits for that leg as for a late foot.
 /// The gait changes at the start of a step, from standing at once.
+///
+/// **First group.** The others take over the moment of a group G that lifts off. With vertical forces f_i of
+/// feet on the corners s_i of a square around the middle, |s_i| = 1, it is in proportion to
+///
+///     m_G = |sum_{i in G} f_i s_i|:
+///
+/// the force of a single leg, the difference of the forces of a diagonal pair. A gait without flight that
+/// starts from standing begins with the first group of its table, or with the one of least m_G if that is
+/// smaller by more than `start_margin`. A trot that starts under a lateral load thus keeps those feet on the
+/// ground whose line is nearest to the ZMP.
 ///
 /// The gait clock runs at `clock_rate` while feet swing, except in gaits with flight, whose ballistic motion
 /// has its own time, and at 1 otherwise.
@@ -170,19 +184,26 @@ class FootScheduler final : public LeafSystem<FootSchedulerParams> {
                                  params.search_after,
                                  "time without contact after which a stance foot searches",
                                  Range().Positive().OrInfinite()};
+  Parameter<double> start_margin{this,
+                                 {"start_margin", "N"},
+                                 params.start_margin,
+                                 "moment, over the distance of a foot from the middle, by which another "
+                                 "group must be better to begin",
+                                 Range().AtLeast(0).OrInfinite()};
   Scratch<Memory> memory{this, "memory", Memory()};
-  OutputPort<ContactSchedule> schedule{this,
-                                       {"schedule"},
-                                       Sampled{params.rate},
-                                       Uses(command, foot_forces, timing, clock_rate, gaits, touchdown_force,
-                                            early_touchdown_phase, late_wait, search_after, memory),
-                                       &FootScheduler::CalcSchedule};
+  OutputPort<ContactSchedule> schedule{
+      this,
+      {"schedule"},
+      Sampled{params.rate},
+      Uses(command, foot_forces, timing, clock_rate, gaits, touchdown_force, early_touchdown_phase, late_wait,
+           search_after, start_margin, memory),
+      &FootScheduler::CalcSchedule};
 
  private:
   ContactSchedule CalcSchedule(const WalkCommand& command, const FootForces& forces, const GaitTiming& timing,
                                double clock_rate, const GaitTable& gaits, double touchdown_force,
                                double early_touchdown_phase, double late_wait, double search_after,
-                               Memory& memory) const;
+                               double start_margin, Memory& memory) const;
 };
 
 }  // namespace tenon

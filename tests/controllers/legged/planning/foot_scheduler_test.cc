@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include <random>
 #include <set>
 
 namespace tenon::foot_scheduler_test {
@@ -90,6 +91,51 @@ TEST(NextContactStateTest, WholeTransitionTable) {
     }
   }
   EXPECT_EQ(seen, 256);
+}
+
+TEST(FootSchedulerTest, StartsWithTheGroupThatLeavesTheZmpNearestToTheOthers) {
+  const std::array<Eigen::Vector2d, kNumLegs> feet{{{1, 1}, {1, -1}, {-1, 1}, {-1, -1}}};
+  std::mt19937 generator(7);
+  int others = 0;
+  for (int n = 0; n < 40; ++n) {
+    std::array<double, kNumLegs> force{};
+    Eigen::Vector2d zmp = Eigen::Vector2d::Zero();
+    for (std::size_t i = 0; i < kNumLegs; ++i) {
+      force[i] = std::uniform_real_distribution<>(10, 100)(generator);
+      zmp += force[i] * feet[i];
+    }
+    // Distances of the ZMP from the diagonals of the front left and of the front right foot, times the
+    // weight.
+    const double over_left = std::abs(zmp[0] - zmp[1]) / std::sqrt(2),
+                 over_right = std::abs(zmp[0] + zmp[1]) / std::sqrt(2);
+    for (const double margin : {0.0, 15.0, std::numeric_limits<double>::infinity()}) {
+      FootSchedulerParams params = Standard();
+      params.start_margin = margin;
+      Walk walk(Gait::kStand, params);
+      for (const Leg leg : {kFrontLeft, kFrontRight, kRearLeft, kRearRight}) walk.Force(leg, force[leg]);
+      walk.Tick();
+      walk.Command(Gait::kTrot);
+      ASSERT_GT(walk.Until([](const ContactSchedule& schedule) { return schedule.num_stance() < 4; }), 0);
+      // The table begins with the front left foot, so that the diagonal of the front right one stays.
+      const bool other = over_left / std::sqrt(2) < over_right / std::sqrt(2) - margin;
+      EXPECT_EQ(walk.state(kFrontRight) == kSwing, other) << n << ", " << margin;
+      others += other;
+    }
+  }
+  EXPECT_GT(others, 20);
+}
+
+TEST(FootSchedulerTest, CrawlsFromALoadedStandWithItsLightestFoot) {
+  for (const Leg light : {kFrontLeft, kFrontRight, kRearLeft, kRearRight}) {
+    FootSchedulerParams params = Standard();
+    params.start_margin = 5;
+    Walk walk(Gait::kStand, params);
+    walk.Force(light, 20);
+    walk.Tick();
+    walk.Command(Gait::kCrawl);
+    walk.Until([](const ContactSchedule& schedule) { return schedule.num_stance() < 4; });
+    EXPECT_EQ(LegsIn(walk.schedule(), kSwing), (std::set<int>{light}));
+  }
 }
 
 TEST(FootSchedulerTest, EveryGaitSwingsItsGroupsInTurn) {
