@@ -1,16 +1,11 @@
 #include <tenon/apps/quadruped/legged_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/plants/attached_bodies.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
 
 namespace tenon::apps {
-
-RigidInertia TrunkLoadScenario::Make() const {
-  return UniformBoxInertia(mass_kg, position_m, edges_m);
-}
 
 void RandomForceScenario::Validate() const {
   Demand(std::isfinite(upper_N) && upper_N >= lower_N,
