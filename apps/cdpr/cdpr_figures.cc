@@ -92,23 +92,6 @@ void CdprFigures::AddTo(Summary& summary) const {
   summary.Set("release_peak_m", release_error_.max());
 }
 
-void MpcFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  time_ = Column(names, FindCurrent(mpc_.diagnostics), &CdprMpcDiagnostics::solve_time);
-  count_ = Column(names, FindCurrent(mpc_.diagnostics), &CdprMpcDiagnostics::fallbacks);
-}
-
-void MpcFigures::Row(std::span<const double> row) {
-  if (!time_) return;
-  times_.Add(row[*time_]);
-  fallbacks_ = row[*count_];
-}
-
-void MpcFigures::AddTo(Summary& summary) const {
-  summary.Set("mpc_time_median_us", Microseconds(times_.Quantile(0.5)));
-  summary.Set("mpc_time_p99_us", Microseconds(times_.Quantile(0.99)));
-  summary.Set("mpc_fallbacks", fallbacks_);
-}
-
 namespace {
 
 constexpr double kQuarterTurn = std::numbers::pi / 2;

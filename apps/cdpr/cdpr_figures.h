@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/real_time.h>
 #include <tenon/apps/common/verdicts.h>
 #include <tenon/controllers/cdpr/cable_interference.h>
 #include <tenon/controllers/cdpr/cdpr_clearance.h>
@@ -53,16 +53,15 @@ class MpcFigures final : public LogSink {
   }
 
   explicit MpcFigures(const CdprMpc& mpc) : mpc_(mpc) {}
-  void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
-  void Row(std::span<const double> row) override;
-
-  void AddTo(Summary& summary) const;
+  void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override {
+    solves_.Begin(names, FindCurrent(mpc_.diagnostics), &CdprMpcDiagnostics::fallbacks);
+  }
+  void Row(std::span<const double> row) override { solves_.Row(row); }
+  void AddTo(Summary& summary) const { solves_.AddTo(summary, "mpc", "mpc_fallbacks"); }
 
  private:
   const CdprMpc& mpc_;
-  std::optional<std::size_t> time_, count_;
-  TimeQuantiles times_;  // wall-clock times of the solves [s]
-  std::optional<double> fallbacks_;
+  SolveFigures solves_;
 };
 
 /// The robot of the plant that stands in the diagram, see CurrentAs.

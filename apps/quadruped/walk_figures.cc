@@ -140,10 +140,8 @@ void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector
   for (double WalkCommand::*velocity : {&WalkCommand::forward, &WalkCommand::left, &WalkCommand::yaw_rate})
     if (const auto column = Column(names, FindCurrent(loop_.walk.command), velocity))
       command_.push_back(*column);
-  solve_time_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::solve_time);
-  failures_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::failures);
-  mpc_time_ = Column(names, MpcSolves(loop_), &CentroidalMpcDiagnostics::solve_time);
-  mpc_failures_ = Column(names, MpcSolves(loop_), &CentroidalMpcDiagnostics::failures);
+  qp_.Begin(names, Solves(loop_), &WholeBodyDiagnostics::failures);
+  mpc_.Begin(names, MpcSolves(loop_), &CentroidalMpcDiagnostics::failures);
   estimate_.Begin(names);
 }
 
@@ -170,14 +168,8 @@ void WalkFigures::Row(std::span<const double> row) {
     }
     estimate_errors_.Add(std::hypot(error[0], error[1], error[2]));
   }
-  if (solve_time_) {
-    solve_times_.Add(row[*solve_time_]);
-    failure_count_ = row[*failures_];
-  }
-  if (mpc_time_) {
-    mpc_times_.Add(row[*mpc_time_]);
-    mpc_failure_count_ = row[*mpc_failures_];
-  }
+  qp_.Row(row);
+  mpc_.Row(row);
   end_ = {row[position_[0]], row[position_[1]]};
   if (!begin_) begin_ = end_;
   if (!command_.empty() && time_ > 0) {
@@ -260,14 +252,8 @@ void WalkFigures::AddTo(Summary& summary) const {
   summary.Set("climb_m", climb_.max());
   summary.Set("flight_ratio", flight_.mean());
   path_.AddTo(summary);
-  summary.Set("qp_time_median_us", Microseconds(solve_times_.Quantile(0.5)));
-  summary.Set("qp_time_p99_us", Microseconds(solve_times_.Quantile(0.99)));
-  summary.Set("qp_failures", failure_count_);
-  if (loop_.locomotion.mpc) {
-    summary.Set("mpc_time_median_us", Microseconds(mpc_times_.Quantile(0.5)));
-    summary.Set("mpc_time_p99_us", Microseconds(mpc_times_.Quantile(0.99)));
-    summary.Set("mpc_failures", mpc_failure_count_);
-  }
+  qp_.AddTo(summary, "qp", "qp_failures");
+  if (loop_.locomotion.mpc) mpc_.AddTo(summary, "mpc", "mpc_failures");
   estimate_.AddTo(summary);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/real_time.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/diagrams/evaluation/leg_errors.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
@@ -139,7 +139,6 @@ class WalkFigures final : public LogSink {
   std::vector<std::size_t> com_position_, commanded_place_;  // of a planner that resets its reference
   std::optional<std::size_t> commanded_heading_;
   std::array<std::size_t, kNumLegs> contact_{};
-  std::optional<std::size_t> solve_time_, failures_, mpc_time_, mpc_failures_;
 
   std::array<LegFigures, kNumLegs> legs_;
   std::optional<Terrain> terrain_;                // the ground of the plant, if it is known
@@ -155,8 +154,7 @@ class WalkFigures final : public LogSink {
   Tally estimate_errors_;                         // [N]
   std::optional<std::array<double, 2>> begin_{};  // horizontal position of the trunk [m]
   std::array<double, 2> end_{};
-  TimeQuantiles solve_times_, mpc_times_;
-  std::optional<double> failure_count_, mpc_failure_count_;
+  SolveFigures qp_, mpc_;
   EstimateFigures estimate_;
 };
 
