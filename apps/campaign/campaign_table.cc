@@ -68,11 +68,6 @@ void AddColumns(std::vector<std::string>& columns, const CampaignRow& row) {
   }
 }
 
-bool HasAll(const std::vector<std::string>& columns, const CampaignRow& row) {
-  return std::ranges::all_of(
-      row, [&](const auto& cell) { return std::ranges::find(columns, cell.first) != columns.end(); });
-}
-
 std::string LineOf(const CampaignRow& row, const std::vector<std::string>& columns) {
   std::map<std::string_view, std::string_view> texts(row.begin(), row.end());
   std::vector<std::string> cells;
@@ -234,18 +229,16 @@ CampaignTable::CampaignTable(std::filesystem::path file, Start start) : file_(st
 }
 
 void CampaignTable::Append(const CampaignRow& row) {
-  if (!HasAll(columns_, row)) {
-    std::vector<std::string> columns = columns_;
-    AddColumns(columns, row);
-    if (columns_.empty()) {
-      out_->Append(Line(columns));
-      columns_ = std::move(columns);
-    } else {
-      std::vector<std::streamoff> places;
-      Lines lines(file_);
-      for (std::streamoff at = lines.at(); lines.Next(); at = lines.at()) places.push_back(at);
-      Rewrite(places, std::move(columns));
-    }
+  std::vector<std::string> columns = columns_;
+  AddColumns(columns, row);
+  if (columns_.empty()) {
+    out_->Append(Line(columns));
+    columns_ = std::move(columns);
+  } else if (columns.size() > columns_.size()) {
+    std::vector<std::streamoff> places;
+    Lines lines(file_);
+    for (std::streamoff at = lines.at(); lines.Next(); at = lines.at()) places.push_back(at);
+    Rewrite(places, std::move(columns));
   }
   out_->Append(LineOf(row, columns_));
 }

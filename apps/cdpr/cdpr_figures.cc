@@ -13,9 +13,8 @@ namespace {
 constexpr double kSettled = 0.02;  // threshold of the thesis [m]
 constexpr double kTaken = 3;       // time after which the platform has settled under a load [s]
 
-double Distance(std::span<const double> row, const std::vector<std::size_t>& a,
-                const std::vector<std::size_t>& b) {
-  return std::hypot(row[a[0]] - row[b[0]], row[a[1]] - row[b[1]], row[a[2]] - row[b[2]]);
+double Length(const Vec<3>& v) {
+  return std::hypot(v[0], v[1], v[2]);
 }
 
 }  // namespace
@@ -29,27 +28,29 @@ std::vector<const Source*> CdprFigures::Signals(const CdprLoop& loop) {
 void CdprFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
   const CdprPlant& plant = loop_.world.plant;
   const OutputPort<CdprReference>& reference = loop_.reference.reference;
-  position_ = Columns(names, plant.platform, &PlatformState::p_WB);
-  euler_ = Columns(names, plant.euler);
-  a_W_ = Columns(names, plant.acceleration, &PlatformAcceleration::a_W);
+  platform_.Begin(names, &plant.platform);
+  euler_.Begin(names, &plant.euler);
+  acceleration_.Begin(names, &plant.acceleration);
   tensions_ = Columns(names, plant.cables, &CableSignals::tension);
   commands_ = Columns(names, loop_.command);
-  ref_position_ = Columns(names, reference, &CdprReference::position);
-  ref_euler_ = Columns(names, reference, &CdprReference::euler);
+  ref_position_.Begin(names, &reference, &CdprReference::position);
+  ref_euler_.Begin(names, &reference, &CdprReference::euler);
 }
 
 void CdprFigures::Row(std::span<const double> row) {
   for (const std::size_t column : tensions_) tension_.Add(row[column]);
   for (const std::size_t column : commands_) command_.Add(row[column]);
-  oscillation_.Add(Distance(row, euler_, ref_euler_));
-  const double error = Distance(row, position_, ref_position_);
+  const Vec<3> euler = euler_.In(row), turn = euler - ref_euler_.In(row);
+  const Vec<3> offset = platform_.In(row).p_WB - ref_position_.In(row);
+  oscillation_.Add(Length(turn));
+  const double error = Length(offset);
   error_.Add(error);
-  path_.Add(row[0], error, row[euler_[2]] - row[ref_euler_[2]]);
+  path_.Add(row[0], error, turn[2]);
   if (row[0] >= loaded_from_ + kTaken && row[0] < settle_from_) {
     loaded_error_.Add(error);
-    for (std::size_t i = 0; i < 3; ++i) loaded_euler_[i].Add(row[euler_[i]]);
+    for (int i = 0; i < 3; ++i) loaded_euler_[static_cast<std::size_t>(i)].Add(euler[i]);
   }
-  acceleration_.Add(std::hypot(row[a_W_[0]], row[a_W_[1]], row[a_W_[2]]));
+  accelerations_.Add(Length(acceleration_.In(row).a_W));
 
   const double dt = row[0] - last_time_;
   if (!last_tension_.empty() && dt > 0) {
@@ -62,8 +63,7 @@ void CdprFigures::Row(std::span<const double> row) {
 
   if (row[0] < settle_from_) return;
   if (settle_from_ > loaded_from_) release_error_.Add(error);
-  const bool inside = std::abs(row[position_[0]] - row[ref_position_[0]]) <= kSettled &&
-                      std::abs(row[position_[1]] - row[ref_position_[1]]) <= kSettled;
+  const bool inside = std::abs(offset[0]) <= kSettled && std::abs(offset[1]) <= kSettled;
   if (!inside) settled_since_.reset();
   if (inside && !settled_since_) settled_since_ = row[0] - settle_from_;
 }
@@ -84,29 +84,12 @@ void CdprFigures::AddTo(Summary& summary) const {
   summary.Set("command_max_N", command_.max());
   summary.Set("tension_rate_rms_N_per_s", tension_rate_.rms());
   summary.Set("euler_oscillation_rms_rad", oscillation_.rms());
-  summary.Set("acceleration_rms_m_per_s2", acceleration_.rms());
+  summary.Set("acceleration_rms_m_per_s2", accelerations_.rms());
   summary.Set("tracking_error_rms_m", error_.rms());
   summary.Set("loaded_error_rms_m", loaded_error_.rms());
   summary.Set("loaded_swing_rms_rad", LoadedSwing());
   summary.Set("settling_time_s", settled_since_);
   summary.Set("release_peak_m", release_error_.max());
-}
-
-void MpcFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  time_ = Column(names, FindCurrent(mpc_.diagnostics), &CdprMpcDiagnostics::solve_time);
-  count_ = Column(names, FindCurrent(mpc_.diagnostics), &CdprMpcDiagnostics::fallbacks);
-}
-
-void MpcFigures::Row(std::span<const double> row) {
-  if (!time_) return;
-  times_.Add(row[*time_]);
-  fallbacks_ = row[*count_];
-}
-
-void MpcFigures::AddTo(Summary& summary) const {
-  summary.Set("mpc_time_median_us", Microseconds(times_.Quantile(0.5)));
-  summary.Set("mpc_time_p99_us", Microseconds(times_.Quantile(0.99)));
-  summary.Set("mpc_fallbacks", fallbacks_);
 }
 
 namespace {
@@ -145,15 +128,12 @@ CdprLimits::CdprLimits(const CdprLoop& loop, double cable_diameter)
 
 void CdprLimits::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
   const CdprPlant& plant = loop_.world.plant;
-  position_ = Columns(names, plant.platform, &PlatformState::p_WB);
-  attitude_ = Columns(names, plant.platform, &PlatformState::q_WB);
-  euler_ = Columns(names, plant.euler);
-  reference_ = Columns(names, loop_.reference.reference, &CdprReference::euler);
+  platform_.Begin(names, &plant.platform);
+  euler_.Begin(names, &plant.euler);
+  reference_.Begin(names, &loop_.reference.reference, &CdprReference::euler);
   tension_ = Columns(names, plant.cables, &CableSignals::tension);
-  payload_ = Columns(names, loop_.world.payload.payload, &Payload::p_B);
-  payload_mass_ = Column(names, loop_.world.payload.payload, &Payload::mass);
-  if (const HangingLoad* hanging = loop_.world.hanging_load)
-    load_ = Columns(names, hanging->load, &HangingLoadState::p_W);
+  payload_.Begin(names, &loop_.world.payload.payload);
+  if (const HangingLoad* hanging = loop_.world.hanging_load) load_.Begin(names, &hanging->load);
   added_.Begin(names, plant.geometry);
   if (!Sags(robot_)) return;
   const Geometry shapes = MakeCdprGeometry(robot_);
@@ -166,8 +146,9 @@ void CdprLimits::Begin(const std::vector<std::string>& names, const std::vector<
 
 void CdprLimits::Row(std::span<const double> row) {
   if (!known_) return;
-  const Eigen::Vector3d p_WB = VectorIn<3>(row, position_);
-  const Eigen::Matrix3d R_WB = RotationFromQuaternion(VectorIn<4>(row, attitude_));
+  const PlatformState platform = platform_.In(row);
+  const Eigen::Vector3d& p_WB = platform.p_WB;
+  const Eigen::Matrix3d R_WB = platform.R_WB();
   CalcCableKinematics(robot_, p_WB, R_WB, &all_, anchors_, row[0]);
   DistanceRow(row, p_WB, R_WB);
   PlatformRow(row, R_WB);
@@ -175,7 +156,8 @@ void CdprLimits::Row(std::span<const double> row) {
 
   started_ = true;
 
-  const double turn = std::abs(std::remainder(row[euler_[2]] - row[reference_[2]], 2 * std::numbers::pi));
+  const double turn =
+      std::abs(std::remainder(euler_.In(row)[2] - reference_.In(row)[2], 2 * std::numbers::pi));
   turns_.Add(turn);
   if (turn <= kQuarterTurn) return;
   const auto [turned, limit] = Beside(turn, kQuarterTurn);
@@ -231,8 +213,9 @@ void CdprLimits::FloorRow(std::span<const double> row, const Eigen::Vector3d& p_
     lowest = height;
     name = of;
   };
-  if (row[payload_mass_] > 0) add(p_WB[2] + R_WB.row(2).dot(VectorIn<3>(row, payload_)), "the payload");
-  if (!load_.empty()) add(row[load_[2]], "the hanging load");
+  if (const Payload payload = payload_.In(row); payload.mass > 0)
+    add(p_WB[2] + R_WB.row(2).dot(payload.p_B), "the payload");
+  if (load_) add(load_.In(row).p_W[2], "the hanging load");
   for (const auto& [height, tension] : pieces_)
     if (row[tension] > 0) add(row[height], "a cable");
   added_.Visit(row, [&](const std::string& of, const Vec<3>& p_W, double radius) {

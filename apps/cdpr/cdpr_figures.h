@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/real_time.h>
 #include <tenon/apps/common/verdicts.h>
 #include <tenon/controllers/cdpr/cable_interference.h>
 #include <tenon/controllers/cdpr/cdpr_clearance.h>
@@ -32,12 +32,15 @@ class CdprFigures final : public LogSink {
   const CdprLoop& loop_;
   double loaded_from_, settle_from_;
   PathVerdict path_;
-  std::vector<std::size_t> position_, euler_, a_W_, tensions_, commands_, ref_position_, ref_euler_;
+  Logged<PlatformState> platform_;
+  Logged<Vec<3>> euler_, ref_position_, ref_euler_;
+  Logged<PlatformAcceleration> acceleration_;
+  std::vector<std::size_t> tensions_, commands_;
 
   double last_time_ = 0;
   std::vector<double> last_tension_;
   Tally tension_, tension_rate_, command_;  // of all cables [N], [N/s], [N]
-  Tally oscillation_, acceleration_;        // attitude minus that of the equilibrium [rad], [m/s^2]
+  Tally oscillation_, accelerations_;       // attitude minus that of the equilibrium [rad], [m/s^2]
   /// Tracking error, the one from 3 s after a load is attached until its release, and that from then on [m].
   Tally error_, loaded_error_, release_error_;
   std::array<Tally, 3> loaded_euler_;
@@ -53,16 +56,15 @@ class MpcFigures final : public LogSink {
   }
 
   explicit MpcFigures(const CdprMpc& mpc) : mpc_(mpc) {}
-  void Begin(const std::vector<std::string>& names, const std::vector<std::string>& units) override;
-  void Row(std::span<const double> row) override;
-
-  void AddTo(Summary& summary) const;
+  void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override {
+    solves_.Begin(names, FindCurrent(mpc_.diagnostics), &CdprMpcDiagnostics::fallbacks);
+  }
+  void Row(std::span<const double> row) override { solves_.Row(row); }
+  void AddTo(Summary& summary) const { solves_.AddTo(summary, "mpc", "mpc_fallbacks"); }
 
  private:
   const CdprMpc& mpc_;
-  std::optional<std::size_t> time_, count_;
-  TimeQuantiles times_;  // wall-clock times of the solves [s]
-  std::optional<double> fallbacks_;
+  SolveFigures solves_;
 };
 
 /// The robot of the plant that stands in the diagram, see CurrentAs.
@@ -116,10 +118,13 @@ class CdprLimits final : public LogSink {
   CableKinematics all_;      // kinematics of the cables at the current row
   bool started_ = false;
   bool open_frame_ = false;
-  std::vector<std::size_t> position_, attitude_, euler_, reference_, tension_, payload_, load_;
+  Logged<PlatformState> platform_;
+  Logged<Payload> payload_;
+  Logged<HangingLoadState> load_;
+  Logged<Vec<3>> euler_, reference_;
+  std::vector<std::size_t> tension_;
   std::vector<std::pair<std::size_t, std::size_t>>
       pieces_;  // columns of height and tension of sagging cables
-  std::size_t payload_mass_ = 0;
 
   Tally distances_, angles_, clearances_, heights_, turns_;  // [m], [rad], [m], [m], [rad]
   Breaches breaches_;

@@ -101,6 +101,29 @@ Vec<N> VectorIn(std::span<const double> row, const std::vector<std::size_t>& col
   return value;
 }
 
+/// The value of a port, or of a member of it, in the rows of a log.
+template <class T>
+class Logged {
+ public:
+  /// Finds the columns. Without a port there is no value. Throws Error if the port is not logged.
+  void Begin(const std::vector<std::string>& names, const OutputPort<T>* port) {
+    first_ = Column(names, port);
+  }
+  template <class Whole>
+  void Begin(const std::vector<std::string>& names, const OutputPort<Whole>* port, T Whole::*member) {
+    first_ = Column(names, port, member);
+  }
+  explicit operator bool() const { return first_.has_value(); }
+  T In(std::span<const double> row) const {
+    T value{};
+    internal::FromDoubles(internal::TypeInfoOf<T>(), &value, &row[*first_]);
+    return value;
+  }
+
+ private:
+  std::optional<std::size_t> first_;
+};
+
 /// The surfaces of bodies that were added to a robot (ExtendQuadruped, ExtendCdpr), from a log of the plant's
 /// `geometry`. A surface is a set of points with a radius: corners of boxes and meshes, ends of capsules and
 /// rods, edges of cylinders. Fixtures, arrows and traces are left out.

@@ -113,10 +113,6 @@ class Run {
   Run& operator=(const Run&) = delete;
 };
 
-std::string OutOfMemoryAt(const Context& context) {
-  return fmt::format("{} in the run at t = {} s", kOutOfMemory, context.time());
-}
-
 }  // namespace
 
 SignalGuard::SignalGuard() {
@@ -175,7 +171,8 @@ RunOutcome Observe(Simulator& simulator, const std::function<RunStatus()>& advan
   } catch (const RunError& error) {
     fail(error.what(), kNumericalFailure);
   } catch (const std::bad_alloc&) {
-    fail(OutOfMemoryAt(simulator.context()), kNumericalFailure);
+    fail(fmt::format("{} in the run at t = {} s", kOutOfMemory, simulator.context().time()),
+         kNumericalFailure);
   }
   // A signal in the last tick counts, too, because it is meant to stop all of several runs.
   if (const int caught = SignalGuard::caught(); caught != 0 && outcome.exit_code != kOutputFailed) {

@@ -89,15 +89,12 @@ std::vector<const OutputPort<Geometry>*> GuideDogFigures::Shapes(const GuideDog&
 }
 
 void GuideDogFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  tension_ = Column(names, loop_.leash.leash, &LeashState::tension);
-  length_ = Column(names, loop_.leash.leash, &LeashState::length);
-  direction_ = Columns(names, loop_.leash.leash, &LeashState::direction_W);
+  leash_.Begin(names, &loop_.leash.leash);
+  state_.Begin(names, &loop_.world.plant.state);
   mode_ = Column(names, FindCurrent(loop_.supervisor.status), &GuideStatus::mode);
   activity_ = Column(names, FindCurrent(loop_.person.intent), &PersonIntent::activity);
   speed_ = Column(names, FindCurrent(loop_.person.intent), &PersonIntent::speed);
   obstacle_ = Column(names, loop_.obstacles.obstacle);
-  velocity_ = Columns(names, loop_.world.plant.state, &LeggedState::v_W);
-  attitude_ = Columns(names, loop_.world.plant.state, &LeggedState::q_WB);
 }
 
 void GuideDogFigures::Row(std::span<const double> row) {
@@ -109,7 +106,7 @@ void GuideDogFigures::Row(std::span<const double> row) {
 }
 
 void GuideDogFigures::LeashRow(std::span<const double> row) {
-  const double tension = row[tension_], distance = row[length_];
+  const auto [distance, tension, direction_W] = leash_.In(row);
   tensions_.Add(tension);
   if (tension > 0) tightens_.Meet(row[0]);
   if (tension > threshold_ && crosses_.due && row[0] >= *crosses_.due - task_->crossing)
@@ -131,11 +128,13 @@ void GuideDogFigures::LeashRow(std::span<const double> row) {
 
 void GuideDogFigures::StopRow(std::span<const double> row) {
   if (stop_delay_ || !mode_) return;
+  const double tension = leash_.In(row).tension;
   const bool moves = !Is(last_mode_, GuideMode::kStop);
-  if (!cause_ && moves && (row[tension_] > threshold_ || row[obstacle_] != 0)) cause_ = row[0];
-  if (cause_ && moves && row[tension_] <= threshold_ && row[obstacle_] == 0) cause_.reset();
+  if (!cause_ && moves && (tension > threshold_ || row[obstacle_] != 0)) cause_ = row[0];
+  if (cause_ && moves && tension <= threshold_ && row[obstacle_] == 0) cause_.reset();
   if (!cause_) return;
-  if (std::hypot(row[velocity_[0]], row[velocity_[1]]) >= kStanding) {
+  const Vec<3> v_W = state_.In(row).v_W;
+  if (std::hypot(v_W[0], v_W[1]) >= kStanding) {
     standing_.reset();
     return;
   }
@@ -144,11 +143,12 @@ void GuideDogFigures::StopRow(std::span<const double> row) {
 }
 
 void GuideDogFigures::HeadingRow(std::span<const double> row) {
-  const Eigen::Matrix3d R = RotationFromQuaternion(VectorIn<4>(row, attitude_));
+  const Eigen::Matrix3d R = state_.In(row).R_WB();
   if (headings_.size() == kSecond) headings_.pop_front();
   headings_.emplace_back(R(0, 0), R(1, 0));
   if (mode_ && Is(last_mode_, GuideMode::kStop) && Is(row[*mode_], GuideMode::kTurn)) {
-    pull_yaw_ = std::atan2(-row[direction_[1]], -row[direction_[0]]);
+    const Vec<3> direction_W = leash_.In(row).direction_W;
+    pull_yaw_ = std::atan2(-direction_W[1], -direction_W[0]);
     directed_.Meet(row[0]);
   }
   if (!task_ || restarts_.met_at || !pull_yaw_) return;
@@ -211,20 +211,14 @@ std::vector<const Source*> CollisionFigures::Signals(const GuideDog& loop) {
 }
 
 void CollisionFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  const OutputPort<LeggedState>& state = loop_.world.plant.state;
-  position_ = Columns(names, state, &LeggedState::p_WB);
-  attitude_ = Columns(names, state, &LeggedState::q_WB);
-  q_ = Columns(names, state, &LeggedState::q);
-  person_ = Columns(names, loop_.person.person, &PersonState::p_W);
-  hand_ = Columns(names, loop_.person.person, &PersonState::hand_W);
+  state_.Begin(names, &loop_.world.plant.state);
+  person_.Begin(names, &loop_.person.person);
 }
 
 void CollisionFigures::Row(std::span<const double> row) {
-  LeggedState x;
-  x.p_WB = VectorIn<3>(row, position_);
-  x.q_WB = VectorIn<4>(row, attitude_);
-  x.q = VectorIn<kNumJoints>(row, q_);
-  const Eigen::Vector3d person_W = VectorIn<3>(row, person_), hand_W = VectorIn<3>(row, hand_);
+  const LeggedState x = state_.In(row);
+  const PersonState person = person_.In(row);
+  const Eigen::Vector3d person_W = person.p_W, hand_W = person.hand_W;
   RobotRow(row[0], x, person_W, Person::kHeight - Person::kRadius, Person::kRadius, kPerson, &to_person_);
 
   const Eigen::Vector3d attachment_W = x.p_WB + x.R_WB() * attachment_B_;

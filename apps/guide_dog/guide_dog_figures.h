@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tenon/apps/common/columns.h>
 #include <tenon/apps/guide_dog/guide_dog_scenario.h>
 #include <tenon/plants/legged/quadruped_clearance.h>
 
@@ -46,9 +47,10 @@ class GuideDogFigures final : public LogSink {
   std::optional<GuideDogTask> task_;
   double desired_tension_, threshold_;  // [N]
 
-  std::size_t tension_ = 0, length_ = 0, obstacle_ = 0;
+  Logged<LeashState> leash_;
+  Logged<LeggedState> state_;
+  std::size_t obstacle_ = 0;
   std::optional<std::size_t> mode_, activity_, speed_;
-  std::vector<std::size_t> direction_, velocity_, attitude_;
 
   bool leads_ = false;
   Tally tensions_, tensions_leading_, tensions_walking_;  // [N]
@@ -98,7 +100,8 @@ class CollisionFigures final : public LogSink {
   std::vector<Obstacle> obstacles_;
   Vec<3> attachment_B_;             // of the leash [m]
   std::vector<std::string> names_;  // of the obstacles
-  std::vector<std::size_t> position_, attitude_, q_, person_, hand_;
+  Logged<LeggedState> state_;
+  Logged<PersonState> person_;
   Tally to_person_, to_obstacles_;  // [m]
   Breaches breaches_;
 };

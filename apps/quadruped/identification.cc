@@ -144,17 +144,6 @@ class LeastSquares {
   double scale_ = 1;
 };
 
-/// Torque and speed scales of the joints.
-struct Joints {
-  explicit Joints(const QuadrupedDescription& robot) {
-    for (int j = 0; j < kNumJoints; ++j) {
-      torque += robot.joint(j).torque_limit / kNumJoints;
-      speed += robot.joint(j).speed_limit / kNumJoints;
-    }
-  }
-  double torque = 0, speed = 0;
-};
-
 /// Equations of the legs in swing: their columns belong to mass factor, rotor, damping and friction, the last
 /// one is the torque.
 MatrixXd SwingEquations(const LoadedLog& loaded, const Samples& samples) {
@@ -210,7 +199,7 @@ MatrixXd SwingEquations(const LoadedLog& loaded, const Samples& samples) {
 }
 
 std::vector<Unknown> FitLegs(const LoadedLog& loaded, const Samples& samples) {
-  const Joints joints(loaded.walk.estimator->robot);
+  const MeanLimits joints(loaded.walk.estimator->robot);
   std::vector<Unknown> parameters{
       {"leg_mass_ratio", 0.2, 5, 0},
       {"rotor_inertia_kg_m2", 0, joints.torque / 100, 0},
@@ -328,7 +317,7 @@ Identification::Identification(const LoadedLog& loaded, const LogEstimator& bloc
 
 void Identification::AddTo(Summary& summary, const std::filesystem::path& directory,
                            const QuadrupedScenario& given) const {
-  const Joints joints(loaded_.walk.estimator->robot);
+  const MeanLimits joints(loaded_.walk.estimator->robot);
   YamlDocument hardware = LoadResource("hardware/legged", given.hardware);
   QuadrupedScenario scenario = given;
   std::string intervals;

@@ -16,6 +16,12 @@
 
 namespace tenon::apps {
 
+/// Means of the limits of all joints, to which the ratios of DriveRatings refer.
+struct MeanLimits {
+  explicit MeanLimits(const QuadrupedDescription& robot);
+  double torque = 0, speed = 0;  ///< [N m], [rad/s]
+};
+
 /// Data of all drives. Torques are relative to those of the robot.
 struct DriveRatings : DriveErrorsParams {
   /// Peak torque over rotor inertia, both at the joint; empty: from the robot's file.

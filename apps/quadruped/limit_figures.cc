@@ -60,20 +60,18 @@ LimitFigures::LimitFigures(const QuadrupedPlant& plant)
       foot_limit_(std::max(kPressedIn, kPressedRatio * robot_.foot_radius)) {}
 
 void LimitFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  position_ = Columns(names, plant_.state, &LeggedState::p_WB);
-  attitude_ = Columns(names, plant_.state, &LeggedState::q_WB);
-  q_ = Columns(names, plant_.state, &LeggedState::q);
-  qd_ = Columns(names, plant_.state, &LeggedState::qd);
-  torque_ = Columns(names, FindCurrent(plant_.joint_torque));
+  state_.Begin(names, &plant_.state);
+  torque_.Begin(names, FindCurrent(plant_.joint_torque));
   added_.Begin(names, plant_.geometry);
-  depth_ = Columns(names, FindCurrent(plant_.foot_depths));
+  depth_.Begin(names, FindCurrent(plant_.foot_depths));
 }
 
 void LimitFigures::Row(std::span<const double> row) {
   if (!known_) return;
-  if (!torque_.empty()) DriveRow(row);
-  if (!depth_.empty()) FootRow(row);
-  ClearanceRow(row);
+  const LeggedState x = state_.In(row);
+  if (torque_) DriveRow(row[0], torque_.In(row), x.qd);
+  if (depth_) FootRow(row[0], depth_.In(row));
+  ClearanceRow(row[0], x);
   added_.Visit(row, [&](const std::string& name, const Vec<3>& p_W, double radius) {
     const Terrain::Surface ground = terrain_.At(p_W[0], p_W[1]);
     const double height = (p_W[2] - ground.height) * ground.normal_W[2] - radius;
@@ -84,11 +82,10 @@ void LimitFigures::Row(std::span<const double> row) {
   });
 }
 
-void LimitFigures::DriveRow(std::span<const double> row) {
+void LimitFigures::DriveRow(double time, const Vec<12>& torques, const Vec<12>& speeds) {
   for (int j = 0; j < kNumJoints; ++j) {
     const JointDescription& joint = robot_.joint(j);
-    const auto i = static_cast<std::size_t>(j);
-    const double torque = row[torque_[i]], speed = row[qd_[i]];
+    const double torque = torques[j], speed = speeds[j];
     const double possible = DriveTorque(torque, speed, joint, robot_.drive);
     // An excess within rounding is set to zero, so that figure and verdict agree.
     double excess = std::abs(torque - possible);
@@ -98,28 +95,24 @@ void LimitFigures::DriveRow(std::span<const double> row) {
     excesses_.Add(excess);
     if (excess == 0) continue;
     const auto [given, limit] = Beside(torque, possible);
-    breaches_.Add(row[0], "a drive exceeded its torque-speed line",
+    breaches_.Add(time, "a drive exceeded its torque-speed line",
                   fmt::format("{} gave {} N m at {:.3g} rad/s, where its limit is {} N m", joint.name, given,
                               speed, limit));
   }
 }
 
-void LimitFigures::FootRow(std::span<const double> row) {
-  for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
-    const double depth = row[depth_[leg]];
+void LimitFigures::FootRow(double time, const Vec<4>& depths) {
+  for (int leg = 0; leg < kNumLegs; ++leg) {
+    const double depth = depths[leg];
     if (depth > 0) depths_.Add(depth);
     if (depth <= foot_limit_) continue;
     const auto [deep, limit] = Beside(depth, foot_limit_);
-    breaches_.Add(row[0], "a foot went into the ground",
-                  fmt::format("{} by {} m, more than {} m", kLegNames[leg], deep, limit));
+    breaches_.Add(time, "a foot went into the ground",
+                  fmt::format("{} by {} m, more than {} m", NameOf(leg), deep, limit));
   }
 }
 
-void LimitFigures::ClearanceRow(std::span<const double> row) {
-  LeggedState x;
-  x.p_WB = VectorIn<3>(row, position_);
-  x.q_WB = VectorIn<4>(row, attitude_);
-  x.q = VectorIn<kNumJoints>(row, q_);
+void LimitFigures::ClearanceRow(double time, const LeggedState& x) {
   const auto [legs, trunk, ground] = clearance_.At(x);
   legs_.Add(legs.distance);
   trunk_.Add(trunk.distance);
@@ -128,7 +121,7 @@ void LimitFigures::ClearanceRow(std::span<const double> row) {
     if (gap.distance >= -kPressedIn) return;
     const std::string other = gap.other < 0 ? "" : std::string(" and ") + NameOf(gap.other);
     const auto [deep, limit] = Beside(-gap.distance, kPressedIn);
-    breaches_.Add(row[0], kind,
+    breaches_.Add(time, kind,
                   fmt::format("{}{} by {} m, more than {} m", NameOf(gap.leg), other, deep, limit));
   };
   check(legs, "two legs collided");
@@ -159,17 +152,17 @@ std::vector<const Source*> StandFigures::Signals(const QuadrupedStand& loop) {
 }
 
 void StandFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  position_ = Columns(names, world_.plant.state, &LeggedState::p_WB);
-  attitude_ = Columns(names, world_.plant.state, &LeggedState::q_WB);
+  state_.Begin(names, &world_.plant.state);
   force_ = Columns(names, world_.plant.foot_forces);
 }
 
 void StandFigures::Row(std::span<const double> row) {
-  height_end_ = row[position_[2]];
+  const LeggedState state = state_.In(row);
+  height_end_ = state.p_WB[2];
   height_.Add(*height_end_);
-  if (start_.empty()) start_ = {row[position_[0]], row[position_[1]]};
-  drift_ = std::hypot(row[position_[0]] - start_[0], row[position_[1]] - start_[1]);
-  const double x = row[attitude_[1]], y = row[attitude_[2]];
+  if (!start_) start_ = state.p_WB.head<2>();
+  drift_ = std::hypot(state.p_WB[0] - (*start_)[0], state.p_WB[1] - (*start_)[1]);
+  const double x = state.q_WB[1], y = state.q_WB[2];
   tilt_.Add(std::acos(std::clamp(1 - 2 * (x * x + y * y), -1.0, 1.0)));
   for (std::size_t i = 0; i < force_.size(); i += 3) {
     const double force = std::hypot(row[force_[i]], row[force_[i + 1]], row[force_[i + 2]]);

@@ -42,9 +42,9 @@ class LimitFigures final : public LogSink {
   void AddTo(Summary& summary) const;
 
  private:
-  void DriveRow(std::span<const double> row);
-  void FootRow(std::span<const double> row);
-  void ClearanceRow(std::span<const double> row);
+  void DriveRow(double time, const Vec<12>& torques, const Vec<12>& speeds);
+  void FootRow(double time, const Vec<4>& depths);
+  void ClearanceRow(double time, const LeggedState& x);
 
   const QuadrupedPlant& plant_;
   bool known_;  // whether the limits of the plant in the diagram are known
@@ -53,7 +53,9 @@ class LimitFigures final : public LogSink {
   Terrain terrain_;
   AddedShapes added_;
   double foot_limit_;  // [m]
-  std::vector<std::size_t> position_, attitude_, q_, qd_, torque_, depth_;
+  Logged<LeggedState> state_;
+  Logged<Vec<12>> torque_;
+  Logged<Vec<4>> depth_;
 
   Tally torques_, speeds_, excesses_, depths_;   // [N m], [rad/s], [N m], [m]
   Tally legs_, trunk_, ground_, added_heights_;  // [m]
@@ -81,8 +83,9 @@ class StandFigures final : public LogSink {
 
  private:
   const QuadrupedWorld& world_;
-  std::vector<std::size_t> position_, attitude_, force_;
-  std::vector<double> start_;                 // horizontal position of the trunk [m]
+  Logged<LeggedState> state_;
+  std::vector<std::size_t> force_;
+  std::optional<Vec<2>> start_;               // horizontal position of the trunk [m]
   Tally height_, tilt_;                       // height and tilt of the trunk [m], [rad]
   Tally load_;                                // magnitude of the force on a foot [N]
   std::optional<double> height_end_, drift_;  // [m]

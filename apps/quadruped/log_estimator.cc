@@ -101,18 +101,18 @@ class StateComparison final : public LogSink {
   StateComparison(const OutputPort<LeggedState>& reference, const OutputPort<LeggedState>& state)
       : reference_(reference), state_(state) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override {
-    truth_ = StateColumns::Of(names, reference_);
-    estimated_ = StateColumns::Of(names, state_);
+    truth_.Begin(names, &reference_);
+    estimated_.Begin(names, &state_);
   }
   void Row(std::span<const double> row) override {
-    const Vec<3> position = VectorIn<3>(row, truth_.position);
-    if (std::exchange(last_, position) != position) errors_.Add(row, estimated_, truth_);
+    const LeggedState truth = truth_.In(row);
+    if (std::exchange(last_, truth.p_WB) != truth.p_WB) errors_.Add(estimated_.In(row), truth);
   }
   const StateErrors& errors() const { return errors_; }
 
  private:
   const OutputPort<LeggedState>&reference_, &state_;
-  StateColumns estimated_, truth_;
+  Logged<LeggedState> estimated_, truth_;
   StateErrors errors_;
   Vec<3> last_ = Vec<3>::Constant(std::numeric_limits<double>::quiet_NaN());
 };

@@ -62,7 +62,7 @@ void SetPayload(const TrunkLoadScenario& payload, double stance_height, Quadrupe
     world.sliding_load->mass = payload.mass_kg;
     world.sliding_load->position_B = payload.position_m;
   } else {
-    world.plant.payload = payload.Make();
+    world.plant.payload = UniformBoxInertia(payload.mass_kg, payload.position_m, payload.edges_m);
   }
 }
 
@@ -131,15 +131,6 @@ LeggedStateEstimatorParams MakeEstimator(const QuadrupedSensors& sensors, const 
 
 }  // namespace
 
-JointPdParams JointPdScenario::For(const QuadrupedDescription& robot) const {
-  JointPdParams params = MakeJointPd(robot);
-  params.stiffness = stiffness_N_m_per_rad.value_or(params.stiffness);
-  params.damping = damping_N_m_s_per_rad.value_or(params.damping);
-  params.gravity_compensation = gravity_compensation;
-  params.rate = Hz(rate_hz);
-  return params;
-}
-
 SizeRatio RatioOf(const LeggedScenario& scenario) {
   return scenario.scale_forces ? ReadRatio(scenario, ReadRobot(scenario)) : SizeRatio();
 }
@@ -191,9 +182,14 @@ QuadrupedScenario ScaledToRobot(QuadrupedScenario scenario, const SizeRatio& rat
 QuadrupedStandParams MakeStandParams(const QuadrupedScenario& given) {
   const QuadrupedDescription robot = ReadRobot(given);
   const QuadrupedScenario scenario = ScaledToRobot(given, ReadRatio(given, robot));
+  const JointPdScenario& pd = *scenario.pd;
   QuadrupedStandParams params;
-  params.world = MakeWorldParams(scenario, robot, Hz(scenario.pd->rate_hz));
-  params.pd = scenario.pd->For(robot);
+  params.world = MakeWorldParams(scenario, robot, Hz(pd.rate_hz));
+  params.pd = MakeJointPd(robot);
+  params.pd.stiffness = pd.stiffness_N_m_per_rad.value_or(params.pd.stiffness);
+  params.pd.damping = pd.damping_N_m_s_per_rad.value_or(params.pd.damping);
+  params.pd.gravity_compensation = pd.gravity_compensation;
+  params.pd.rate = Hz(pd.rate_hz);
   params.pd.gravity = params.world.plant.gravity;
   return params;
 }

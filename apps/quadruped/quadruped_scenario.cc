@@ -1,16 +1,11 @@
 #include <tenon/apps/quadruped/legged_scenario.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
-#include <tenon/plants/attached_bodies.h>
 #include <tenon/plants/robots/load_robot.h>
 #include <tenon/systems/yaml/resources.h>
 
 #include <fmt/core.h>
 
 namespace tenon::apps {
-
-RigidInertia TrunkLoadScenario::Make() const {
-  return UniformBoxInertia(mass_kg, position_m, edges_m);
-}
 
 void RandomForceScenario::Validate() const {
   Demand(std::isfinite(upper_N) && upper_N >= lower_N,
@@ -78,13 +73,16 @@ QuadrupedHardware LoadHardware(const YamlFile& file, const Scale& scale, const S
   return document.Read<QuadrupedHardware>(&scale);
 }
 
-/// All drives are equal. Ratios are relative to the mean of the joints' limits.
-static void SetDrives(const DriveRatings& drives, Rate rate, QuadrupedWorldParams& world) {
-  double torque = 0, speed = 0;
+MeanLimits::MeanLimits(const QuadrupedDescription& robot) {
   for (int j = 0; j < kNumJoints; ++j) {
-    torque += world.plant.robot.joint(j).torque_limit / kNumJoints;
-    speed += world.plant.robot.joint(j).speed_limit / kNumJoints;
+    torque += robot.joint(j).torque_limit / kNumJoints;
+    speed += robot.joint(j).speed_limit / kNumJoints;
   }
+}
+
+/// All drives are equal.
+static void SetDrives(const DriveRatings& drives, Rate rate, QuadrupedWorldParams& world) {
+  const auto [torque, speed] = MeanLimits(world.plant.robot);
   DriveProperties& properties = world.plant.robot.drive;
   if (drives.rotor_acceleration) properties.rotor_inertia = torque / *drives.rotor_acceleration;
   if (drives.friction_ratio) properties.friction = torque * *drives.friction_ratio;

@@ -23,7 +23,6 @@ struct JointPdScenario {
             {"gravity_compensation", &JointPdScenario::gravity_compensation},
             Field("rate_hz", &JointPdScenario::rate_hz).In(Rates())};
   }
-  JointPdParams For(const QuadrupedDescription& robot) const;
 };
 
 /// A force that changes every period, see RandomForce.
@@ -55,7 +54,6 @@ struct TrunkLoadScenario {
             Field("edges_m", &TrunkLoadScenario::edges_m).Between(0, 100),
             {"slides", &TrunkLoadScenario::slides}};
   }
-  RigidInertia Make() const;
 };
 
 /// The task of a walk or a stand.

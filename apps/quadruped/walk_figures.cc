@@ -1,7 +1,6 @@
 #include <tenon/apps/common/customisation.h>
 #include <tenon/apps/quadruped/limit_figures.h>
 #include <tenon/apps/quadruped/walk_figures.h>
-#include <tenon/diagrams/evaluation/tracking_error.h>
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>
@@ -33,8 +32,8 @@ bool LeavesPath(const QuadrupedWalk& loop) {
          FindCurrent(planner.path) != nullptr;
 }
 
-double Yaw(std::span<const double> row, const std::vector<std::size_t>& attitude) {
-  const Eigen::Matrix3d R = RotationFromQuaternion(VectorIn<4>(row, attitude));
+double Yaw(const Vec<4>& q_WB) {
+  const Eigen::Matrix3d R = RotationFromQuaternion(q_WB);
   return std::atan2(R(1, 0), R(0, 0));
 }
 
@@ -112,90 +111,69 @@ std::vector<const Source*> WalkFigures::WithSolvers(std::vector<const Source*> s
 }
 
 void WalkFigures::Begin(const std::vector<std::string>& names, const std::vector<std::string>&) {
-  const auto* errors = FindCurrent(loop_.errors.errors);
-  com_ = Columns(names, errors, &WalkingErrors::com);
-  foot_ = Columns(names, errors, &WalkingErrors::foot);
-  ground_force_ = Columns(names, errors, &WalkingErrors::ground_force);
-  if (LeavesPath(loop_)) {
-    com_position_ = Columns(names, errors, &WalkingErrors::com_position);
-    commanded_place_ =
-        Columns(names, FindCurrent(loop_.locomotion.com_planner.path), &PlanarPath::position_W);
-    commanded_heading_ = Column(names, FindCurrent(loop_.locomotion.com_planner.path), &PlanarPath::yaw);
-  }
   const QuadrupedPlant& plant = loop_.world.plant;
-  external_force_ = Columns(names, FindCurrent(plant.external_wrench), &WrenchEstimate::force_W);
+  errors_.Begin(names, FindCurrent(loop_.errors.errors));
+  if (LeavesPath(loop_)) commanded_path_.Begin(names, FindCurrent(loop_.locomotion.com_planner.path));
+  external_.Begin(names, FindCurrent(plant.external_wrench));
   if (IsExtended(plant) && loop_.known_additions == nullptr)
-    added_force_ = Columns(names, FindCurrent(plant.added_wrench), &WrenchEstimate::force_W);
-  estimated_force_ = Columns(names, loop_.observer.wrench, &WrenchEstimate::force_W);
-  if (loop_.tensions) rope_force_ = Columns(names, loop_.tensions->wrench, &WrenchEstimate::force_W);
+    added_.Begin(names, FindCurrent(plant.added_wrench));
+  estimated_.Begin(names, &loop_.observer.wrench);
+  if (loop_.tensions) ropes_.Begin(names, &loop_.tensions->wrench);
   slip_ = Columns(names, FindCurrent(plant.foot_slips));
   touch_ = Columns(names, FindCurrent(plant.foot_forces));
-  torque_ = Columns(names, FindCurrent(plant.joint_torque));
-  speed_ = Columns(names, plant.state, &LeggedState::qd);
-  position_ = Columns(names, plant.state, &LeggedState::p_WB);
-  attitude_ = Columns(names, plant.state, &LeggedState::q_WB);
-  told_attitude_ = Columns(names, loop_.locomotion.body, &BodyReference::q_WB);
+  torque_.Begin(names, FindCurrent(plant.joint_torque));
+  state_.Begin(names, &plant.state);
+  body_.Begin(names, &loop_.locomotion.body);
+  command_.Begin(names, FindCurrent(loop_.walk.command));
   for (std::size_t leg = 0; leg < kNumLegs; ++leg)
     contact_[leg] = Column(names, loop_.locomotion.schedule, &ContactSchedule::legs, leg, &LegContact::state);
-  for (double WalkCommand::*velocity : {&WalkCommand::forward, &WalkCommand::left, &WalkCommand::yaw_rate})
-    if (const auto column = Column(names, FindCurrent(loop_.walk.command), velocity))
-      command_.push_back(*column);
-  solve_time_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::solve_time);
-  failures_ = Column(names, Solves(loop_), &WholeBodyDiagnostics::failures);
-  mpc_time_ = Column(names, MpcSolves(loop_), &CentroidalMpcDiagnostics::solve_time);
-  mpc_failures_ = Column(names, MpcSolves(loop_), &CentroidalMpcDiagnostics::failures);
+  qp_.Begin(names, Solves(loop_), &WholeBodyDiagnostics::failures);
+  mpc_.Begin(names, MpcSolves(loop_), &CentroidalMpcDiagnostics::failures);
   estimate_.Begin(names);
 }
 
 void WalkFigures::Row(std::span<const double> row) {
-  if (!com_.empty() && commanded_heading_) {
-    const double deviation = std::hypot(row[com_position_[0]] - row[commanded_place_[0]],
-                                        row[com_position_[1]] - row[commanded_place_[1]]);
-    path_.Add(row[0], deviation, Yaw(row, attitude_) - row[*commanded_heading_]);
-  } else if (!com_.empty()) {
-    path_.Add(row[0], std::hypot(row[com_[0]], row[com_[1]]), Yaw(row, attitude_) - Yaw(row, told_attitude_));
+  const LeggedState x = state_.In(row);
+  const WalkingErrors errors = errors_ ? errors_.In(row) : WalkingErrors();
+  if (errors_ && commanded_path_) {
+    const PlanarPath commanded = commanded_path_.In(row);
+    const double deviation = std::hypot(errors.com_position[0] - commanded.position_W[0],
+                                        errors.com_position[1] - commanded.position_W[1]);
+    path_.Add(row[0], deviation, Yaw(x.q_WB) - commanded.yaw);
+  } else if (errors_) {
+    path_.Add(row[0], std::hypot(errors.com[0], errors.com[1]), Yaw(x.q_WB) - Yaw(body_.In(row).q_WB));
   }
   if (row[0] < from_) return;
-  const auto norm = [&](const std::vector<std::size_t>& columns) {
-    return std::hypot(row[columns[0]], row[columns[1]], row[columns[2]]);
-  };
-  if (!com_.empty()) com_errors_.Add(norm(com_));
-  if (observes_ && !external_force_.empty()) {
-    std::array<double, 3> error{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      estimates_[i].Add(row[estimated_force_[i]]);
-      error[i] = row[estimated_force_[i]] - row[external_force_[i]];
-      if (!added_force_.empty()) error[i] -= row[added_force_[i]];
-      if (loop_.tensions) error[i] += row[rope_force_[i]];
-    }
+  if (errors_) com_errors_.Add(std::hypot(errors.com[0], errors.com[1], errors.com[2]));
+  if (observes_ && external_) {
+    const Vec<3> estimated = estimated_.In(row).force_W;
+    Vec<3> error = estimated - external_.In(row).force_W;
+    if (added_) error -= added_.In(row).force_W;
+    if (ropes_) error += ropes_.In(row).force_W;
+    for (int i = 0; i < 3; ++i) estimates_[static_cast<std::size_t>(i)].Add(estimated[i]);
     estimate_errors_.Add(std::hypot(error[0], error[1], error[2]));
   }
-  if (solve_time_) {
-    solve_times_.Add(row[*solve_time_]);
-    failure_count_ = row[*failures_];
-  }
-  if (mpc_time_) {
-    mpc_times_.Add(row[*mpc_time_]);
-    mpc_failure_count_ = row[*mpc_failures_];
-  }
-  end_ = {row[position_[0]], row[position_[1]]};
+  qp_.Row(row);
+  mpc_.Row(row);
+  end_ = {x.p_WB[0], x.p_WB[1]};
   if (!begin_) begin_ = end_;
-  if (!command_.empty() && time_ > 0) {
+  if (command_ && time_ > 0) {
+    const WalkCommand command = command_.In(row);
     const double dt = row[0] - time_;
-    commanded_yaw_ += dt * row[command_[2]];
-    commanded_ += dt * (Eigen::Rotation2D(commanded_yaw_) * Vec<2>(row[command_[0]], row[command_[1]]));
+    commanded_yaw_ += dt * command.yaw_rate;
+    commanded_ += dt * (Eigen::Rotation2D(commanded_yaw_) * Vec<2>(command.forward, command.left));
   }
   if (terrain_)
     climb_.Add(terrain_->At(end_[0], end_[1]).height - terrain_->At((*begin_)[0], (*begin_)[1]).height);
   if (!touch_.empty())
     flight_.Add(std::ranges::all_of(touch_, [&](std::size_t column) { return row[column] == 0; }) ? 1 : 0);
-  for (std::size_t leg = 0; leg < kNumLegs; ++leg) LegRow(row, leg);
-  if (!torque_.empty()) JointRow(row);
+  for (std::size_t leg = 0; leg < kNumLegs; ++leg) LegRow(row, leg, errors);
+  if (torque_) JointRow(row[0], torque_.In(row), x.qd);
   estimate_.Row(row);
   time_ = row[0];
 }
 
-void WalkFigures::LegRow(std::span<const double> row, std::size_t leg) {
+void WalkFigures::LegRow(std::span<const double> row, std::size_t leg, const WalkingErrors& errors) {
   LegFigures& figures = legs_[leg];
   const bool stance = row[contact_[leg]] == static_cast<double>(ContactState::kStance);
   if (stance && !figures.stance) {
@@ -204,8 +182,8 @@ void WalkFigures::LegRow(std::span<const double> row, std::size_t leg) {
   }
   if (!stance) {
     figures.waiting.clear();
-    if (!foot_.empty() && row[contact_[leg]] == static_cast<double>(ContactState::kSwing))
-      figures.errors.Add(row[foot_[leg]]);
+    if (errors_ && row[contact_[leg]] == static_cast<double>(ContactState::kSwing))
+      figures.errors.Add(errors.foot[static_cast<int>(leg)]);
   }
   figures.stance = stance;
   if (!stance || row[0] < figures.touchdown + kEdge) return;
@@ -214,17 +192,16 @@ void WalkFigures::LegRow(std::span<const double> row, std::size_t leg) {
     for (std::size_t i = 0; i < 3; ++i) figures.slip[i] += (row[0] - time_) * row[slip_[3 * leg + i]];
     figures.slips.Add(std::hypot(figures.slip[0], figures.slip[1], figures.slip[2]));
   }
-  if (ground_force_.empty()) return;
-  figures.waiting.push_back({row[0], row[ground_force_[leg]]});
+  if (!errors_) return;
+  figures.waiting.push_back({row[0], errors.ground_force[static_cast<int>(leg)]});
   while (figures.waiting.front().time < row[0] - kEdge) {
     force_errors_.Add(figures.waiting.front().error);
     figures.waiting.pop_front();
   }
 }
 
-void WalkFigures::JointRow(std::span<const double> row) {
-  const Vec<12> torque = VectorIn<12>(row, torque_), speed = VectorIn<12>(row, speed_);
-  if (const double dt = row[0] - time_; last_torque_ && dt > 0) {
+void WalkFigures::JointRow(double time, const Vec<12>& torque, const Vec<12>& speed) {
+  if (const double dt = time - time_; last_torque_ && dt > 0) {
     work_ += dt * torque.cwiseProduct(speed).cwiseAbs().sum();
     for (const double change : torque - *last_torque_) torque_rates_.Add(change / dt);
   }
@@ -260,26 +237,17 @@ void WalkFigures::AddTo(Summary& summary) const {
   summary.Set("climb_m", climb_.max());
   summary.Set("flight_ratio", flight_.mean());
   path_.AddTo(summary);
-  summary.Set("qp_time_median_us", Microseconds(solve_times_.Quantile(0.5)));
-  summary.Set("qp_time_p99_us", Microseconds(solve_times_.Quantile(0.99)));
-  summary.Set("qp_failures", failure_count_);
-  if (loop_.locomotion.mpc) {
-    summary.Set("mpc_time_median_us", Microseconds(mpc_times_.Quantile(0.5)));
-    summary.Set("mpc_time_p99_us", Microseconds(mpc_times_.Quantile(0.99)));
-    summary.Set("mpc_failures", mpc_failure_count_);
-  }
+  qp_.AddTo(summary, "qp", "qp_failures");
+  if (loop_.locomotion.mpc) mpc_.AddTo(summary, "mpc", "mpc_failures");
   estimate_.AddTo(summary);
 }
 
-void StateErrors::Add(std::span<const double> row, const StateColumns& estimated, const StateColumns& truth) {
-  const double velocity = (VectorIn<3>(row, estimated.velocity) - VectorIn<3>(row, truth.velocity)).norm();
+void StateErrors::Add(const LeggedState& estimated, const LeggedState& truth) {
+  velocity_.Add((estimated.v_W - truth.v_W).norm());
   // The vertical in the axes of the trunk, true and estimated.
-  const Vec<3> up = RotationFromQuaternion(VectorIn<4>(row, truth.attitude)).row(2);
-  const Vec<3> estimated_up = RotationFromQuaternion(VectorIn<4>(row, estimated.attitude)).row(2);
-  const double tilt = std::atan2(up.cross(estimated_up).norm(), up.dot(estimated_up));
-  velocity_.Add(velocity);
-  tilt_.Add(tilt);
-  const Vec<3> distance = VectorIn<3>(row, estimated.position) - VectorIn<3>(row, truth.position);
+  const Vec<3> up = truth.R_WB().row(2), estimated_up = estimated.R_WB().row(2);
+  tilt_.Add(std::atan2(up.cross(estimated_up).norm(), up.dot(estimated_up)));
+  const Vec<3> distance = estimated.p_WB - truth.p_WB;
   position_end_ = distance.norm();
   drift.Add(distance.norm());
   height_drift.Add(std::abs(distance[2]));
@@ -294,31 +262,29 @@ void StateErrors::AddTo(Summary& summary, const std::string& prefix) const {
 }
 
 void EstimateFigures::Begin(const std::vector<std::string>& names) {
-  if (loop_.estimator == nullptr) return;
-  const OutputPort<LeggedEstimate>* const estimate = FindCurrent(loop_.estimator->estimate);
-  if (estimate == nullptr) return;
-  true_ = StateColumns::Of(names, loop_.world.plant.state);
-  estimated_ = StateColumns::Of(names, *estimate, &LeggedEstimate::state);
-  path_com_ = Columns(names, FindCurrent(loop_.errors.path), &PathErrors::com);
-  path_foot_ = Columns(names, FindCurrent(loop_.errors.path), &PathErrors::foot);
+  if (loop_.estimator != nullptr)
+    estimated_.Begin(names, FindCurrent(loop_.estimator->estimate), &LeggedEstimate::state);
+  if (!estimated_) return;
+  true_.Begin(names, &loop_.world.plant.state);
+  path_.Begin(names, FindCurrent(loop_.errors.path));
 }
 
 void EstimateFigures::Row(std::span<const double> row) {
-  if (estimated_.velocity.empty()) return;
-  errors_.Add(row, estimated_, true_);
-  if (path_com_.empty()) return;
-  path_errors_.Add(VectorIn<3>(row, path_com_).norm());
-  for (std::size_t leg = 0; leg < kNumLegs; ++leg)  // 0 marks a foot in stance
-    if (row[path_foot_[leg]] > 0) path_foot_errors_[leg].Add(row[path_foot_[leg]]);
+  if (!estimated_) return;
+  errors_.Add(estimated_.In(row), true_.In(row));
+  if (!path_) return;
+  const PathErrors path = path_.In(row);
+  path_errors_.Add(path.com.norm());
+  for (int leg = 0; leg < kNumLegs; ++leg)  // 0 marks a foot in stance
+    if (path.foot[leg] > 0) path_foot_errors_[static_cast<std::size_t>(leg)].Add(path.foot[leg]);
 }
 
 void EstimateFigures::AddTo(Summary& summary) const {
-  if (estimated_.velocity.empty()) return;
-  errors_.AddTo(summary);
+  if (estimated_) errors_.AddTo(summary);
 }
 
 bool EstimateFigures::AddPathTo(Summary& summary) const {
-  if (estimated_.velocity.empty()) return false;
+  if (!estimated_) return false;
   std::vector<std::pair<std::string, std::optional<double>>> feet;
   for (std::size_t leg = 0; leg < kNumLegs; ++leg)
     feet.emplace_back(kLegNames[leg], path_foot_errors_[leg].max());
@@ -334,15 +300,14 @@ namespace {
 /// Compares the estimate of a constant force on a foot with the force.
 class FootStepFigures final : public LogSink {
  public:
-  FootStepFigures(const OutputPort<LegForceEstimate>& estimate, std::size_t leg, const Vec<3>& force_W,
-                  double start)
+  FootStepFigures(const OutputPort<LegForceEstimate>& estimate, int leg, const Vec<3>& force_W, double start)
       : estimate_(estimate), leg_(leg), force_W_(force_W), start_(start) {}
   void Begin(const std::vector<std::string>& names, const std::vector<std::string>&) override {
-    columns_ = Columns(names, estimate_, &LegForceEstimate::foot_force, kFeet[leg_]);
+    forces_.Begin(names, &estimate_, &LegForceEstimate::foot_force);
   }
   void Row(std::span<const double> row) override {
     if (row[0] < start_) return;
-    const double share = VectorIn<3>(row, columns_).dot(force_W_) / force_W_.squaredNorm();
+    const double share = forces_.In(row)[leg_].dot(force_W_) / force_W_.squaredNorm();
     shares_.Add(share);
     const bool settled = std::abs(share - 1) <= 0.02;
     if (!settled) settled_since_.reset();
@@ -355,13 +320,11 @@ class FootStepFigures final : public LogSink {
   }
 
  private:
-  static constexpr Vec<3> FootForces::*kFeet[] = {&FootForces::front_left, &FootForces::front_right,
-                                                  &FootForces::rear_left, &FootForces::rear_right};
   const OutputPort<LegForceEstimate>& estimate_;
-  std::size_t leg_;
+  int leg_;
   Vec<3> force_W_;  // [N]
   double start_;    // [s]
-  std::vector<std::size_t> columns_;
+  Logged<FootForces> forces_;
   Tally shares_;  // of the force that the estimate shows
   std::optional<double> settled_since_;
 };
@@ -378,7 +341,7 @@ void JudgeFootStep(const QuadrupedScenario& scenario, double duration, const Qua
     return;
   const Vec<3> force_W = force.factor * (Eigen::AngleAxisd(force.turn_rad, Vec<3>::UnitZ()) * force.force_N);
   if (force_W.isZero(0)) return;
-  const auto leg = static_cast<std::size_t>(force.on) - static_cast<std::size_t>(Part::kFrontLeft);
+  const int leg = static_cast<int>(force.on) - static_cast<int>(Part::kFrontLeft);
   const auto sink = std::make_shared<FootStepFigures>(*estimate, leg, force_W, force.start_s);
   outputs.Judge(Hz(1000), {estimate}, sink, [sink](Summary& summary) { sink->AddTo(summary); });
 }

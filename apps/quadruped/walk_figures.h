@@ -1,26 +1,17 @@
 #pragma once
 
-#include <tenon/apps/common/columns.h>
+#include <tenon/apps/common/real_time.h>
 #include <tenon/apps/quadruped/quadruped_scenario.h>
 #include <tenon/diagrams/evaluation/leg_errors.h>
+#include <tenon/diagrams/evaluation/tracking_error.h>
 #include <tenon/diagrams/evaluation/walk_view.h>
 
 namespace tenon::apps {
 
-/// Columns of a state's pose and velocity in a log.
-struct StateColumns {
-  std::vector<std::size_t> position, attitude, velocity;
-
-  static StateColumns Of(const std::vector<std::string>& names, const auto&... state) {
-    return {Columns(names, state..., &LeggedState::p_WB), Columns(names, state..., &LeggedState::q_WB),
-            Columns(names, state..., &LeggedState::v_W)};
-  }
-};
-
 /// Errors of an estimated state. The tilt error is the angle between the true and the estimated vertical.
 class StateErrors {
  public:
-  void Add(std::span<const double> row, const StateColumns& estimated, const StateColumns& truth);
+  void Add(const LeggedState& estimated, const LeggedState& truth);
   void AddTo(Summary& summary, const std::string& prefix = "") const;
   Tally drift, height_drift;  ///< errors of position and height [m]
 
@@ -43,9 +34,9 @@ class EstimateFigures {
 
  private:
   const QuadrupedWalk& loop_;
-  StateColumns true_, estimated_;
+  Logged<LeggedState> true_, estimated_;
+  Logged<PathErrors> path_;
   StateErrors errors_;
-  std::vector<std::size_t> path_com_, path_foot_;
   Tally path_errors_;  // [m]
   std::array<Tally, kNumLegs> path_foot_errors_;
 };
@@ -126,20 +117,22 @@ class WalkFigures final : public LogSink {
     Tally slips, errors;  // [m]
   };
 
-  void LegRow(std::span<const double> row, std::size_t leg);
-  void JointRow(std::span<const double> row);
+  void LegRow(std::span<const double> row, std::size_t leg, const WalkingErrors& errors);
+  void JointRow(double time, const Vec<12>& torque, const Vec<12>& speed);
 
   const QuadrupedWalk& loop_;
   double from_;
   bool observes_;
   PathVerdict path_;
-  std::vector<std::size_t> external_force_, added_force_, estimated_force_, rope_force_;
-  std::vector<std::size_t> com_, foot_, ground_force_, slip_, touch_, position_, attitude_, told_attitude_,
-      command_, torque_, speed_;
-  std::vector<std::size_t> com_position_, commanded_place_;  // of a planner that resets its reference
-  std::optional<std::size_t> commanded_heading_;
+  Logged<WrenchEstimate> external_, added_, estimated_, ropes_;
+  Logged<WalkingErrors> errors_;
+  Logged<PlanarPath> commanded_path_;  // of a planner that resets its reference
+  Logged<LeggedState> state_;
+  Logged<BodyReference> body_;
+  Logged<WalkCommand> command_;
+  Logged<Vec<12>> torque_;
+  std::vector<std::size_t> slip_, touch_;
   std::array<std::size_t, kNumLegs> contact_{};
-  std::optional<std::size_t> solve_time_, failures_, mpc_time_, mpc_failures_;
 
   std::array<LegFigures, kNumLegs> legs_;
   std::optional<Terrain> terrain_;                // the ground of the plant, if it is known
@@ -155,8 +148,7 @@ class WalkFigures final : public LogSink {
   Tally estimate_errors_;                         // [N]
   std::optional<std::array<double, 2>> begin_{};  // horizontal position of the trunk [m]
   std::array<double, 2> end_{};
-  TimeQuantiles solve_times_, mpc_times_;
-  std::optional<double> failure_count_, mpc_failure_count_;
+  SolveFigures qp_, mpc_;
   EstimateFigures estimate_;
 };
 

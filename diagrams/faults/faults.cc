@@ -279,12 +279,6 @@ Fault LossOf(Fault broken) {
   return broken;
 }
 
-/// Sets the torque of the joints to zero.
-void InsertBrokenJoint(FaultInserter& inserter, const Fault& fault, const std::string& name, Places& places) {
-  JointsOf(fault, places);
-  places.torque.Insert(inserter, LossOf(fault), name);
-}
-
 /// Sets the tension of the ropes to zero.
 void InsertBrokenRope(FaultInserter& inserter, const Fault& fault, const std::string& name, Places& places) {
   DemandKind(fault, {FaultKind::kBroken});
@@ -325,9 +319,12 @@ std::vector<const Source*> Insert(DiagramBuilder& builder, Places places,
   inserter.InsertAll(faults, [&](const LeggedFault& fault, const std::string& name) {
     if (!BreaksJoint(fault)) InsertFault(inserter, fault, name, places);
   });
-  // Broken joints come last, next to the drives, so that no other fault of the command gives them torque.
+  // Broken joints lose all torque. They come last, next to the drives, so that no other fault of the command
+  // gives them torque.
   inserter.InsertAll(faults, [&](const LeggedFault& fault, const std::string& name) {
-    if (BreaksJoint(fault)) InsertBrokenJoint(inserter, fault, name, places);
+    if (!BreaksJoint(fault)) return;
+    JointsOf(fault, places);  // refuses unknown joints
+    places.torque.Insert(inserter, LossOf(fault), name);
   });
   return std::move(inserter.signals);
 }

@@ -15,12 +15,6 @@ GuideDog::GuideDog(const GuideDogParams& params)
       obstacles(Add<ObstacleDetector>("obstacles", params.obstacles)),
       person(Add<Person>("person", params.person)),
       leash(Add<Leash>("leash", params.leash)) {
-  ConnectCommand();
-  ConnectLeash();
-  if (estimator != nullptr) DelaySchedule();
-}
-
-void GuideDog::ConnectCommand() {
   Disconnect(locomotion.command);
   Connect(walk.command, supervisor.command);
   Connect(observer.wrench, supervisor.wrench);
@@ -32,17 +26,14 @@ void GuideDog::ConnectCommand() {
   Connect(observer.wrench, admittance.wrench);
   Connect(state, admittance.state);
   Connect(admittance.walk, locomotion.command);
-}
 
-void GuideDog::ConnectLeash() {
   Connect(world.state, leash.robot);
   Connect(person.person, leash.person);
   Connect(leash.leash, person.leash);
   Connect(leash.force, world.pull);
-}
 
-/// Breaks the algebraic loop estimator, admittance, locomotion, estimator.
-void GuideDog::DelaySchedule() {
+  if (estimator == nullptr) return;
+  // Breaks the algebraic loop estimator, admittance, locomotion, estimator.
   auto& last = Add<UnitDelay<ContactSchedule>>(
       "last_schedule", UnitDelayParams<ContactSchedule>{.rate = estimator->params.rate});
   Disconnect(estimator->schedule);

@@ -43,11 +43,6 @@ class GuideDog final : public QuadrupedWalk {
   ObstacleDetector& obstacles;
   Person& person;
   Leash& leash;
-
- private:
-  void ConnectCommand();
-  void ConnectLeash();
-  void DelaySchedule();
 };
 
 }  // namespace tenon

@@ -7,22 +7,22 @@ namespace tenon {
 
 DisturbanceObserver::DisturbanceObserver(const DisturbanceObserverParams& params) {
   const ObserverKind kind = params.kind;
+  const auto connect = [this](auto& observer) {
+    Connect(state, observer.state);
+    if constexpr (requires { observer.torque; }) Connect(torque, observer.torque);
+    Connect(foot_forces, observer.foot_forces);
+    Connect(ground, observer.ground);
+  };
   if (kind == ObserverKind::kLegs || kind == ObserverKind::kHybrid) {
     legs = &Add<LegMomentumObserver>("legs", params.legs);
-    Connect(state, legs->state);
-    Connect(torque, legs->torque);
-    Connect(foot_forces, legs->foot_forces);
-    Connect(ground, legs->ground);
+    connect(*legs);
     Connect(legs->estimate, leg_forces);
   } else if (kind == ObserverKind::kNdoM || kind == ObserverKind::kNdoInverse ||
              kind == ObserverKind::kNdoHybrid) {
     NonlinearDisturbanceObserverParams reading = params.ndo;
     reading.reading = kind == ObserverKind::kNdoInverse ? NdoReading::kInverse : NdoReading::kM;
     ndo = &Add<NonlinearDisturbanceObserver>("ndo", reading);
-    Connect(state, ndo->state);
-    Connect(torque, ndo->torque);
-    Connect(foot_forces, ndo->foot_forces);
-    Connect(ground, ndo->ground);
+    connect(*ndo);
     Connect(ndo->estimate, leg_forces);
   } else {
     Connect(Add<ConstantSource<LegForceEstimate>>("no_leg_forces").y, leg_forces);
@@ -32,9 +32,7 @@ DisturbanceObserver::DisturbanceObserver(const DisturbanceObserverParams& params
     ComObserverParams of_kind = params.com;
     if (kind == ObserverKind::kFocchi) of_kind.gains = params.focchi;
     com = &Add<ComObserver>("com", of_kind);
-    Connect(state, com->state);
-    Connect(foot_forces, com->foot_forces);
-    Connect(ground, com->ground);
+    connect(*com);
     Connect(imu, com->imu);
     Connect(known_wrench, com->known_wrench);
     Connect(com->estimate, wrench);
