@@ -328,8 +328,7 @@ class DdsWriter final : public DdsSender {
 std::string NotFinite(const TypeInfo& type, const void* value) {
   if (FinitenessOf(type, value) == Finiteness::kFinite) return "";
   const std::vector<Element> elements = ListElements(type, value, "value");
-  std::vector<double> numbers(elements.size());
-  ToDoubles(type, value, numbers.data());
+  const std::vector<double> numbers = DoublesOf(type, value);
   std::size_t i = 0;
   while (i + 1 < numbers.size() && std::isfinite(numbers[i])) ++i;
   return fmt::format("'{}' = {} is not finite", elements[i].name, numbers[i]);

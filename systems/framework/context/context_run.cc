@@ -217,8 +217,7 @@ void Context::Mute(const Source& publish, bool muted) {
 std::string Context::DescribeNonFinite(const Source& source, const Source& holder) const {
   const void* value = Address(holder);
   const std::vector<Element> elements = internal::ListElements(*source.type_, value, source.spec());
-  std::vector<double> doubles(elements.size());
-  internal::ToDoubles(*source.type_, value, doubles.data());
+  const std::vector<double> doubles = internal::DoublesOf(*source.type_, value);
   // Report a NaN before an infinity, which is legitimate in a bound.
   for (const bool nan : {true, false}) {
     for (std::size_t i = 0; i < doubles.size(); ++i) {

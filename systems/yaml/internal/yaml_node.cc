@@ -204,10 +204,9 @@ namespace {
 /// The numbers of a field that Field::Scaled converts.
 std::span<double> ScaledNumbers(const Field& field, void* value) {
   const TypeInfo& type = field.type();
-  std::size_t count = static_cast<std::size_t>(std::max(1, type.rows)), cols = 1;
-  if (type.kind != TypeInfo::Kind::kList) return {static_cast<double*>(value), count};
-  type.shape(value, &count, &cols);
-  return {static_cast<double*>(type.data(value)), count};
+  if (type.kind == TypeInfo::Kind::kList)
+    return {static_cast<double*>(type.data(value)), ExtentsOf(type, value).rows};
+  return {static_cast<double*>(value), static_cast<std::size_t>(std::max(1, type.rows))};
 }
 
 }  // namespace

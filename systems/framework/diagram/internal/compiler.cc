@@ -29,10 +29,6 @@ void AppendPath(const System& block, std::string& path) {
   path += block.name();
 }
 
-std::size_t AlignUp(std::size_t offset, std::size_t alignment) {
-  return (offset + alignment - 1) / alignment * alignment;
-}
-
 }  // namespace
 
 Program Compiler::Compile(const std::vector<std::unique_ptr<System>>& blocks, bool open_inputs) {
@@ -119,10 +115,9 @@ void Compiler::DeclareSizes() {
     const Source& result = source->kind() == SourceKind::kUpdate ? *source->target_ : *source;
     source->declares_size_ = result.declares_size_;
     if (source->declares_size_ == nullptr) continue;
-    std::size_t rows = 0, cols = 0;
-    source->type_->shape(source->declares_size_->model_, &rows, &cols);
-    source->closure_->rows = static_cast<std::int32_t>(rows);
-    source->closure_->cols = static_cast<std::int32_t>(cols);
+    const Extents shape = ExtentsOf(*source->type_, source->declares_size_->model_);
+    source->closure_->rows = static_cast<std::int32_t>(shape.rows);
+    source->closure_->cols = static_cast<std::int32_t>(shape.cols);
   }
 }
 
