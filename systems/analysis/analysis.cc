@@ -247,18 +247,11 @@ SensitivityResult Sensitivity(const Context& context, const std::vector<const So
 }  // namespace tenon
 
 namespace tenon::internal {
-namespace {
-
-std::string NameOf(const Source& source, const Element& element) {
-  return source.path() + (element.name.empty() ? "" : "." + element.name);
-}
-
-}  // namespace
 
 std::vector<std::string> NumberNames(const Context& context, const std::vector<const Source*>& sources) {
   std::vector<std::string> names;
   for (const Source* source : sources) {
-    for (const Element& element : context.Elements(*source)) names.push_back(NameOf(*source, element));
+    for (const Element& element : context.Elements(*source)) names.push_back(element.PathIn(source->path()));
   }
   return names;
 }
@@ -278,7 +271,7 @@ RealNumbers::RealNumbers(const Context& context, std::vector<const Source*> sour
     for (const Element& element : context.Elements(*source)) {
       part.is_real.push_back(element.is_real);
       if (!element.is_real) continue;
-      names_.push_back(NameOf(*source, element));
+      names_.push_back(element.PathIn(source->path()));
       units_.push_back(element.unit);
     }
     parts_.push_back(std::move(part));

@@ -165,7 +165,7 @@ SignalLog::Columns SignalLog::ListColumns() const {
     const std::vector<Element> elements =
         internal::ListElements(*signal.type_, context_.Address(signal), signal.spec());
     for (const Element& element : elements) {
-      const std::string name = signal.path() + (element.name.empty() ? "" : "." + element.name);
+      const std::string name = element.PathIn(signal.path());
       const std::string cell = name + element.unit;
       if (std::ranges::any_of(cell, [](unsigned char c) { return c < 0x20 || c == 0x7F || c == ','; }))
         throw ParameterError(

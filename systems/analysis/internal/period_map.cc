@@ -230,7 +230,7 @@ std::vector<std::string> PeriodMap::Flips(const End& one, const End& other) cons
     }
     for (std::size_t i = 0; i < a.size(); ++i) {
       if (elements[i].is_real || a[i] == b[i]) continue;
-      flips.push_back(source->path() + (elements[i].name.empty() ? "" : "." + elements[i].name));
+      flips.push_back(elements[i].PathIn(source->path()));
     }
   }
   return flips;

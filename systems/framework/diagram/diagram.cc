@@ -24,9 +24,7 @@ bool Diagram::has_samples() const {
 std::vector<std::string> Diagram::ContinuousStateNames() const {
   std::vector<std::string> names;
   for (const Source* state : program_->continuous) {
-    for (const Element& element : state->elements()) {
-      names.push_back(state->path() + (element.name.empty() ? "" : "." + element.name));
-    }
+    for (const Element& element : state->elements()) names.push_back(element.PathIn(state->path()));
   }
   return names;
 }

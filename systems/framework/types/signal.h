@@ -28,6 +28,8 @@ struct Element {
   std::string name;
   std::string unit;
   bool is_real = true;  ///< false for a bool, an integer or an enumeration, which change only by jumps
+  /// Its name in a log that has the signal under the name `signal`: "cart.state.velocity".
+  std::string PathIn(const std::string& signal) const { return name.empty() ? signal : signal + "." + name; }
 };
 
 namespace internal {
