@@ -127,7 +127,8 @@ struct Program {
   /// Calculations that `sinks` depend on, in dataflow order, including those `sinks` that are sampled
   /// outputs. Sampled outputs are included only if they are in the `due` groups: the others are held.
   OpList Needed(const std::vector<const Source*>& sinks, Which which, const Groups& due = {}) const;
-  void AppendSinks(const std::vector<const Source*>& sinks, OpList& ops) const;
+  /// These calculations, and then the `sinks` themselves, always.
+  OpList NeededWithSinks(const std::vector<const Source*>& sinks, Which which) const;
   /// Calculations that depend on the results of `changed`, without `changed` themselves.
   std::vector<std::uint32_t> Downstream(std::vector<int> changed) const;
   UpdatePlan MakeUpdates(const std::vector<const Source*>& updates) const;
