@@ -4,6 +4,7 @@
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>
 
+#include <boost/crc.hpp>
 #include <fmt/core.h>
 
 #include <fstream>
@@ -39,20 +40,11 @@ enum Op : std::uint8_t {
   kDataEnd
 };
 
-/// CRC-32 of ISO 3309, continued from `crc`.
-std::uint32_t Crc32(std::span<const char> bytes, std::uint32_t crc = 0) {
-  static const auto kTable = [] {
-    std::array<std::uint32_t, 256> table{};
-    for (std::uint32_t i = 0; i < 256; ++i) {
-      std::uint32_t value = i;
-      for (int bit = 0; bit < 8; ++bit) value = (value & 1) != 0 ? 0xEDB88320U ^ (value >> 1) : value >> 1;
-      table[i] = value;
-    }
-    return table;
-  }();
-  crc = ~crc;
-  for (const char byte : bytes) crc = kTable[(crc ^ static_cast<std::uint8_t>(byte)) & 0xFF] ^ (crc >> 8);
-  return ~crc;
+/// CRC-32 of ISO 3309.
+std::uint32_t Crc32(std::span<const char> bytes) {
+  boost::crc_32_type crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return crc.checksum();
 }
 
 template <class T>
@@ -142,7 +134,9 @@ McapFile::~McapFile() {
 
 void McapFile::Append(const std::vector<char>& bytes) {
   file_.Append({bytes.data(), bytes.size()});
-  crc_ = Crc32(bytes, crc_);
+  boost::crc_32_type crc(crc_);
+  crc.process_bytes(bytes.data(), bytes.size());
+  crc_ = crc.get_interim_remainder();
 }
 
 std::uint16_t McapFile::AddTopic(const std::string& topic, const internal::TypeInfo& type) {
@@ -247,7 +241,7 @@ void McapFile::Close() {
   thread_.join();
   if (error_ != nullptr) std::rethrow_exception(error_);
   std::vector<char> end;
-  PutRecord(end, kDataEnd, [&] { Put(end, crc_); });
+  PutRecord(end, kDataEnd, [&] { Put(end, std::uint32_t{boost::crc_32_type(crc_).checksum()}); });
   Append(end);
 
   const std::uint64_t start = file_.size();
