@@ -168,8 +168,7 @@ RunProfile Simulator::Profile() const {
         {program_.calculations[i].source->path(), profiler_->calls(part), profiler_->seconds(part)});
     profile.total += profiler_->seconds(part);
   }
-  std::stable_sort(profile.calculations.begin(), profile.calculations.end(),
-                   [](const auto& a, const auto& b) { return a.seconds > b.seconds; });
+  std::ranges::stable_sort(profile.calculations, std::greater<>(), &RunProfile::Entry::seconds);
   return profile;
 }
 
@@ -714,8 +713,7 @@ void Simulator::MeasureRounding() {
 }
 
 bool Simulator::KinkFires() const {
-  return std::any_of(fired_.begin(), fired_.end(),
-                     [this](std::size_t i) { return program_.witness_plans[i].is_kink; });
+  return std::ranges::any_of(fired_, [this](std::size_t i) { return program_.witness_plans[i].is_kink; });
 }
 
 /// Fires the witnesses that were moved across zero at one instant, until none remains. Kinks moved to another

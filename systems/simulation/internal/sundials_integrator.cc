@@ -86,8 +86,7 @@ std::vector<double> AbsoluteTolerances(const SimulatorOptions& options, const Di
 
 /// Returns whether ticks restart the integrator: open tables are accurate only up to a restart.
 bool HasFeedingTicks(const internal::Program& program) {
-  return std::any_of(program.groups.begin(), program.groups.end(),
-                     [](const internal::SampleGroup& group) { return group.feeds; });
+  return std::ranges::any_of(program.groups, &internal::SampleGroup::feeds);
 }
 
 /// Divides the rest of the interval evenly into steps not larger than `wanted`, to avoid a tiny last step.

@@ -80,8 +80,7 @@ void Compiler::MergeShared() {
     std::vector<Source*>& others = found[source->run_];
     const auto other = std::find_if(others.begin(), others.end(), [&](const Source* before) {
       return before->equal_ == source->equal_ && before->equal_(*before->closure_, *source->closure_) &&
-             std::equal(before->arguments_.begin(), before->arguments_.end(), source->arguments_.begin(),
-                        source->arguments_.end(), same_argument);
+             std::ranges::equal(before->arguments_, source->arguments_, same_argument);
     });
     if (other == others.end()) {
       others.push_back(source);
@@ -161,8 +160,7 @@ void Compiler::OrderPublishes() {
     }
     publishes.emplace_back(depends, source);
   }
-  std::stable_sort(publishes.begin(), publishes.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(publishes, {}, &std::pair<std::size_t, Source*>::first);
   std::vector<const Source*> trail;
   for (const auto& [depends, source] : publishes) Visit(*source, trail);
 }

@@ -62,8 +62,7 @@ void Compiler::CheckMembers(const System& block) {
                        source->driver()->kind() != SourceKind::kOutput;
     if (!shown) members.push_back(source);
   }
-  std::sort(members.begin(), members.end(),
-            [](const Source* a, const Source* b) { return a->name() < b->name(); });
+  std::ranges::sort(members, {}, &Source::name);
   for (std::size_t i = 1; i < members.size(); ++i) {
     if (members[i]->name() != members[i - 1]->name()) continue;
     Fault(fmt::format("two members of '{}' are named '{}': give one of them another name", block.path(),
