@@ -159,31 +159,7 @@ struct SundialsIntegrator::Run final : SundialsIntegrator,
       if (solver.multistep()) solver.SetMaxStep(LargestStep(finish_));
       const int flag = solver.Step(Target(), &t);
       if (flag < 0) ThrowFailure(flag);
-      const double bend = checks_ends ? EndBends(t - finish_) : 0;
-      if (bend > 1 || (checks_stages && StagesJump())) {
-        const auto present = jump;
-        if (FindJump(finish_, step_states.data(), finish_, t) && jump.from > finish_ + 4 * Tiny(t)) {
-          // another attempt, which ends before the jump
-          const auto found = jump;
-          Retake(jump.from);
-          jump = found;
-          jump.step = t - step_begin;
-          continue;
-        }
-        jump = present;
-      }
-      if (solver.multistep() && SlopesJump(t - finish_)) {
-        const bool found = FindJump(finish_, step_states.data(), finish_, t);
-        jump.known = false;
-        if (found && jump.from > finish_ + 100 * Tiny(t)) {
-          EndBefore(jump.from, t - finish_);
-          continue;
-        }
-      }
-      if (const double error = checks_bends ? KinkError() : bend; error > 1) {
-        Retake(finish_ + std::max(kMinShrink, kSafety / std::sqrt(error)) * (t - finish_));
-        continue;
-      }
+      if (TakesBack(t)) continue;
       arrived = solver.IsStopTime(flag) || (std::isfinite(end) && t >= end - Tiny(end));
       finish_ = arrived ? end : t;
       if (solver.multistep()) {
@@ -198,6 +174,35 @@ struct SundialsIntegrator::Run final : SundialsIntegrator,
       }
     } while (!arrived && (!one_step || finish_ == step_begin));
     if (one_step) interpolant.SetStep(begin_, before.data(), finish_, solver.states());
+  }
+
+  /// Takes the step from `finish_` to `t` back, for a shorter attempt, if it crosses a jump or a kink of the
+  /// derivatives that its error estimate hardly sees. Returns whether it did.
+  bool TakesBack(double t) {
+    const double bend = checks_ends ? EndBends(t - finish_) : 0;
+    if (bend > 1 || (checks_stages && StagesJump())) {
+      const auto present = jump;
+      if (FindJump(finish_, step_states.data(), finish_, t) && jump.from > finish_ + 4 * Tiny(t)) {
+        // another attempt, which ends before the jump
+        const auto found = jump;
+        Retake(jump.from);
+        jump = found;
+        jump.step = t - step_begin;
+        return true;
+      }
+      jump = present;
+    }
+    if (solver.multistep() && SlopesJump(t - finish_)) {
+      const bool found = FindJump(finish_, step_states.data(), finish_, t);
+      jump.known = false;
+      if (found && jump.from > finish_ + 100 * Tiny(t)) {
+        EndBefore(jump.from, t - finish_);
+        return true;
+      }
+    }
+    const double error = checks_bends ? KinkError() : bend;
+    if (error > 1) Retake(finish_ + std::max(kMinShrink, kSafety / std::sqrt(error)) * (t - finish_));
+    return error > 1;
   }
 
   /// Handles a kink, or a witness at which the derivatives jump, inside the last step, which has used
