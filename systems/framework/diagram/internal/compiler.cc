@@ -15,9 +15,7 @@ bool GivesValue(const Source& source) {
 
 /// True for sources that run at their ticks in dataflow order.
 bool IsDueInOrder(const Source& source) {
-  return source.is_sampled() &&
-         (source.kind() == SourceKind::kOutput || source.kind() == SourceKind::kShared ||
-          source.kind() == SourceKind::kPublish);
+  return source.is_sampled() && (GivesValue(source) || source.kind() == SourceKind::kPublish);
 }
 
 /// Appends the result of System::path() without intermediate strings.

@@ -4,6 +4,7 @@
 #include <tenon/systems/framework/block/source.h>
 
 #include <algorithm>
+#include <functional>
 #include <unordered_map>
 
 namespace tenon::internal {
@@ -188,5 +189,9 @@ struct Program {
   std::vector<const Source*> open_inputs;
   std::uint64_t signature = 0;  ///< hash of names, types and layout, stored in snapshots
 };
+
+/// Calls `visit` for each block, and for those in a subdiagram after it.
+void ForEachBlock(const std::vector<std::unique_ptr<System>>& blocks,
+                  const std::function<void(const System&)>& visit);
 
 }  // namespace tenon::internal
