@@ -210,12 +210,10 @@ void Compiler::ResolveInputs() {
     if (origin.kind() != SourceKind::kInput) continue;
     if (origin.has_initial_value_) {
       // Several inner inputs may share one port of a subdiagram.
-      if (std::find(default_inputs_.begin(), default_inputs_.end(), &origin) == default_inputs_.end()) {
-        default_inputs_.push_back(&origin);
-      }
+      if (std::ranges::count(default_inputs_, &origin) == 0) default_inputs_.push_back(&origin);
       continue;
     }
-    if (std::find(open.begin(), open.end(), &origin) != open.end()) continue;
+    if (std::ranges::count(open, &origin) > 0) continue;
     open.push_back(&origin);
     if (!open_inputs_ && origin.owner().replaces_ == nullptr) {  // already reported
       const std::string through = &origin == source ? "" : fmt::format(" (it feeds '{}')", source->path());
