@@ -76,8 +76,7 @@ bool Begins(std::string_view path, std::string_view name) {
 /// The names of a port's columns; empty if a size is known only at run time.
 std::vector<std::string> ColumnsOf(const Source& port) {
   std::vector<std::string> columns;
-  for (const Element& element : port.Resolve().elements())
-    columns.push_back(port.path() + (element.name.empty() ? "" : "." + element.name));
+  for (const Element& element : port.Resolve().elements()) columns.push_back(element.PathIn(port.path()));
   return columns;
 }
 

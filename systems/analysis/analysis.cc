@@ -1,6 +1,7 @@
 #include <tenon/systems/analysis/analysis.h>
 #include <tenon/systems/analysis/internal/period_map.h>
 #include <tenon/systems/analysis/sensitivity.h>
+#include <tenon/systems/framework/diagram/internal/program.h>
 
 #include <Eigen/QR>
 #include <fmt/core.h>
@@ -12,29 +13,11 @@ namespace tenon {
 namespace {
 
 /// The continuous states and the real numbers of the chosen inputs as one vector.
-class Variables {
- public:
-  Variables(Context& context, std::vector<const Source*> inputs)
-      : context_(context), inputs_(context, std::move(inputs)) {}
-  const std::vector<std::string>& InputNames() const { return inputs_.names(); }
-  Eigen::VectorXd Inputs() const { return inputs_.Get(context_); }
-  void SetInputs(const Eigen::VectorXd& values) { inputs_.Set(context_, values); }
-  void Set(const Eigen::VectorXd& all) {
-    const Eigen::Index states = context_.continuous_state().size();
-    context_.SetContinuousState(all.head(states));
-    SetInputs(all.tail(all.size() - states));
-  }
-  Eigen::VectorXd Get() const {
-    const Eigen::VectorXd states = context_.continuous_state(), inputs = Inputs();
-    Eigen::VectorXd all(states.size() + inputs.size());
-    all << states, inputs;
-    return all;
-  }
-
- private:
-  Context& context_;
-  internal::RealNumbers inputs_;
-};
+internal::RealNumbers StatesAnd(const std::vector<const Source*>& inputs, const Context& context) {
+  std::vector<const Source*> all = context.diagram().program().continuous;
+  all.insert(all.end(), inputs.begin(), inputs.end());
+  return {context, std::move(all)};
+}
 
 double Step(double value) {
   return 1e-6 * (1 + std::abs(value));
@@ -80,25 +63,25 @@ LinearModel Linearize(const Context& original, const std::vector<const Source*>&
         "LinearizeDiscrete, or linearise its plant");
   }
   const std::unique_ptr<Context> context = original.Clone();
-  Variables variables(*context, inputs);
+  const internal::RealNumbers variables = StatesAnd(inputs, *context);
+  const Eigen::VectorXd center = variables.Get(*context);
   const auto evaluate_outputs = [&] { return internal::EvalNumbers(*context, outputs); };
   LinearModel model;
   model.states = context->diagram().ContinuousStateNames();
   model.x0 = context->continuous_state();
-  model.u0 = variables.Inputs();
+  model.u0 = center.tail(center.size() - model.x0.size());
   model.xdot0 = context->EvalTimeDerivatives();
   model.y0 = evaluate_outputs();
-  model.inputs = variables.InputNames();
+  model.inputs.assign(variables.names().begin() + model.x0.size(), variables.names().end());
   model.outputs = internal::NumberNames(*context, outputs);
 
   const Eigen::Index n = model.x0.size(), m = model.u0.size(), p = model.y0.size();
-  const Eigen::VectorXd center = variables.Get();
   Eigen::VectorXd middle(n + p);
   middle << model.xdot0, model.y0;
   const auto values_at = [&](Eigen::Index i, double value) {
     Eigen::VectorXd point = center, values(n + p);
     point[i] = value;
-    variables.Set(point);
+    variables.Set(*context, point);
     values << context->EvalTimeDerivatives(), evaluate_outputs();
     return values;
   };
@@ -150,9 +133,9 @@ LinearModel Linearize(const Context& original, const std::vector<const Source*>&
 void FindEquilibrium(Context& context, const EquilibriumOptions& options) {
   struct Residual {
     Context& context;
-    Variables& variables;
+    const internal::RealNumbers& variables;
     int operator()(const Eigen::VectorXd& x, Eigen::VectorXd& f) const {
-      variables.Set(x);
+      variables.Set(context, x);
       f.setZero();
       const Eigen::VectorXd derivatives = context.EvalTimeDerivatives();
       f.head(derivatives.size()) = derivatives;
@@ -173,10 +156,10 @@ void FindEquilibrium(Context& context, const EquilibriumOptions& options) {
     }
     // The method requires at least as many equations as unknowns, so trim adds equations 0 = 0.
     int values() const { return inputs(); }
-    int inputs() const { return static_cast<int>(variables.Get().size()); }
+    int inputs() const { return static_cast<int>(variables.size()); }
   };
-  Variables variables(context, options.free_inputs);
-  Eigen::VectorXd x = variables.Get();
+  const internal::RealNumbers variables = StatesAnd(options.free_inputs, context);
+  Eigen::VectorXd x = variables.Get(context);
   if (x.size() == 0) return;
   Residual residual{context, variables};
   Eigen::LevenbergMarquardt<Residual> solver(residual);
@@ -184,7 +167,7 @@ void FindEquilibrium(Context& context, const EquilibriumOptions& options) {
   solver.parameters.ftol = 1e-15;
   solver.parameters.maxfev = options.max_iterations;
   solver.minimize(x);
-  variables.Set(x);
+  variables.Set(context, x);
 
   const Eigen::VectorXd derivatives = context.EvalTimeDerivatives();
   if (derivatives.norm() <= options.tolerance) return;
@@ -247,18 +230,11 @@ SensitivityResult Sensitivity(const Context& context, const std::vector<const So
 }  // namespace tenon
 
 namespace tenon::internal {
-namespace {
-
-std::string NameOf(const Source& source, const Element& element) {
-  return source.path() + (element.name.empty() ? "" : "." + element.name);
-}
-
-}  // namespace
 
 std::vector<std::string> NumberNames(const Context& context, const std::vector<const Source*>& sources) {
   std::vector<std::string> names;
   for (const Source* source : sources) {
-    for (const Element& element : context.Elements(*source)) names.push_back(NameOf(*source, element));
+    for (const Element& element : context.Elements(*source)) names.push_back(element.PathIn(source->path()));
   }
   return names;
 }
@@ -278,7 +254,7 @@ RealNumbers::RealNumbers(const Context& context, std::vector<const Source*> sour
     for (const Element& element : context.Elements(*source)) {
       part.is_real.push_back(element.is_real);
       if (!element.is_real) continue;
-      names_.push_back(NameOf(*source, element));
+      names_.push_back(element.PathIn(source->path()));
       units_.push_back(element.unit);
     }
     parts_.push_back(std::move(part));

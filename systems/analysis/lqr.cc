@@ -173,6 +173,11 @@ MatrixXd SolveDiscrete(MatrixXd A, MatrixXd G, const MatrixXd& Q, bool* converge
 
 LqrDesign Design(const Words& words, const MatrixXd& A, const MatrixXd& B, const MatrixXd& Q,
                  const MatrixXd& R, const MatrixXd& N) {
+  CheckSize(words, "Q", Q, A.rows(), A.rows());
+  CheckSize(words, "R", R, B.cols(), B.cols());
+  if (N.size() > 0) CheckSize(words, "N", N, A.rows(), B.cols());
+  CheckDefinite(words, "Q", Q, false);
+  CheckDefinite(words, "R", R, true);
   const Eigen::LLT<MatrixXd> cholesky(R);
   // The input v = u + R⁻¹ N'x eliminates the cross term.
   MatrixXd free = A, weight = Q;
@@ -217,11 +222,6 @@ LqrDesign Feedback(const Words& words, const MatrixXd& A, const MatrixXd& B, con
                    const MatrixXd& R, const MatrixXd& N) {
   CheckSize(words, "A", A, std::max<Index>(1, A.rows()), std::max<Index>(1, A.rows()));
   CheckSize(words, "B", B, A.rows(), std::max<Index>(1, B.cols()));
-  CheckSize(words, "Q", Q, A.rows(), A.rows());
-  CheckSize(words, "R", R, B.cols(), B.cols());
-  if (N.size() > 0) CheckSize(words, "N", N, A.rows(), B.cols());
-  CheckDefinite(words, "Q", Q, false);
-  CheckDefinite(words, "R", R, true);
   return Design(words, A, B, Q, R, N);
 }
 
@@ -229,10 +229,6 @@ LqrDesign Filter(const Words& words, const MatrixXd& A, const MatrixXd& C, const
                  const MatrixXd& R) {
   CheckSize(words, "A", A, std::max<Index>(1, A.rows()), std::max<Index>(1, A.rows()));
   CheckSize(words, "C", C, std::max<Index>(1, C.rows()), A.rows());
-  CheckSize(words, "Q", Q, A.rows(), A.rows());
-  CheckSize(words, "R", R, C.rows(), C.rows());
-  CheckDefinite(words, "Q", Q, false);
-  CheckDefinite(words, "R", R, true);
   return Design(words, A.transpose(), C.transpose(), Q, R, {});
 }
 

@@ -136,18 +136,16 @@ class Participant {
 class QualityOfService {
  public:
   explicit QualityOfService(const DdsEnd& end, int depth) {
-    if (!end.lock_step) {
+    if (end.lock_step) {
+      dds_qset_reliability(get(), DDS_RELIABILITY_RELIABLE, kPatience);
+      dds_qset_history(get(), DDS_HISTORY_KEEP_ALL, 0);
+      depth = kHistory;  // for readers that start later
+    } else {
       dds_qset_history(get(), DDS_HISTORY_KEEP_LAST, depth);
       if (!end.transient_local) return;
-      dds_qset_durability(get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-      dds_qset_durability_service(get(), 0, DDS_HISTORY_KEEP_LAST, depth, DDS_LENGTH_UNLIMITED,
-                                  DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
-      return;
     }
-    dds_qset_reliability(get(), DDS_RELIABILITY_RELIABLE, kPatience);
-    dds_qset_history(get(), DDS_HISTORY_KEEP_ALL, 0);
     dds_qset_durability(get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-    dds_qset_durability_service(get(), 0, DDS_HISTORY_KEEP_LAST, kHistory, DDS_LENGTH_UNLIMITED,
+    dds_qset_durability_service(get(), 0, DDS_HISTORY_KEEP_LAST, depth, DDS_LENGTH_UNLIMITED,
                                 DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
   }
   dds_qos_t* get() const { return quality_.get(); }
@@ -328,8 +326,7 @@ class DdsWriter final : public DdsSender {
 std::string NotFinite(const TypeInfo& type, const void* value) {
   if (FinitenessOf(type, value) == Finiteness::kFinite) return "";
   const std::vector<Element> elements = ListElements(type, value, "value");
-  std::vector<double> numbers(elements.size());
-  ToDoubles(type, value, numbers.data());
+  const std::vector<double> numbers = DoublesOf(type, value);
   std::size_t i = 0;
   while (i + 1 < numbers.size() && std::isfinite(numbers[i])) ++i;
   return fmt::format("'{}' = {} is not finite", elements[i].name, numbers[i]);

@@ -106,9 +106,8 @@ void SlowWorker::Impl::Bind(const SlowFunction& to, std::byte* context, const Of
 void SlowWorker::Impl::MakeCopies(const TypeInfo& type, const void* model) {
   std::size_t end = sizeof(double);
   const auto place = [&](const TypeInfo& of) {
-    end = (end + of.alignment - 1) / of.alignment * of.alignment;
-    const std::size_t at = end;
-    end += of.size;
+    const std::size_t at = AlignUp(end, of.alignment);
+    end = at + of.size;
     return static_cast<Offset>(at);
   };
   row_of_copies = row;

@@ -13,10 +13,7 @@ struct LiveSet {
 /// Returns the LiveSet of a Parameter or state with the given value.
 template <class S>
 LiveSet SetTo(const S& source, const typename S::Value& value) {
-  const internal::TypeInfo& type = internal::TypeInfoOf<typename S::Value>();
-  LiveSet set{source.path(), std::vector<double>(internal::CountScalars(type, &value))};
-  internal::ToDoubles(type, &value, set.values.data());
-  return set;
+  return {source.path(), internal::DoublesOf(internal::TypeInfoOf<typename S::Value>(), &value)};
 }
 
 /// The values that were set between two ticks of a live run.

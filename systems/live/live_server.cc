@@ -241,7 +241,7 @@ void LiveRun::MeasureRate() {
   rate_ = passed > 0 ? (time() - pace_.front().second) / passed : 0;
 }
 
-/// `now`: else when it is time to.
+/// Sends samples and the status, each at most once in its period unless `now` is set.
 void LiveRun::Publish(bool now) {
   const auto clock = Clock::now();
   if (now || clock - published_ >= kMessagePeriod) {

@@ -39,7 +39,7 @@ inline Spec Joined(const std::string& name, const std::vector<const Source*>& po
   for (const Source* port : ports) {
     for (const Element& element : port->elements()) {
       if (!joined.elements.empty()) joined.elements += ", ", joined.units += ", ";
-      joined.elements += port->name() + (element.name.empty() ? "" : "." + element.name);
+      joined.elements += element.PathIn(port->name());
       joined.units += element.unit;
     }
   }

@@ -123,8 +123,10 @@ class SignalFault final : public LeafSystem<SignalFaultParams<T>> {
       "memory",
       {std::vector<Held>(params.kind == Kind::kLate ? static_cast<std::size_t>(params.samples) : 1,
                          Held{params.initial})}};
-  Workspace<std::vector<double>> numbers{this, "numbers", Numbers(params.initial)};
-  Workspace<std::vector<double>> held_numbers{this, "held_numbers", Numbers(params.initial)};
+  Workspace<std::vector<double>> numbers{this, "numbers",
+                                         internal::DoublesOf(internal::TypeInfoOf<T>(), &params.initial)};
+  Workspace<std::vector<double>> held_numbers{
+      this, "held_numbers", internal::DoublesOf(internal::TypeInfoOf<T>(), &params.initial)};
   OutputPort<bool> acting{this,
                           {"acting"},
                           Sampled{params.rate},
@@ -149,12 +151,6 @@ class SignalFault final : public LeafSystem<SignalFaultParams<T>> {
     return internal::FindElements(internal::ListElements(internal::TypeInfoOf<T>(), &params.initial,
                                                          Spec("y", params.unit, params.elements)),
                                   params.affected, changes_reals());
-  }
-
-  static std::vector<double> Numbers(const T& value) {
-    std::vector<double> numbers(internal::CountScalars(internal::TypeInfoOf<T>(), &value));
-    internal::ToDoubles(internal::TypeInfoOf<T>(), &value, numbers.data());
-    return numbers;
   }
 
   void CalcY(const T& u_now, bool acting_now, double size_now, RandomStream& stream, Memory& memory_now,

@@ -49,8 +49,7 @@ void Report::Log(Simulator& simulator, const std::vector<const Source*>& signals
   for (const Source* signal : signals) {
     const std::vector<Element> elements = signal->Resolve().elements();
     all_known = all_known && !elements.empty();
-    for (const Element& element : elements)
-      names.push_back(signal->path() + (element.name.empty() ? "" : "." + element.name));
+    for (const Element& element : elements) names.push_back(element.PathIn(signal->path()));
   }
   const auto check = [&](const std::string& place, const std::vector<std::string>& wanted) {
     for (const std::string& name : wanted) {

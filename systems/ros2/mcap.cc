@@ -4,6 +4,7 @@
 #include <tenon/systems/text/text.h>
 #include <tenon/systems/version.h>
 
+#include <boost/crc.hpp>
 #include <fmt/core.h>
 
 #include <fstream>
@@ -39,30 +40,26 @@ enum Op : std::uint8_t {
   kDataEnd
 };
 
-/// CRC-32 of ISO 3309, continued from `crc`.
-std::uint32_t Crc32(std::span<const char> bytes, std::uint32_t crc = 0) {
-  static const auto kTable = [] {
-    std::array<std::uint32_t, 256> table{};
-    for (std::uint32_t i = 0; i < 256; ++i) {
-      std::uint32_t value = i;
-      for (int bit = 0; bit < 8; ++bit) value = (value & 1) != 0 ? 0xEDB88320U ^ (value >> 1) : value >> 1;
-      table[i] = value;
-    }
-    return table;
-  }();
-  crc = ~crc;
-  for (const char byte : bytes) crc = kTable[(crc ^ static_cast<std::uint8_t>(byte)) & 0xFF] ^ (crc >> 8);
-  return ~crc;
+/// CRC-32 of ISO 3309.
+std::uint32_t Crc32(std::span<const char> bytes) {
+  boost::crc_32_type crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return crc.checksum();
 }
 
 template <class T>
-void Put(std::vector<char>& out, T number) {
+requires std::is_arithmetic_v<T>
+void PutField(std::vector<char>& out, T number) {
   const auto* bytes = reinterpret_cast<const char*>(&number);
   out.insert(out.end(), bytes, bytes + sizeof(T));
 }
-void Put(std::vector<char>& out, std::string_view text) {
-  Put(out, static_cast<std::uint32_t>(text.size()));
+void PutField(std::vector<char>& out, std::string_view text) {
+  PutField(out, static_cast<std::uint32_t>(text.size()));
   out.insert(out.end(), text.begin(), text.end());
+}
+/// Appends the fields of a record: numbers, and texts behind their length.
+void Put(std::vector<char>& out, const auto&... fields) {
+  (PutField(out, fields), ...);
 }
 
 /// Bytes of a record, read from the front. It is not `good` behind its end.
@@ -112,10 +109,7 @@ void PutRecord(std::vector<char>& out, Op op, const auto& write) {
 
 McapFile::McapFile(const std::filesystem::path& path) : file_(path) {
   std::vector<char> start(kMagic.begin(), kMagic.end());
-  PutRecord(start, kHeader, [&] {
-    Put(start, std::string_view("ros2"));
-    Put(start, std::string_view(std::string("tenon ") + Version()));
-  });
+  PutRecord(start, kHeader, [&] { Put(start, "ros2", std::string("tenon ") + Version()); });
   Append(start);
   for (std::vector<char>* bytes : {&filled_, &chunk_}) bytes->reserve(kChunkSize + kChunkSize / 4);
   const internal::NoSignals no_signals;
@@ -142,7 +136,9 @@ McapFile::~McapFile() {
 
 void McapFile::Append(const std::vector<char>& bytes) {
   file_.Append({bytes.data(), bytes.size()});
-  crc_ = Crc32(bytes, crc_);
+  boost::crc_32_type crc(crc_);
+  crc.process_bytes(bytes.data(), bytes.size());
+  crc_ = crc.get_interim_remainder();
 }
 
 std::uint16_t McapFile::AddTopic(const std::string& topic, const internal::TypeInfo& type) {
@@ -152,19 +148,12 @@ std::uint16_t McapFile::AddTopic(const std::string& topic, const internal::TypeI
   const auto schema =
       schemas_.try_emplace(name, static_cast<std::uint16_t>(schemas_.size() + 1)).first->second;
   if (is_new)
-    PutRecord(declared_, kSchema, [&] {
-      Put(declared_, schema);
-      Put(declared_, std::string_view(name));
-      Put(declared_, std::string_view("ros2msg"));
-      Put(declared_, std::string_view(internal::Ros2Definition(type)));
-    });
+    PutRecord(declared_, kSchema,
+              [&] { Put(declared_, schema, name, "ros2msg", internal::Ros2Definition(type)); });
   const auto number = static_cast<std::uint16_t>(counts_.size());
   counts_.push_back(0);
   PutRecord(declared_, kChannel, [&] {
-    Put(declared_, number);
-    Put(declared_, schema);
-    Put(declared_, std::string_view(topic));
-    Put(declared_, std::string_view("cdr"));
+    Put(declared_, number, schema, topic, "cdr");
     PutList(declared_, [] {});
   });
   return number;
@@ -179,10 +168,7 @@ void McapFile::Write(std::uint16_t topic, double time, std::span<const char> cdr
     written_ = declared_.size();
   }
   PutRecord(filled_, kMessage, [&] {
-    Put(filled_, topic);
-    Put(filled_, counts_.at(topic)++);
-    Put(filled_, stamp);
-    Put(filled_, stamp);
+    Put(filled_, topic, counts_.at(topic)++, stamp, stamp);
     filled_.insert(filled_.end(), cdr.begin(), cdr.end());
   });
   if (filled_.size() >= kChunkSize) HandOver(false);
@@ -214,12 +200,8 @@ void McapFile::WriteChunk() {
   }
   record_.clear();
   PutRecord(record_, kChunk, [&] {
-    Put(record_, made.begin);
-    Put(record_, made.end);
-    Put(record_, std::uint64_t{chunk_.size()});
-    Put(record_, Crc32(chunk_));
-    Put(record_, std::string_view(""));
-    Put(record_, std::uint64_t{chunk_.size()});
+    const std::uint64_t size = chunk_.size();
+    Put(record_, made.begin, made.end, size, Crc32(chunk_), "", size);
     record_.insert(record_.end(), chunk_.begin(), chunk_.end());
   });
   made.length = record_.size();
@@ -228,10 +210,7 @@ void McapFile::WriteChunk() {
     PutRecord(record_, kMessageIndex, [&, topic = topic, &messages = messages] {
       Put(record_, topic);
       PutList(record_, [&] {
-        for (const auto& [time, at] : messages) {
-          Put(record_, time);
-          Put(record_, at);
-        }
+        for (const auto& [time, at] : messages) Put(record_, time, at);
       });
     });
   }
@@ -247,7 +226,7 @@ void McapFile::Close() {
   thread_.join();
   if (error_ != nullptr) std::rethrow_exception(error_);
   std::vector<char> end;
-  PutRecord(end, kDataEnd, [&] { Put(end, crc_); });
+  PutRecord(end, kDataEnd, [&] { Put(end, std::uint32_t{boost::crc_32_type(crc_).checksum()}); });
   Append(end);
 
   const std::uint64_t start = file_.size();
@@ -264,49 +243,32 @@ void McapFile::Close() {
       for (const std::uint32_t each : counts_) count += each;
       for (const Chunk& chunk : chunks_)
         first = std::min(first, chunk.begin), last = std::max(last, chunk.end);
-      Put(summary, count);
-      Put(summary, static_cast<std::uint16_t>(schemas_.size()));
-      Put(summary, static_cast<std::uint32_t>(counts_.size()));
-      Put(summary, std::uint32_t{0});
-      Put(summary, std::uint32_t{0});
-      Put(summary, static_cast<std::uint32_t>(chunks_.size()));
-      Put(summary, chunks_.empty() ? 0 : first);
-      Put(summary, last);
+      constexpr std::uint32_t kNone = 0;  // attachments and metadata
+      Put(summary, count, static_cast<std::uint16_t>(schemas_.size()),
+          static_cast<std::uint32_t>(counts_.size()), kNone, kNone,
+          static_cast<std::uint32_t>(chunks_.size()), chunks_.empty() ? 0 : first, last);
       PutList(summary, [&] {
-        for (std::size_t i = 0; i < counts_.size(); ++i) {
-          Put(summary, static_cast<std::uint16_t>(i));
-          Put(summary, std::uint64_t{counts_[i]});
-        }
+        for (std::size_t i = 0; i < counts_.size(); ++i)
+          Put(summary, static_cast<std::uint16_t>(i), std::uint64_t{counts_[i]});
       });
     });
   });
   group(kChunkIndex, [&] {
     for (const Chunk& chunk : chunks_)
       PutRecord(summary, kChunkIndex, [&] {
-        for (const std::uint64_t number : {chunk.begin, chunk.end, chunk.start, chunk.length})
-          Put(summary, number);
+        Put(summary, chunk.begin, chunk.end, chunk.start, chunk.length);
         PutList(summary, [&] {
-          for (const auto& [topic, place] : chunk.indices) {
-            Put(summary, topic);
-            Put(summary, place);
-          }
+          for (const auto& [topic, place] : chunk.indices) Put(summary, topic, place);
         });
-        Put(summary, chunk.index_length);
-        Put(summary, std::string_view(""));
-        Put(summary, chunk.size);
-        Put(summary, chunk.size);
+        Put(summary, chunk.index_length, "", chunk.size, chunk.size);
       });
   });
   const std::uint64_t offsets = start + summary.size();
   for (const auto& place : groups)
-    PutRecord(summary, kSummaryOffset, [&] {
-      Put(summary, static_cast<std::uint8_t>(place[0]));
-      Put(summary, place[1]);
-      Put(summary, place[2]);
-    });
+    PutRecord(summary, kSummaryOffset,
+              [&] { Put(summary, static_cast<std::uint8_t>(place[0]), place[1], place[2]); });
   PutRecord(summary, kFooter, [&] {
-    Put(summary, start);
-    Put(summary, offsets);
+    Put(summary, start, offsets);
     std::uint64_t length = sizeof(start) + sizeof(offsets) + sizeof(std::uint32_t);
     std::memcpy(summary.data() + summary.size() - sizeof(start) - sizeof(offsets) - sizeof(length), &length,
                 sizeof length);  // the checksum covers it

@@ -51,7 +51,7 @@ class McapFile {
 
   std::mutex mutex_;
   GrowingFile file_;
-  std::uint32_t crc_ = 0;             ///< of the file so far
+  std::uint32_t crc_ = UINT32_MAX;    ///< remainder of the file so far, see mcap.cc
   std::vector<char> declared_;        ///< records of schemas and channels
   std::vector<char> filled_, chunk_;  ///< records in memory, and those that the thread writes
   std::vector<char> record_;

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 
 namespace tenon {
@@ -19,8 +20,7 @@ std::vector<RunProfile::Entry> RunProfile::Blocks() const {
   }
   std::vector<Entry> sorted;
   for (auto& [path, block] : blocks) sorted.push_back(std::move(block));
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const Entry& a, const Entry& b) { return a.seconds > b.seconds; });
+  std::ranges::stable_sort(sorted, std::greater<>(), &Entry::seconds);
   return sorted;
 }
 

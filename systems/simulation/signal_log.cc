@@ -165,7 +165,7 @@ SignalLog::Columns SignalLog::ListColumns() const {
     const std::vector<Element> elements =
         internal::ListElements(*signal.type_, context_.Address(signal), signal.spec());
     for (const Element& element : elements) {
-      const std::string name = signal.path() + (element.name.empty() ? "" : "." + element.name);
+      const std::string name = element.PathIn(signal.path());
       const std::string cell = name + element.unit;
       if (std::ranges::any_of(cell, [](unsigned char c) { return c < 0x20 || c == 0x7F || c == ','; }))
         throw ParameterError(
@@ -218,23 +218,21 @@ void SignalLog::ListNumbers(const internal::TypeInfo& type, std::byte* value, co
   } else if (type.kind == kMatrix || type.kind == kList || type.kind == kOptional) {
     const ResizableBlock& block = blocks_.emplace_back(BlockOf(type, value, signal));
     auto* const data = static_cast<std::byte*>(block.data);
-    const std::size_t rows = block.rows, cols = block.cols;
-    if (type.kind == kMatrix) return add(data, rows * cols, type.scalar);
-    for (std::size_t i = 0; i < rows; ++i) ListNumbers(type.item(), data + i * type.item().size, signal);
+    const internal::Extents size = block.size;
+    if (type.kind == kMatrix) return add(data, size.rows * size.cols, type.scalar);
+    for (std::size_t i = 0; i < size.rows; ++i) ListNumbers(type.item(), data + i * type.item().size, signal);
   }
 }
 
 SignalLog::ResizableBlock SignalLog::BlockOf(const internal::TypeInfo& type, void* value,
                                              const Source* signal) {
-  ResizableBlock block{.type = &type, .value = value, .signal = signal};
-  type.shape(value, &block.rows, &block.cols);
-  if (block.rows > 0) block.data = type.data(value);
-  return block;
+  const internal::Extents size = internal::ExtentsOf(type, value);
+  return {&type, value, size.rows > 0 ? type.data(value) : nullptr, size, signal};
 }
 
 void SignalLog::CheckSizes() const {
   const auto equal = [](const ResizableBlock& now, const ResizableBlock& first) {
-    return now.signal == first.signal && now.rows == first.rows && now.cols == first.cols;
+    return now.signal == first.signal && now.size == first.size;
   };
   const auto [now, first] = std::ranges::mismatch(blocks_, first_, equal);
   if (first == first_.end()) return;  // an added block follows one with other rows

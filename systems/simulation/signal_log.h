@@ -127,7 +127,7 @@ class SignalLog {
     const internal::TypeInfo* type;
     void* value;
     void* data = nullptr;  ///< null if it is empty
-    std::size_t rows = 0, cols = 0;
+    internal::Extents size = {};
     const Source* signal = nullptr;  ///< which it is part of
     bool operator==(const ResizableBlock&) const = default;
   };

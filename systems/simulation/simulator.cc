@@ -168,8 +168,7 @@ RunProfile Simulator::Profile() const {
         {program_.calculations[i].source->path(), profiler_->calls(part), profiler_->seconds(part)});
     profile.total += profiler_->seconds(part);
   }
-  std::stable_sort(profile.calculations.begin(), profile.calculations.end(),
-                   [](const auto& a, const auto& b) { return a.seconds > b.seconds; });
+  std::ranges::stable_sort(profile.calculations, std::greater<>(), &RunProfile::Entry::seconds);
   return profile;
 }
 
@@ -523,7 +522,7 @@ void Simulator::FindEvent(double from) {
   if (!is_event_ || !whole || !EventFeeds()) return;
   // For a multistep method a restart costs more than an event inside a step, unless the derivatives jump
   // there.
-  if (IsMultistep() && !(KinkFires() && integrator_->JumpsAt(next_stop_))) return;
+  if (internal::IsMultistep(options_.method) && !(KinkFires() && integrator_->JumpsAt(next_stop_))) return;
   if (!integrator_->RetakeBefore(next_stop_)) return;
   context_->witness_memory_ = context_->step_start_.witnesses;
   next_stop_ = integrator_->finish();
@@ -685,7 +684,7 @@ void Simulator::Fire(std::size_t witness) {
   }
   if (plan.is_kink) {
     // A multistep method crosses a kink by its error test, and restarts only where the derivatives jump.
-    if (!IsMultistep() || !integrator_->can_go_on() ||
+    if (!internal::IsMultistep(options_.method) || !integrator_->can_go_on() ||
         integrator_->JumpsAt(integrator_->Local(now, context_->time_rest_)))
       integrator_->Halt();
     return;
@@ -714,12 +713,7 @@ void Simulator::MeasureRounding() {
 }
 
 bool Simulator::KinkFires() const {
-  return std::any_of(fired_.begin(), fired_.end(),
-                     [this](std::size_t i) { return program_.witness_plans[i].is_kink; });
-}
-
-bool Simulator::IsMultistep() const {
-  return options_.method == Method::kBdf || options_.method == Method::kAdams;
+  return std::ranges::any_of(fired_, [this](std::size_t i) { return program_.witness_plans[i].is_kink; });
 }
 
 /// Fires the witnesses that were moved across zero at one instant, until none remains. Kinks moved to another

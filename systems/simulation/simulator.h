@@ -107,7 +107,6 @@ class Simulator {
   void MeasureRounding();
   void DecideSides();
   double* EventMemory(std::size_t witness);
-  bool IsMultistep() const;
   bool KinkFires() const;
   // Functions called at every tick have hidden visibility, so that GCC can inline them.
   [[gnu::visibility("hidden")]] bool MeansNextTick(double time, double rounding) const;

@@ -71,10 +71,8 @@ std::string Printable(std::string_view message) {
 }
 
 std::string NearestName(std::string_view wanted, const std::vector<std::string>& names) {
-  const auto closer = [&](const std::string& a, const std::string& b) {
-    return EditDistance(wanted, a) < EditDistance(wanted, b);
-  };
-  const auto nearest = std::min_element(names.begin(), names.end(), closer);
+  const auto distance = [&](const std::string& name) { return EditDistance(wanted, name); };
+  const auto nearest = std::ranges::min_element(names, {}, distance);
   return nearest == names.end() ? "" : *nearest;
 }
 

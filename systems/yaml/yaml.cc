@@ -119,12 +119,12 @@ std::string YamlDocument::Path(std::string_view key) const {
 
 namespace {
 
-void ListPaths(const YamlTree& tree, const std::string& key,
-               std::vector<std::pair<std::string, std::string>>& paths) {
-  if (internal::IsPath(tree)) paths.emplace_back(key, internal::PathOf(tree));
+/// Calls enter(value, dotted key) for a value and, wherever that returns true, for the values inside it.
+void ForEachValue(auto& tree, const std::string& key, const auto& enter) {
+  if (!enter(tree, key)) return;
   for (std::size_t i = 0; i < tree.children.size(); ++i) {
     const std::string name = tree.kind == YamlTree::Kind::kList ? std::to_string(i) : tree.children[i].key;
-    ListPaths(tree.children[i], key.empty() ? name : key + "." + name, paths);
+    ForEachValue(tree.children[i], key.empty() ? name : key + "." + name, enter);
   }
 }
 
@@ -132,23 +132,12 @@ void ListPaths(const YamlTree& tree, const std::string& key,
 
 std::vector<std::pair<std::string, std::string>> YamlDocument::Paths() const {
   std::vector<std::pair<std::string, std::string>> paths;
-  ListPaths(*tree_, "", paths);
+  ForEachValue(*tree_, "", [&](const YamlTree& value, const std::string& key) {
+    if (internal::IsPath(value)) paths.emplace_back(key, internal::PathOf(value));
+    return true;
+  });
   return paths;
 }
-
-namespace {
-
-void ListValues(const YamlTree& tree, const std::string& key,
-                std::vector<std::pair<std::string, std::string>>& values) {
-  if (tree.kind != YamlTree::Kind::kMap) {
-    values.emplace_back(key, internal::FlowText(tree));
-    return;
-  }
-  for (const YamlTree& child : tree.children)
-    ListValues(child, key.empty() ? child.key : key + "." + child.key, values);
-}
-
-}  // namespace
 
 std::string YamlDocument::Value(std::string_view dotted_key) const {
   const auto [tree, found] = Find(*tree_, dotted_key);
@@ -157,7 +146,11 @@ std::string YamlDocument::Value(std::string_view dotted_key) const {
 
 std::vector<std::pair<std::string, std::string>> YamlDocument::Values() const {
   std::vector<std::pair<std::string, std::string>> values;
-  ListValues(*tree_, "", values);
+  ForEachValue(*tree_, "", [&](const YamlTree& value, const std::string& key) {
+    const bool is_map = value.kind == YamlTree::Kind::kMap;
+    if (!is_map) values.emplace_back(key, internal::FlowText(value));
+    return is_map;
+  });
   return values;
 }
 
@@ -301,29 +294,21 @@ std::optional<Distribution> DistributionOf(const YamlTree& tree) {
   return distribution;
 }
 
-void DrawIn(YamlTree& tree, const std::string& path, std::uint64_t seed,
-            std::vector<std::pair<std::string, double>>& drawn) {
-  if (const auto distribution = DistributionOf(tree)) {
-    RandomStream random(seed, path);
-    const double value = distribution->Draw(random);
-    tree.kind = YamlTree::Kind::kScalar;
-    tree.text = fmt::format("{}", value);
-    tree.children.clear();
-    drawn.emplace_back(path, value);
-    return;
-  }
-  for (std::size_t i = 0; i < tree.children.size(); ++i) {
-    const std::string key = tree.kind == YamlTree::Kind::kList ? std::to_string(i) : tree.children[i].key;
-    DrawIn(tree.children[i], path.empty() ? key : path + "." + key, seed, drawn);
-  }
-}
-
 }  // namespace
 
 std::vector<std::pair<std::string, double>> YamlDocument::Draw(std::uint64_t seed) {
   std::vector<std::pair<std::string, double>> drawn;
   YamlTree root = *tree_;
-  DrawIn(root, "", seed, drawn);
+  ForEachValue(root, "", [&](YamlTree& value, const std::string& key) {
+    const auto distribution = DistributionOf(value);
+    if (!distribution) return true;
+    RandomStream random(seed, key);
+    drawn.emplace_back(key, distribution->Draw(random));
+    value.kind = YamlTree::Kind::kScalar;
+    value.text = fmt::format("{}", drawn.back().second);
+    value.children.clear();
+    return false;
+  });
   if (!drawn.empty()) tree_ = std::make_shared<const YamlTree>(std::move(root));
   return drawn;
 }

@@ -158,13 +158,12 @@ void PeriodMap::ChooseStates() {
       carriers_.push_back(program.calculations[i].source);
   }
   std::vector<const Source*> states = options_.states.empty() ? carriers_ : options_.states;
-  std::erase_if(states, [&](const Source* state) {
-    return std::find(options_.left_out.begin(), options_.left_out.end(), state) != options_.left_out.end();
-  });
+  std::erase_if(states,
+                [&](const Source* state) { return std::ranges::count(options_.left_out, state) > 0; });
   for (const Source*& state : states) {
     const Source* named = state;
     state = &state->Resolve();
-    if (std::find(carriers_.begin(), carriers_.end(), state) != carriers_.end()) continue;
+    if (std::ranges::count(carriers_, state) > 0) continue;
     throw RunError(
         fmt::format("'{}' is not a state at t = {} s: states are continuous and discrete states, Scratch, "
                     "and held samples that "
@@ -230,7 +229,7 @@ std::vector<std::string> PeriodMap::Flips(const End& one, const End& other) cons
     }
     for (std::size_t i = 0; i < a.size(); ++i) {
       if (elements[i].is_real || a[i] == b[i]) continue;
-      flips.push_back(source->path() + (elements[i].name.empty() ? "" : "." + elements[i].name));
+      flips.push_back(elements[i].PathIn(source->path()));
     }
   }
   return flips;

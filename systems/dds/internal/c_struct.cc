@@ -16,10 +16,6 @@ struct Layout {
   std::size_t size, alignment;
 };
 
-std::size_t Aligned(std::size_t offset, std::size_t alignment) {
-  return (offset + alignment - 1) / alignment * alignment;
-}
-
 /// Calls `visit(field, offset in C, type)` for each member. Returns the layout of the struct.
 template <class Visit>
 Layout ForEachField(const TypeInfo& type, const Visit& visit);
@@ -50,12 +46,12 @@ Layout ForEachField(const TypeInfo& type, const Visit& visit) {
   for (const Field& field : type.fields) {
     const TypeInfo& of = field.type();
     const Layout part = LayoutOf(of);
-    whole.size = Aligned(whole.size, part.alignment);
+    whole.size = AlignUp(whole.size, part.alignment);
     visit(field, whole.size, of);
     whole.size += part.size;
     whole.alignment = std::max(whole.alignment, part.alignment);
   }
-  return {Aligned(whole.size, whole.alignment), whole.alignment};
+  return {AlignUp(whole.size, whole.alignment), whole.alignment};
 }
 
 const char* At(const void* value, std::size_t offset) {
@@ -89,7 +85,7 @@ void Write(const TypeInfo& type, const void* value, char* memory, std::size_t at
       const dds_sequence_t sequence{count, count, reinterpret_cast<std::uint8_t*>(buffer), false};
       put(&sequence, sizeof sequence);
       if (same) return;
-      to = std::exchange(end, end + Aligned(items.count * size, alignof(std::max_align_t)));
+      to = std::exchange(end, end + AlignUp(items.count * size, alignof(std::max_align_t)));
     }
     for (std::size_t i = 0; i < items.count; ++i)
       Write(item, items.data + i * item.size, memory, to + i * size, end);
@@ -103,7 +99,7 @@ std::size_t SizeOfC(const TypeInfo& type) {
 }
 
 void WriteC(const TypeInfo& type, const void* signal, std::vector<char>& memory) {
-  const std::size_t size = Aligned(SizeOfC(type), alignof(std::max_align_t));
+  const std::size_t size = AlignUp(SizeOfC(type), alignof(std::max_align_t));
   std::size_t end = size;
   Write(type, signal, nullptr, 0, end);
   memory.assign(end, 0);

@@ -139,9 +139,7 @@ std::vector<Element> Source::elements() const {
 }
 
 std::vector<double> Source::initial_numbers() const {
-  std::vector<double> numbers(internal::CountScalars(*type_, model_));
-  internal::ToDoubles(*type_, model_, numbers.data());
-  return numbers;
+  return internal::DoublesOf(*type_, model_);
 }
 
 std::vector<const Source*> Source::uses() const {

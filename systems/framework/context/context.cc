@@ -19,13 +19,12 @@ namespace {
 void CheckSize(const std::string& path, const internal::TypeInfo& type, const void* present,
                const void* value) {
   if (type.kind != internal::TypeInfo::Kind::kMatrix || (type.rows >= 0 && type.cols >= 0)) return;
-  std::size_t rows = 0, cols = 0, given_rows = 0, given_cols = 0;
-  type.shape(present, &rows, &cols);
-  type.shape(value, &given_rows, &given_cols);
-  if (rows == given_rows && cols == given_cols) return;
+  const internal::Extents shape = internal::ExtentsOf(type, present),
+                          given = internal::ExtentsOf(type, value);
+  if (shape == given) return;
   throw ParameterError(
-      fmt::format("parameter '{}' is {} x {}, but the value is {} x {}: its size cannot change", path, rows,
-                  cols, given_rows, given_cols));
+      fmt::format("parameter '{}' is {} x {}, but the value is {} x {}: its size cannot change", path,
+                  shape.rows, shape.cols, given.rows, given.cols));
 }
 
 }  // namespace
@@ -135,10 +134,7 @@ bool Context::IsKnown(const Source& source) const {
 
 /// The numbers that a source holds, whether fresh or stale.
 std::vector<double> Context::HeldNumbers(const Source& source) const {
-  const void* value = Address(source);
-  std::vector<double> doubles(internal::CountScalars(*source.type_, value));
-  internal::ToDoubles(*source.type_, value, doubles.data());
-  return doubles;
+  return internal::DoublesOf(*source.type_, Address(source));
 }
 
 std::vector<double> Context::EvalDoubles(const Source& source) {
@@ -217,12 +213,12 @@ void Context::Assign(const Assignment& assignment) {
 void Context::CheckDeclaredSize(const Source& source, const void* value) const {
   const Source* declares = source.Resolve().declares_size_;
   if (declares == nullptr || source.kind() == SourceKind::kContinuous) return;
-  std::size_t rows = 0, cols = 0, given_rows = 0, given_cols = 0;
-  declares->type_->shape(declares->model_, &rows, &cols);
-  declares->type_->shape(value, &given_rows, &given_cols);
-  if (rows == given_rows && cols == given_cols) return;
+  const internal::Extents declared = internal::ExtentsOf(*declares->type_, declares->model_),
+                          given = internal::ExtentsOf(*declares->type_, value);
+  if (declared == given) return;
   throw RunError(fmt::format("'{}' cannot be set to {} x {} elements, because '{}' is declared with {} x {}",
-                             source.path(), given_rows, given_cols, declares->path(), rows, cols));
+                             source.path(), given.rows, given.cols, declares->path(), declared.rows,
+                             declared.cols));
 }
 
 void Context::AssignParameters(std::span<const Assignment> given) {

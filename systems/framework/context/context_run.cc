@@ -217,14 +217,12 @@ void Context::Mute(const Source& publish, bool muted) {
 std::string Context::DescribeNonFinite(const Source& source, const Source& holder) const {
   const void* value = Address(holder);
   const std::vector<Element> elements = internal::ListElements(*source.type_, value, source.spec());
-  std::vector<double> doubles(elements.size());
-  internal::ToDoubles(*source.type_, value, doubles.data());
+  const std::vector<double> doubles = internal::DoublesOf(*source.type_, value);
   // Report a NaN before an infinity, which is legitimate in a bound.
   for (const bool nan : {true, false}) {
     for (std::size_t i = 0; i < doubles.size(); ++i) {
       if (nan ? !std::isnan(doubles[i]) : !std::isinf(doubles[i])) continue;
-      const std::string element = elements[i].name.empty() ? "" : "." + elements[i].name;
-      return fmt::format("'{}{}' is {}", source.path(), element, doubles[i]);
+      return fmt::format("'{}' is {}", elements[i].PathIn(source.path()), doubles[i]);
     }
   }
   return "";
@@ -232,22 +230,19 @@ std::string Context::DescribeNonFinite(const Source& source, const Source& holde
 
 std::string Context::DescribeNonFinite() const {
   const internal::Program& program = diagram_->program();
-  const auto describe = [&](const Source& source) { return DescribeNonFinite(source, source); };
+  std::vector<const Source*> sources = program.continuous;
+  sources.insert(sources.end(), program.open_inputs.begin(), program.open_inputs.end());
+  for (const CalculationInfo& info : program.calculations) {
+    const SourceKind kind = info.source->kind();
+    if (kind != SourceKind::kUpdate && kind != SourceKind::kMonitor && kind != SourceKind::kPublish &&
+        kind != SourceKind::kNextJump)
+      sources.push_back(info.source);
+  }
   // Report a NaN before an infinity: infinite bounds are legitimate.
   for (const Finiteness sought : {Finiteness::kNan, Finiteness::kInfinite}) {
-    for (const Source* state : program.continuous) {
-      if (internal::FinitenessOf(*state->type_, Address(*state)) == sought) return describe(*state);
-    }
-    for (const Source* input : program.open_inputs) {
-      if (internal::FinitenessOf(*input->type_, Address(*input)) == sought) return describe(*input);
-    }
-    for (const CalculationInfo& info : program.calculations) {
-      const Source& source = *info.source;
-      if (source.kind() == SourceKind::kUpdate || source.kind() == SourceKind::kMonitor ||
-          source.kind() == SourceKind::kPublish || source.kind() == SourceKind::kNextJump) {
-        continue;
-      }
-      if (internal::FinitenessOf(*source.type_, Address(source)) == sought) return describe(source);
+    for (const Source* source : sources) {
+      if (internal::FinitenessOf(*source->type_, Address(*source)) == sought)
+        return DescribeNonFinite(*source, *source);
     }
   }
   return "";

@@ -171,12 +171,10 @@ class Drawing {
   }
 
   void FindPeriods(const std::vector<std::unique_ptr<System>>& blocks) {
-    for (const auto& block : blocks) {
-      for (const Source* source : block->sources()) {
+    internal::ForEachBlock(blocks, [this](const System& block) {
+      for (const Source* source : block.sources())
         if (source->is_sampled()) periods_.try_emplace(source->trigger().sampled.rate.period(), "");
-      }
-      if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get())) FindPeriods(nested->blocks());
-    }
+    });
     std::size_t i = 0;
     for (auto& [period, colour] : periods_) colour = kColours[std::min(i++, std::size(kColours) - 1)];
   }
@@ -230,14 +228,12 @@ class Drawing {
   }
 
   void DrawConnections(const std::vector<std::unique_ptr<System>>& blocks) {
-    for (const auto& block : blocks) {
-      const auto* nested = dynamic_cast<const Subdiagram*>(block.get());
-      for (const Source* port : block->sources()) {
+    internal::ForEachBlock(blocks, [this](const System& block) {
+      for (const Source* port : block.sources()) {
         if (!IsPort(*port) || port->driver() == nullptr || !IsPort(*port->driver())) continue;
         out_ += fmt::format("  {} -> {};\n", End(*port->driver(), "e"), End(*port, "w"));
       }
-      if (nested != nullptr) DrawConnections(nested->blocks());
-    }
+    });
   }
 
   void DrawLegend() {

@@ -24,9 +24,7 @@ bool Diagram::has_samples() const {
 std::vector<std::string> Diagram::ContinuousStateNames() const {
   std::vector<std::string> names;
   for (const Source* state : program_->continuous) {
-    for (const Element& element : state->elements()) {
-      names.push_back(state->path() + (element.name.empty() ? "" : "." + element.name));
-    }
+    for (const Element& element : state->elements()) names.push_back(element.PathIn(state->path()));
   }
   return names;
 }
@@ -35,10 +33,8 @@ const std::vector<const Source*>& Diagram::open_inputs() const {
   return program_->open_inputs;
 }
 
-namespace {
-
-void ForEachBlock(const std::vector<std::unique_ptr<System>>& blocks,
-                  const std::function<void(const System&)>& visit) {
+void internal::ForEachBlock(const std::vector<std::unique_ptr<System>>& blocks,
+                            const std::function<void(const System&)>& visit) {
   for (const auto& block : blocks) {
     visit(*block);
     if (const auto* nested = dynamic_cast<const Subdiagram*>(block.get()))
@@ -46,11 +42,9 @@ void ForEachBlock(const std::vector<std::unique_ptr<System>>& blocks,
   }
 }
 
-}  // namespace
-
 std::vector<const internal::ParameterSource*> Diagram::parameters() const {
   std::vector<const internal::ParameterSource*> found;
-  ForEachBlock(blocks_, [&](const System& block) {
+  internal::ForEachBlock(blocks_, [&](const System& block) {
     for (const Source* source : block.sources()) {
       if (source->kind() == SourceKind::kParameter)
         found.push_back(static_cast<const internal::ParameterSource*>(source));
@@ -62,7 +56,7 @@ std::vector<const internal::ParameterSource*> Diagram::parameters() const {
 const System& Diagram::FindBlock(std::string_view path) const {
   const System* found = nullptr;
   std::vector<std::string> names;
-  ForEachBlock(blocks_, [&](const System& block) {
+  internal::ForEachBlock(blocks_, [&](const System& block) {
     names.push_back(block.path());
     if (names.back() == path) found = &block;
   });
@@ -76,7 +70,7 @@ const System& Diagram::FindBlock(std::string_view path) const {
 const Source& Diagram::Find(std::string_view path) const {
   const Source* found = nullptr;
   std::vector<std::string> names;
-  ForEachBlock(blocks_, [&](const System& block) {
+  internal::ForEachBlock(blocks_, [&](const System& block) {
     for (const Source* source : block.sources()) {
       names.push_back(source->path());
       // A state and the output that shows it may have the same name: prefer the output.

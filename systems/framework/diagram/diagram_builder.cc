@@ -8,6 +8,19 @@
 
 namespace tenon {
 
+namespace {
+
+/// Returns the member of a block that has the kind, name and type of `source`, or null.
+Source* Counterpart(const System& block, const Source& source) {
+  for (Source* own : block.sources()) {
+    if (own->kind() == source.kind() && own->name() == source.name() && *own->type().id == *source.type().id)
+      return own;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
 namespace internal {
 
 void Assembly::CheckNotBuilt(const char* call, const std::string& subject) const {
@@ -142,19 +155,11 @@ System& Assembly::Exchange(const System& former, std::unique_ptr<System> made) {
   old.holder_->by_name_[block.name_] = &block;
   old.holder_->replaced_.push_back(std::move(made));
 
-  const auto counterpart = [&](const Source& port) -> Source* {
-    for (Source* source : block.sources_) {
-      if (source->kind() == port.kind() && source->name() == port.name() &&
-          *source->type_->id == *port.type_->id)
-        return source;
-    }
-    return nullptr;
-  };
   // Include the names of blocks that were replaced earlier, and their readers without a connection.
   for (const System* before = &replaced; before != nullptr; before = before->replaces_) {
     for (const Source* port : before->sources_) {
       if (port->kind() != SourceKind::kInput || port->driver_ == nullptr) continue;
-      Source* input = counterpart(*port);
+      Source* input = Counterpart(block, *port);
       if (input == nullptr || input->driver_ != nullptr) continue;
       input->SetDriver(*port->driver_);
       input->ignores_units_ = port->ignores_units_;
@@ -169,7 +174,7 @@ System& Assembly::Exchange(const System& former, std::unique_ptr<System> made) {
         &source->driver_->owner() == &block || !replaces(&source->driver_->owner())) {
       continue;
     }
-    if (const Source* output = counterpart(*source->driver_)) source->SetDriver(*output);
+    if (const Source* output = Counterpart(block, *source->driver_)) source->SetDriver(*output);
   }
   return block;
 }
@@ -282,12 +287,7 @@ const System* CurrentBlock(const System& block) {
 const Source* FindCurrent(const Source& source) {
   const System* const block = CurrentBlock(source.owner());
   if (block == &source.owner()) return &source;
-  if (block == nullptr) return nullptr;
-  for (const Source* each : block->sources())
-    if (each->kind() == source.kind() && each->name() == source.name() &&
-        *each->type().id == *source.type().id)
-      return each;
-  return nullptr;
+  return block == nullptr ? nullptr : Counterpart(*block, source);
 }
 
 const Source& Source::Current() const {

@@ -286,9 +286,8 @@ std::vector<Element> ListElements(const TypeInfo& type, const void* value, const
 std::size_t CountScalars(const TypeInfo& type, const void* value) {
   if (type.fixed) return type.num_scalars;
   if (type.kind == TypeInfo::Kind::kMatrix) {  // quickly, because each evaluation of derivatives counts
-    std::size_t rows = 0, cols = 0;
-    type.shape(value, &rows, &cols);
-    return rows * cols;
+    const Extents shape = ExtentsOf(type, value);
+    return shape.rows * shape.cols;
   }
   std::size_t count = 0;
   ForEachRun(type, value, [&](const void*, ScalarKind, std::size_t size) { count += size; });
@@ -300,6 +299,12 @@ double* ToDoubles(const TypeInfo& type, const void* value, double* out) {
     WithKind(kind, data, [&](const auto* first) { out = std::copy(first, first + count, out); });
   });
   return out;
+}
+
+std::vector<double> DoublesOf(const TypeInfo& type, const void* value) {
+  std::vector<double> numbers(CountScalars(type, value));
+  ToDoubles(type, value, numbers.data());
+  return numbers;
 }
 
 void FromDoubles(const TypeInfo& type, void* value, const double* in) {

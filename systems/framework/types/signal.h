@@ -28,6 +28,8 @@ struct Element {
   std::string name;
   std::string unit;
   bool is_real = true;  ///< false for a bool, an integer or an enumeration, which change only by jumps
+  /// Its name in a log that has the signal under the name `signal`: "cart.state.velocity".
+  std::string PathIn(const std::string& signal) const { return name.empty() ? signal : signal + "." + name; }
 };
 
 namespace internal {
@@ -44,6 +46,8 @@ std::vector<Element> ListElements(const TypeInfo& type, const void* value, const
 std::size_t CountScalars(const TypeInfo& type, const void* value);
 /// Writes all numbers of a value; returns the end of what it wrote.
 double* ToDoubles(const TypeInfo& type, const void* value, double* out);
+/// Returns all numbers of a value.
+std::vector<double> DoublesOf(const TypeInfo& type, const void* value);
 /// An element of a value cannot hold a number. The text names the element and its range; the catcher adds the
 /// source.
 class NumberError : public ParameterError {

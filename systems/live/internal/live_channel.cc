@@ -173,15 +173,11 @@ std::string LiveChannel::Reader::Next() {
   if (c.closed_) return "";
   if (!news) return ": waiting\n\n";
   std::string out;
-  if (hello_ != c.hello_.version) {
+  const bool new_run = hello_ != c.hello_.version;
+  if (new_run || next_ < c.first_) {
     if (hello_ != 0) out += Event("reset", "{}");
+    if (new_run) out += c.hello_.text;
     hello_ = c.hello_.version;
-    out += c.hello_.text;
-    named_ = false;
-    next_ = c.first_;
-  }
-  if (next_ < c.first_) {
-    out += Event("reset", "{}");
     named_ = false;
     next_ = c.first_;
   }
@@ -195,14 +191,8 @@ std::string LiveChannel::Reader::Next() {
     named_ = true;
   }
   if (next_ != c.first_ + c.messages_.size()) return out;  // latest values follow after all messages
-  if (status_ != c.status_.version) {
-    status_ = c.status_.version;
-    out += c.status_.text;
-  }
-  if (pull_ != c.pull_.version) {
-    pull_ = c.pull_.version;
-    out += c.pull_.text;
-  }
+  if (std::exchange(status_, c.status_.version) != c.status_.version) out += c.status_.text;
+  if (std::exchange(pull_, c.pull_.version) != c.pull_.version) out += c.pull_.text;
   return out;
 }
 

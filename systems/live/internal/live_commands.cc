@@ -42,9 +42,8 @@ const Control& Have(const std::optional<Control>& control, const std::string& wh
 }
 
 LiveSets Choose(const LiveControls::Choice& choice, const std::string& name) {
-  for (std::size_t i = 0; i < choice.names.size(); ++i) {
-    if (choice.names[i] == name) return choice.set(i);
-  }
+  const auto found = std::ranges::find(choice.names, name);
+  if (found != choice.names.end()) return choice.set(static_cast<std::size_t>(found - choice.names.begin()));
   throw ParameterError(
       fmt::format("there is no '{}'; did you mean '{}'?", name, NearestName(name, choice.names)));
 }
@@ -165,11 +164,7 @@ Json LiveRun::Do(const std::string& client, const Json& command) {
   } else if (name == "back") {
     Back(Number(command, "to_s"));
   } else if (name == "reset") {
-    try {
-      Reset(ReadSeed(command.at("seed")));
-    } catch (const std::out_of_range& error) {
-      throw ParameterError(error.what());
-    }
+    Reset(ReadSeed(command.at("seed")));
   } else if (name == "save") {
     answer["yaml"] = SaveScenario();
   } else if (name == "stop") {

@@ -27,7 +27,7 @@ std::string RandomToken() {
   return token;
 }
 
-/// Encodes a text for a URL.
+/// Encodes an address for a URL.
 std::string HostOf(const std::string& address) {
   return address.find(':') == address.npos ? address : "[" + address + "]";
 }

@@ -20,9 +20,6 @@ void AppendNumber(std::string& text, double value, bool exact) {
   text.append(digits, end);
 }
 
-Json Bounds(const std::array<double, 2>& range) {
-  return {range[0], range[1]};
-}
 Json Point(const Vec<3>& p) {
   return {p[0], p[1], p[2]};
 }
@@ -30,9 +27,7 @@ Json Point(const Vec<3>& p) {
 Json ControlsJson(const LiveControls& controls) {
   Json json = Json::object();
   if (const auto& drive = controls.drive)
-    json["drive"] = {{"forward", Bounds(drive->forward)},
-                     {"sideways", Bounds(drive->sideways)},
-                     {"yaw", Bounds(drive->yaw)}};
+    json["drive"] = {{"forward", drive->forward}, {"sideways", drive->sideways}, {"yaw", drive->yaw}};
   if (controls.gaits) json["gaits"] = controls.gaits->names;
   if (controls.postures) json["postures"] = controls.postures->names;
   if (const auto& goal = controls.goal)
@@ -44,7 +39,7 @@ Json ControlsJson(const LiveControls& controls) {
         {"stiffness_N_per_m", pull->stiffness}, {"max_N", pull->max_force}, {"bodies", std::move(bodies)}};
   }
   if (const auto& load = controls.load)
-    json["load"] = {{"name", load->name}, {"mass_kg", Bounds(load->mass)}, {"start", load->start}};
+    json["load"] = {{"name", load->name}, {"mass_kg", load->mass}, {"start", load->start}};
   return json;
 }
 

@@ -51,10 +51,10 @@ class LiveRows final : public LogSink {
 /// Sets the values of an entry in order. Throws as Context::SetDoubles does, and Error for an unknown path.
 void ApplyEntry(Context& context, const LiveEntry& entry);
 
-/// Reads a seed. Throws std::out_of_range unless it is an integer from 0 to 2^64 - 1.
+/// Reads a seed. Throws ParameterError unless it is an integer from 0 to 2^64 - 1.
 inline std::uint64_t ReadSeed(const nlohmann::ordered_json& json) {
   if (!json.is_number_unsigned())
-    throw std::out_of_range("a seed must be an integer from 0 to 18446744073709551615");
+    throw ParameterError("a seed must be an integer from 0 to 18446744073709551615");
   return json.get<std::uint64_t>();
 }
 

@@ -111,9 +111,7 @@ class NumberStore final : public ValueVisitor {
 std::vector<std::string> JsonKeys(const std::string& name, const TypeInfo& type, const void* value,
                                   const Spec& spec) {
   std::vector<std::string> keys;
-  for (const Element& element : ListElements(type, value, spec)) {
-    keys.push_back(element.name.empty() ? name : name + "." + element.name);
-  }
+  for (const Element& element : ListElements(type, value, spec)) keys.push_back(element.PathIn(name));
   return keys;
 }
 

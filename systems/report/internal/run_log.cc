@@ -79,12 +79,17 @@ void ColumnLog::Truncate(std::size_t rows) {
 
 namespace {
 
-// NaN is neither the lowest nor the highest value if there are other values.
-bool Lower(float a, float b) {
-  return a < b || std::isnan(b);
-}
-bool Higher(float a, float b) {
-  return a > b || std::isnan(b);
+/// Returns the rows from `begin` to before `end` with the lowest and the highest value of a column. NaN
+/// is neither if there are other values.
+std::pair<std::size_t, std::size_t> Extremes(const ColumnLog& log, std::size_t column, std::size_t begin,
+                                             std::size_t end) {
+  std::size_t low = begin, high = begin;
+  for (std::size_t row = begin + 1; row < end; ++row) {
+    const float value = log.at(row, column), lowest = log.at(low, column), highest = log.at(high, column);
+    if (value < lowest || std::isnan(lowest)) low = row;
+    if (value > highest || std::isnan(highest)) high = row;
+  }
+  return {low, high};
 }
 
 }  // namespace
@@ -112,11 +117,7 @@ void ColumnLog::MergePeaks() {
   for (std::size_t to = 0; 2 * to < rows(); to += 2) {
     const std::size_t from = 2 * to;
     for (std::size_t column = 0; column < columns(); ++column) {
-      std::size_t low = from, high = from;
-      for (std::size_t row = from + 1; row < from + 4; ++row) {
-        if (Lower(at(row, column), at(low, column))) low = row;
-        if (Higher(at(row, column), at(high, column))) high = row;
-      }
+      const auto [low, high] = Extremes(*this, column, from, from + 4);
       const float first = at(std::min(low, high), column), second = at(std::max(low, high), column);
       cell(to, column) = first;
       cell(to + 1, column) = second;
@@ -159,11 +160,7 @@ std::vector<std::size_t> DecimatePeaks(const ColumnLog& log, const std::vector<s
     rows.push_back(begin);
     if (length == 1) continue;
     for (const std::size_t column : columns) {
-      std::size_t low = begin, high = begin;
-      for (std::size_t row = begin + 1; row < end; ++row) {
-        if (Lower(log.at(row, column), log.at(low, column))) low = row;
-        if (Higher(log.at(row, column), log.at(high, column))) high = row;
-      }
+      const auto [low, high] = Extremes(log, column, begin, end);
       rows.insert(rows.end(), {low, high});
     }
   }

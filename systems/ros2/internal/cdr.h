@@ -12,9 +12,7 @@ struct Items {
 inline Items ItemsIn(const TypeInfo& type, const void* value) {
   void* changeable = const_cast<void*>(value);
   if (type.kind == TypeInfo::Kind::kArray) return {type.count, static_cast<char*>(changeable)};
-  std::size_t rows = 0, cols = 0;
-  type.shape(value, &rows, &cols);
-  return {rows, static_cast<char*>(type.data(changeable))};
+  return {ExtentsOf(type, value).rows, static_cast<char*>(type.data(changeable))};
 }
 
 /// Sets `out` to a message of ROS 2 in CDR (XCDR 1, little endian), with the four bytes of its encapsulation.

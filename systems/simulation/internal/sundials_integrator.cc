@@ -41,7 +41,7 @@ void CheckOptions(const SimulatorOptions& options) {
   };
   demand(options.method >= Method::kErk && options.method <= Method::kErkOpen,
          fmt::format("Method({}) does not exist", static_cast<int>(options.method)));
-  const bool multistep = options.method == Method::kBdf || options.method == Method::kAdams;
+  const bool multistep = internal::IsMultistep(options.method);
   const int lowest = multistep ? 1 : 2;
   const int highest = options.method == Method::kAdams ? 12 : options.method == Method::kStabilized ? 3 : 5;
   demand(options.order >= lowest && options.order <= highest,
@@ -86,8 +86,7 @@ std::vector<double> AbsoluteTolerances(const SimulatorOptions& options, const Di
 
 /// Returns whether ticks restart the integrator: open tables are accurate only up to a restart.
 bool HasFeedingTicks(const internal::Program& program) {
-  return std::any_of(program.groups.begin(), program.groups.end(),
-                     [](const internal::SampleGroup& group) { return group.feeds; });
+  return std::ranges::any_of(program.groups, &internal::SampleGroup::feeds);
 }
 
 /// Divides the rest of the interval evenly into steps not larger than `wanted`, to avoid a tiny last step.
@@ -160,31 +159,7 @@ struct SundialsIntegrator::Run final : SundialsIntegrator,
       if (solver.multistep()) solver.SetMaxStep(LargestStep(finish_));
       const int flag = solver.Step(Target(), &t);
       if (flag < 0) ThrowFailure(flag);
-      const double bend = checks_ends ? EndBends(t - finish_) : 0;
-      if (bend > 1 || (checks_stages && StagesJump())) {
-        const auto present = jump;
-        if (FindJump(finish_, step_states.data(), finish_, t) && jump.from > finish_ + 4 * Tiny(t)) {
-          // another attempt, which ends before the jump
-          const auto found = jump;
-          Retake(jump.from);
-          jump = found;
-          jump.step = t - step_begin;
-          continue;
-        }
-        jump = present;
-      }
-      if (solver.multistep() && SlopesJump(t - finish_)) {
-        const bool found = FindJump(finish_, step_states.data(), finish_, t);
-        jump.known = false;
-        if (found && jump.from > finish_ + 100 * Tiny(t)) {
-          EndBefore(jump.from, t - finish_);
-          continue;
-        }
-      }
-      if (const double error = checks_bends ? KinkError() : bend; error > 1) {
-        Retake(finish_ + std::max(kMinShrink, kSafety / std::sqrt(error)) * (t - finish_));
-        continue;
-      }
+      if (TakesBack(t)) continue;
       arrived = solver.IsStopTime(flag) || (std::isfinite(end) && t >= end - Tiny(end));
       finish_ = arrived ? end : t;
       if (solver.multistep()) {
@@ -199,6 +174,35 @@ struct SundialsIntegrator::Run final : SundialsIntegrator,
       }
     } while (!arrived && (!one_step || finish_ == step_begin));
     if (one_step) interpolant.SetStep(begin_, before.data(), finish_, solver.states());
+  }
+
+  /// Takes the step from `finish_` to `t` back, for a shorter attempt, if it crosses a jump or a kink of the
+  /// derivatives that its error estimate hardly sees. Returns whether it did.
+  bool TakesBack(double t) {
+    const double bend = checks_ends ? EndBends(t - finish_) : 0;
+    if (bend > 1 || (checks_stages && StagesJump())) {
+      const auto present = jump;
+      if (FindJump(finish_, step_states.data(), finish_, t) && jump.from > finish_ + 4 * Tiny(t)) {
+        // another attempt, which ends before the jump
+        const auto found = jump;
+        Retake(jump.from);
+        jump = found;
+        jump.step = t - step_begin;
+        return true;
+      }
+      jump = present;
+    }
+    if (solver.multistep() && SlopesJump(t - finish_)) {
+      const bool found = FindJump(finish_, step_states.data(), finish_, t);
+      jump.known = false;
+      if (found && jump.from > finish_ + 100 * Tiny(t)) {
+        EndBefore(jump.from, t - finish_);
+        return true;
+      }
+    }
+    const double error = checks_bends ? KinkError() : bend;
+    if (error > 1) Retake(finish_ + std::max(kMinShrink, kSafety / std::sqrt(error)) * (t - finish_));
+    return error > 1;
   }
 
   /// Handles a kink, or a witness at which the derivatives jump, inside the last step, which has used
@@ -231,9 +235,7 @@ struct SundialsIntegrator::Run final : SundialsIntegrator,
   void EvaluateWitnesses(double t, double* values) override {
     LoadInside(t);
     context.SetRunTime(Instant(t));
-    context.RunAll(program.witnesses);
-    ++context.instant_;  // RunAll leaves no stamps
-    context.ReadWitnesses(values);
+    RunWitnesses(values);
   }
 
   internal::EventFinder::Motion& BeginMotion() override {
@@ -387,9 +389,9 @@ struct SundialsIntegrator::Run final : SundialsIntegrator,
   double EndBends(double h) const {
     double sum = 0;
     for (std::size_t i = 0; i < before.size(); ++i) {
-      const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
       // Differences of slopes that doubles can hold vanish with h, so a shorter step makes this finite.
-      const double change = (recent[0][i] - recent[1][i] - (recent[1][i] - recent[2][i])) / tolerance;
+      const double change =
+          (recent[0][i] - recent[1][i] - (recent[1][i] - recent[2][i])) / Tolerance(step_states.data(), i);
       sum += change * change;
     }
     const double limit = 144 * static_cast<double>(before.size());
@@ -489,21 +491,22 @@ struct SundialsIntegrator::Run final : SundialsIntegrator,
     std::vector<double> slope(before.size());
     context.CalcRunDerivatives(context.time(), solver.states(), slope.data());
     double rate = 0;
-    for (std::size_t i = 0; i < slope.size(); ++i) {
-      const double tolerance = options.rtol * std::abs(solver.states()[i]) + tolerances[i];
-      rate = std::max(rate, std::sqrt(options.rtol) * std::abs(slope[i]) / tolerance);
-    }
+    for (std::size_t i = 0; i < slope.size(); ++i)
+      rate = std::max(rate, std::sqrt(options.rtol) * std::abs(slope[i]) / Tolerance(solver.states(), i));
     if (rate > 0 && std::isfinite(rate)) return 1 / rate;
     return std::isfinite(end) ? kFirstTry * (end - time) : std::max(1.0, std::abs(context.time()));
+  }
+
+  /// The tolerance of the i-th of the states `x`.
+  double Tolerance(const double* x, std::size_t i) const {
+    return options.rtol * std::abs(x[i]) + tolerances[i];
   }
 
   /// The largest change from `a` to `b`, in tolerances of the states `x`.
   double Change(const double* a, const double* b, const double* x) const {
     double largest = 0;
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      const double tolerance = options.rtol * std::abs(x[i]) + tolerances[i];
-      largest = std::max(largest, std::abs(b[i] - a[i]) / tolerance);
-    }
+    for (std::size_t i = 0; i < before.size(); ++i)
+      largest = std::max(largest, std::abs(b[i] - a[i]) / Tolerance(x, i));
     return largest;
   }
 
@@ -589,7 +592,7 @@ struct SundialsIntegrator::Run final : SundialsIntegrator,
       };
       std::array<double, 16> changes{};  // of the rate from one interval between stages to the next
       for (std::size_t k = 0; k + 2 < count; ++k) changes[k] = rate(k + 1) - rate(k);
-      const double tolerance = options.rtol * std::abs(step_states[i]) + tolerances[i];
+      const double tolerance = Tolerance(step_states.data(), i);
       for (std::size_t k = 0; k + 1 < count; ++k) {  // a kink between the stages k and k + 1
         double elsewhere = 0, change = 0;            // largest bend elsewhere, change of the rate here
         for (std::size_t b = 0; b + 2 < count; ++b) {
@@ -738,22 +741,22 @@ struct SundialsIntegrator::Run final : SundialsIntegrator,
   std::string DescribeJump(double t, double h) {
     const double reach = 4 * std::max(std::abs(h), 100 * Tiny(t));
     if (!FindJump(t, solver.states(), t - reach, t + reach, 0)) return "";
-    // The first calculation in dataflow order whose value jumps.
     const auto& calculations = program.calculations;
-    std::vector<std::vector<double>> before_jump(calculations.size());
-    EvaluateAlong(t, solver.states(), jump.from, jump_work[2].data());
-    for (const internal::Op& op : program.derivatives.ops)
-      before_jump[op.calculation] = context.HeldNumbers(*calculations[op.calculation].source);
-    EvaluateAlong(t, solver.states(), jump.to, jump_work[2].data());
-    std::uint32_t first_jump = UINT32_MAX;
-    for (const internal::Op& op : program.derivatives.ops) {
-      const std::vector<double>& a = before_jump[op.calculation];
-      const std::vector<double> b = context.HeldNumbers(*calculations[op.calculation].source);
-      const bool jumps = !std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double a, double b) {
-        return std::abs(b - a) <= 1e-6 * std::max(std::abs(a), std::abs(b));
-      });
-      if (jumps) first_jump = std::min(first_jump, op.calculation);
-    }
+    const auto values_at = [&](double time) {
+      EvaluateAlong(t, solver.states(), time, jump_work[2].data());
+      std::vector<std::vector<double>> values;
+      for (const internal::Op& op : program.derivatives.ops)
+        values.push_back(context.HeldNumbers(*calculations[op.calculation].source));
+      return values;
+    };
+    const auto is_close = [](double a, double b) {
+      return std::abs(b - a) <= 1e-6 * std::max(std::abs(a), std::abs(b));
+    };
+    const auto below = values_at(jump.from), above = values_at(jump.to);
+    std::uint32_t first_jump = UINT32_MAX;  // the first calculation in dataflow order whose value jumps
+    for (std::size_t i = 0; i < below.size(); ++i)
+      if (!std::ranges::equal(below[i], above[i], is_close))
+        first_jump = std::min(first_jump, program.derivatives.ops[i].calculation);
     if (first_jump == UINT32_MAX) return "";
     return fmt::format(
         "'{}' jumps at t = {} s. If it jumps in time, declare a NextJump in that block; if in state, a Kink "
@@ -833,24 +836,23 @@ struct SundialsIntegrator::Run final : SundialsIntegrator,
   /// A lower bound of the Lipschitz constant of the derivatives [1/s], along the present derivatives.
   double FastestRate(double t) {
     const auto n = static_cast<std::size_t>(program.num_continuous);
-    std::vector<double> x(solver.states(), solver.states() + n), f(n), g(n);
+    std::vector<double> x(solver.states(), solver.states() + n), f(n), moved(n);
     context.CalcRunDerivatives(Instant(t), x.data(), f.data());
+    std::vector<double> direction = f;
     double rate = 0;
     for (int iteration = 0; iteration < 5; ++iteration) {
       double size = 0, norm = 0, difference = 0;
       for (std::size_t i = 0; i < n; ++i) {
         size = std::max(size, std::abs(solver.states()[i]) + tolerances[i]);
-        norm = std::max(norm, std::abs(g[i]) + (iteration == 0 ? std::abs(f[i]) : 0));
+        norm = std::max(norm, std::abs(direction[i]));
       }
       if (!(norm > 0)) return rate;
       const double epsilon = 1e-6 * size / norm;
-      for (std::size_t i = 0; i < n; ++i)
-        x[i] = solver.states()[i] + epsilon * (iteration == 0 ? f[i] : g[i]);
-      std::vector<double> moved(n);
+      for (std::size_t i = 0; i < n; ++i) x[i] = solver.states()[i] + epsilon * direction[i];
       context.CalcRunDerivatives(Instant(t), x.data(), moved.data());
       for (std::size_t i = 0; i < n; ++i) {
-        g[i] = moved[i] - f[i];
-        difference = std::max(difference, std::abs(g[i]));
+        direction[i] = moved[i] - f[i];
+        difference = std::max(difference, std::abs(direction[i]));
       }
       rate = difference / (epsilon * norm);
     }
@@ -861,27 +863,21 @@ struct SundialsIntegrator::Run final : SundialsIntegrator,
   /// changes most in a step of `h`.
   std::string DescribeWorstState(double h) {
     if (program.num_continuous == 0) return "none";
-    worst = {};
-    if (options.fixed_step == 0) FindWorstState();
     const std::vector<std::string> names = context.diagram().ContinuousStateNames();
-    if (worst.error > 0)
-      return fmt::format("'{}' (error {:.3g} times its tolerance)", names[worst.index], worst.error);
+    std::size_t worst = 0;
+    double largest = 0;
+    const auto consider = [&](std::size_t i, double error) {
+      if (error > largest) worst = i, largest = error;
+    };
+    if (options.fixed_step == 0) {
+      const std::vector<double> errors = solver.WeightedErrors();
+      for (std::size_t i = 0; i < names.size(); ++i) consider(i, errors[i]);
+    }
+    if (largest > 0) return fmt::format("'{}' (error {:.3g} times its tolerance)", names[worst], largest);
     const double* derivatives = context.derivative_data();
-    for (int i = 0; i < program.num_continuous; ++i) {
-      const double tolerance =
-          options.rtol * std::abs(context.continuous_data()[i]) + tolerances[static_cast<std::size_t>(i)];
-      const double change = std::abs(h * derivatives[i]) / tolerance;
-      if (change > worst.error) worst = {i, change};
-    }
-    return fmt::format("'{}' (changes by {:.3g} times its tolerance in that step)", names[worst.index],
-                       worst.error);
-  }
-
-  void FindWorstState() {
-    const std::vector<double> errors = solver.WeightedErrors();
-    for (int i = 0; i < program.num_continuous; ++i) {
-      if (errors[static_cast<std::size_t>(i)] > worst.error) worst = {i, errors[static_cast<std::size_t>(i)]};
-    }
+    for (std::size_t i = 0; i < names.size(); ++i)
+      consider(i, std::abs(h * derivatives[i]) / Tolerance(context.continuous_data(), i));
+    return fmt::format("'{}' (changes by {:.3g} times its tolerance in that step)", names[worst], largest);
   }
 
   int Derivatives(double t, const double* y, double* ydot) override {
@@ -1043,14 +1039,17 @@ struct SundialsIntegrator::Run final : SundialsIntegrator,
     }
     context.LoadStates(moved.data());
     context.SetRunTime(motion_time * (1 + (pattern % 2 == 0 ? parts : -parts)));
-    context.RunAll(program.witnesses);
-    ++context.instant_;
-    context.ReadWitnesses(values);
+    RunWitnesses(values);
   }
 
   void EvaluateWitnessesAt(double t, const double* x, double* values) {
     context.LoadStates(x);
     context.SetRunTime(Global(std::min(t, std::max(last_instant, motion_begin))));
+    RunWitnesses(values);
+  }
+
+  /// Evaluates the witnesses at the present time and states of the context.
+  void RunWitnesses(double* values) {
     context.RunAll(program.witnesses);
     ++context.instant_;  // RunAll leaves no stamps
     context.ReadWitnesses(values);
@@ -1122,10 +1121,6 @@ struct SundialsIntegrator::Run final : SundialsIntegrator,
   const bool needs_end = !open ||
                          (options.method != Method::kErkOpen && options.method != Method::kStabilized) ||
                          options.order > 3;
-  struct {
-    int index = 0;
-    double error = 0;
-  } worst;
   std::exception_ptr thrown;
   std::string not_finite;
   long evaluations = 0, interpolant_evaluations = 0;

@@ -416,35 +416,30 @@ std::vector<double> SundialsSolver::WeightedErrors() const {
   return weighted;
 }
 
+template <class Number>
+Number SundialsSolver::Get(int (*get)(void*, Number*), const char* function) const {
+  Number number{};
+  Check(get(memory_, &number), function);
+  return number;
+}
+
 double SundialsSolver::current_time() const {
-  double t = 0;
-  Check(api_.get_time(memory_, &t), "GetCurrentTime");
-  return t;
+  return Get(api_.get_time, "GetCurrentTime");
 }
 double SundialsSolver::current_step() const {
-  double h = 0;
-  Check(api_.get_current_step(memory_, &h), "GetCurrentStep");
-  return h;
+  return Get(api_.get_current_step, "GetCurrentStep");
 }
 double SundialsSolver::last_step() const {
-  double h = 0;
-  Check(api_.get_last_step(memory_, &h), "GetLastStep");
-  return h;
+  return Get(api_.get_last_step, "GetLastStep");
 }
 int SundialsSolver::last_order() const {
-  int order = options_.order;
-  if (multistep()) Check(CVodeGetLastOrder(memory_, &order), "GetLastOrder");
-  return order;
+  return multistep() ? Get(CVodeGetLastOrder, "GetLastOrder") : options_.order;
 }
 long SundialsSolver::steps() const {
-  long count = 0;
-  Check(api_.get_steps(memory_, &count), "GetNumSteps");
-  return earlier_steps_ + count;
+  return earlier_steps_ + Get(api_.get_steps, "GetNumSteps");
 }
 long SundialsSolver::failed_steps() const {
-  long count = 0;
-  Check(api_.get_failed_steps(memory_, &count), "GetNumErrTestFails");
-  return earlier_failures_ + count;
+  return earlier_failures_ + Get(api_.get_failed_steps, "GetNumErrTestFails");
 }
 
 std::string SundialsSolver::Describe(int flag) const {

@@ -12,6 +12,10 @@ namespace tenon::internal {
 inline bool IsExplicit(Method method) {
   return method == Method::kErk || method == Method::kErkOpen || method == Method::kStabilized;
 }
+/// True for methods that CVODE runs.
+inline bool IsMultistep(Method method) {
+  return method == Method::kBdf || method == Method::kAdams;
+}
 
 /// The callbacks of a SundialsSolver.
 class SundialsClient {
@@ -61,7 +65,7 @@ class SundialsSolver {
   /// Takes one step towards `end`. Returns SUNDIALS's flag, which is negative if the step failed.
   int Step(double end, double* time);
 
-  bool multistep() const { return options_.method == Method::kBdf || options_.method == Method::kAdams; }
+  bool multistep() const { return IsMultistep(options_.method); }
   static bool IsStopTime(int flag);
 
   /// |local error estimate| times error weight, one per state.
@@ -85,6 +89,9 @@ class SundialsSolver {
   void CreateLinearSolver();
   /// Throws RunError that names `function` if its return value `flag` is negative.
   void Check(int flag, const char* function) const;
+  /// The number that a function of SUNDIALS returns by its last argument, checked.
+  template <class Number>
+  Number Get(int (*get)(void*, Number*), const char* function) const;
 
   const Api& api_;
   SimulatorOptions options_;

@@ -111,22 +111,17 @@ void YamlNode::Read(const TypeInfo& type, void* value) const {
 
 void YamlNode::ReadNumber(const TypeInfo& type, void* value) const {
   if (!type.names.empty()) return ReadEnumerator(type, value);
-  switch (type.scalar) {
-    case ScalarKind::kDouble:
-      return ReadDouble(static_cast<double*>(value));
-    case ScalarKind::kBool:
-      return ReadBool(static_cast<bool*>(value));
-    case ScalarKind::kInt32:
-      return ReadInteger(static_cast<std::int32_t*>(value));
-    case ScalarKind::kInt64:
-      return ReadInteger(static_cast<std::int64_t*>(value));
-    case ScalarKind::kUint32:
-      return ReadInteger(static_cast<std::uint32_t*>(value));
-    case ScalarKind::kUint64:
-      return ReadInteger(static_cast<std::uint64_t*>(value));
-    default:
+  WithKind(type.scalar, value, [this]<class Number>(Number* number) {
+    if constexpr (std::is_same_v<Number, double>) {
+      ReadDouble(number);
+    } else if constexpr (std::is_same_v<Number, bool>) {
+      ReadBool(number);
+    } else if constexpr (std::is_integral_v<Number> && sizeof(Number) >= sizeof(int)) {
+      ReadInteger(number);
+    } else {
       Fail("its type has no YAML form: use double, int, bool, or an enum with EnumNames()");
-  }
+    }
+  });
 }
 
 void YamlNode::ReadDouble(double* value) const {
@@ -204,10 +199,9 @@ namespace {
 /// The numbers of a field that Field::Scaled converts.
 std::span<double> ScaledNumbers(const Field& field, void* value) {
   const TypeInfo& type = field.type();
-  std::size_t count = static_cast<std::size_t>(std::max(1, type.rows)), cols = 1;
-  if (type.kind != TypeInfo::Kind::kList) return {static_cast<double*>(value), count};
-  type.shape(value, &count, &cols);
-  return {static_cast<double*>(type.data(value)), count};
+  if (type.kind == TypeInfo::Kind::kList)
+    return {static_cast<double*>(type.data(value)), ExtentsOf(type, value).rows};
+  return {static_cast<double*>(value), static_cast<std::size_t>(std::max(1, type.rows))};
 }
 
 }  // namespace

@@ -54,13 +54,11 @@ class TreeBuilder final : public YAML::EventHandler {
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
-    RefuseTag(mark, tag);
-    Open(Make(mark, Kind::kList), anchor);
+    Open(mark, tag, anchor, Kind::kList);
   }
   void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                   YAML::EmitterStyle::value) override {
-    RefuseTag(mark, tag);
-    Open(Make(mark, Kind::kMap), anchor);
+    Open(mark, tag, anchor, Kind::kMap);
   }
   void OnSequenceEnd() override { Close(); }
   void OnMapEnd() override { Close(); }
@@ -116,7 +114,10 @@ class TreeBuilder final : public YAML::EventHandler {
   bool ExpectsKey() const {
     return !open_.empty() && open_.back().tree.kind == Kind::kMap && !open_.back().key;
   }
-  void Open(YamlTree tree, YAML::anchor_t anchor) { open_.push_back({std::move(tree), anchor}); }
+  void Open(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, Kind kind) {
+    RefuseTag(mark, tag);
+    open_.push_back({Make(mark, kind), anchor});
+  }
   void Close() {
     Level level = std::move(open_.back());
     open_.pop_back();

@@ -48,11 +48,11 @@ class Writer {
       case TypeInfo::Kind::kArray:
         return WriteItems(type.item(), value, type.count);
       case TypeInfo::Kind::kList:
-        if (*type.id == typeid(DiagonalGains) && Size(type, value) == 1)
+        if (*type.id == typeid(DiagonalGains) && ExtentsOf(type, value).rows == 1)
           return Write(type.item(), type.data(const_cast<void*>(value)));
-        return WriteItems(type.item(), type.data(const_cast<void*>(value)), Size(type, value));
+        return WriteItems(type.item(), type.data(const_cast<void*>(value)), ExtentsOf(type, value).rows);
       case TypeInfo::Kind::kOptional:
-        if (Size(type, value) > 0) return Write(type.item(), type.data(const_cast<void*>(value)));
+        if (ExtentsOf(type, value).rows > 0) return Write(type.item(), type.data(const_cast<void*>(value)));
         emitter_ << YAML::Null;
         return;
       case TypeInfo::Kind::kMap:
@@ -73,12 +73,6 @@ class Writer {
   }
 
  private:
-  static std::size_t Size(const TypeInfo& type, const void* value) {
-    std::size_t rows = 0, cols = 0;
-    type.shape(value, &rows, &cols);
-    return rows;
-  }
-
   [[noreturn]] void Fail(const std::string& what) const {
     throw ParameterError(fmt::format("{}: {}", key_, what));
   }

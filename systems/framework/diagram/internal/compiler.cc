@@ -15,9 +15,7 @@ bool GivesValue(const Source& source) {
 
 /// True for sources that run at their ticks in dataflow order.
 bool IsDueInOrder(const Source& source) {
-  return source.is_sampled() &&
-         (source.kind() == SourceKind::kOutput || source.kind() == SourceKind::kShared ||
-          source.kind() == SourceKind::kPublish);
+  return source.is_sampled() && (GivesValue(source) || source.kind() == SourceKind::kPublish);
 }
 
 /// Appends the result of System::path() without intermediate strings.
@@ -27,10 +25,6 @@ void AppendPath(const System& block, std::string& path) {
     if (!path.empty()) path += '.';
   }
   path += block.name();
-}
-
-std::size_t AlignUp(std::size_t offset, std::size_t alignment) {
-  return (offset + alignment - 1) / alignment * alignment;
 }
 
 }  // namespace
@@ -84,8 +78,7 @@ void Compiler::MergeShared() {
     std::vector<Source*>& others = found[source->run_];
     const auto other = std::find_if(others.begin(), others.end(), [&](const Source* before) {
       return before->equal_ == source->equal_ && before->equal_(*before->closure_, *source->closure_) &&
-             std::equal(before->arguments_.begin(), before->arguments_.end(), source->arguments_.begin(),
-                        source->arguments_.end(), same_argument);
+             std::ranges::equal(before->arguments_, source->arguments_, same_argument);
     });
     if (other == others.end()) {
       others.push_back(source);
@@ -119,10 +112,9 @@ void Compiler::DeclareSizes() {
     const Source& result = source->kind() == SourceKind::kUpdate ? *source->target_ : *source;
     source->declares_size_ = result.declares_size_;
     if (source->declares_size_ == nullptr) continue;
-    std::size_t rows = 0, cols = 0;
-    source->type_->shape(source->declares_size_->model_, &rows, &cols);
-    source->closure_->rows = static_cast<std::int32_t>(rows);
-    source->closure_->cols = static_cast<std::int32_t>(cols);
+    const Extents shape = ExtentsOf(*source->type_, source->declares_size_->model_);
+    source->closure_->rows = static_cast<std::int32_t>(shape.rows);
+    source->closure_->cols = static_cast<std::int32_t>(shape.cols);
   }
 }
 
@@ -166,8 +158,7 @@ void Compiler::OrderPublishes() {
     }
     publishes.emplace_back(depends, source);
   }
-  std::stable_sort(publishes.begin(), publishes.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(publishes, {}, &std::pair<std::size_t, Source*>::first);
   std::vector<const Source*> trail;
   for (const auto& [depends, source] : publishes) Visit(*source, trail);
 }

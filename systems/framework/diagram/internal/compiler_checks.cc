@@ -62,8 +62,7 @@ void Compiler::CheckMembers(const System& block) {
                        source->driver()->kind() != SourceKind::kOutput;
     if (!shown) members.push_back(source);
   }
-  std::sort(members.begin(), members.end(),
-            [](const Source* a, const Source* b) { return a->name() < b->name(); });
+  std::ranges::sort(members, {}, &Source::name);
   for (std::size_t i = 1; i < members.size(); ++i) {
     if (members[i]->name() != members[i - 1]->name()) continue;
     Fault(fmt::format("two members of '{}' are named '{}': give one of them another name", block.path(),
@@ -80,16 +79,17 @@ void Compiler::CheckSpec(const Source& source) {
   const Spec& spec = source.spec();
   if (spec.units.empty() && spec.elements.empty()) return;
   const TypeInfo& type = Innermost(*source.type_);
-  std::size_t rows = 1, cols = 1;
+  std::size_t size = 1;
   switch (type.kind) {
     case TypeInfo::Kind::kNumber:
       break;
     case TypeInfo::Kind::kMatrix:
       if (type.shape == nullptr) {
-        rows = static_cast<std::size_t>(type.rows), cols = static_cast<std::size_t>(type.cols);
+        size = static_cast<std::size_t>(type.rows) * static_cast<std::size_t>(type.cols);
       } else if (&type == source.type_) {
-        type.shape(source.model_, &rows, &cols);
-        if (rows == 0) return;  // the size is known only at run time
+        const Extents shape = ExtentsOf(type, source.model_);
+        if (shape.rows == 0) return;  // the size is known only at run time
+        size = shape.rows * shape.cols;
       } else {
         return;
       }
@@ -102,7 +102,7 @@ void Compiler::CheckSpec(const Source& source) {
       return;
   }
   const bool is_array = source.type_->kind == TypeInfo::Kind::kArray;
-  const std::size_t units = ListLength(spec.units), names = ListLength(spec.elements), size = rows * cols,
+  const std::size_t units = ListLength(spec.units), names = ListLength(spec.elements),
                     named = is_array ? source.type_->count : size;
   if (units > 1 && units != size) {
     Fault(fmt::format("'{}' has {} elements but {} units ({}): give one for all, or one for each",
@@ -131,13 +131,10 @@ void Compiler::CheckConnections() {
     }
     if (to.type_->kind != TypeInfo::Kind::kMatrix || to.type_->shape == nullptr) return;
     const Source& origin = to.Resolve();
-    std::size_t rows = 0, cols = 0, wanted_rows = 0, wanted_cols = 0;
-    origin.type_->shape(origin.model_, &rows, &cols);
-    to.type_->shape(to.model_, &wanted_rows, &wanted_cols);
-    if (rows * cols == 0 || wanted_rows * wanted_cols == 0) return;
-    if (rows == wanted_rows && cols == wanted_cols) return;
+    const Extents given = ExtentsOf(*origin.type_, origin.model_), wanted = ExtentsOf(*to.type_, to.model_);
+    if (given == wanted || given.rows * given.cols == 0 || wanted.rows * wanted.cols == 0) return;
     Fault(fmt::format("'{}' has {} x {} elements, but '{}' is declared with {} x {}: make them equal",
-                      origin.path(), rows, cols, to.path(), wanted_rows, wanted_cols));
+                      origin.path(), given.rows, given.cols, to.path(), wanted.rows, wanted.cols));
   };
   for (const Source* source : sources_) {
     if (source->kind() == SourceKind::kInput && source->driver_ != nullptr) check(*source);
@@ -213,12 +210,10 @@ void Compiler::ResolveInputs() {
     if (origin.kind() != SourceKind::kInput) continue;
     if (origin.has_initial_value_) {
       // Several inner inputs may share one port of a subdiagram.
-      if (std::find(default_inputs_.begin(), default_inputs_.end(), &origin) == default_inputs_.end()) {
-        default_inputs_.push_back(&origin);
-      }
+      if (std::ranges::count(default_inputs_, &origin) == 0) default_inputs_.push_back(&origin);
       continue;
     }
-    if (std::find(open.begin(), open.end(), &origin) != open.end()) continue;
+    if (std::ranges::count(open, &origin) > 0) continue;
     open.push_back(&origin);
     if (!open_inputs_ && origin.owner().replaces_ == nullptr) {  // already reported
       const std::string through = &origin == source ? "" : fmt::format(" (it feeds '{}')", source->path());

@@ -65,8 +65,7 @@ void Compiler::MakePlans() {
     if (when == Trigger::When::kAtStart) (publish ? published_at_start : at_start).push_back(source);
     if (when == Trigger::When::kEachStep) each_step.push_back(source);
   }
-  OpList ops = program_.Needed(derivatives, Which::kVarying);
-  program_.AppendSinks(derivatives, ops);
+  OpList ops = program_.NeededWithSinks(derivatives, Which::kVarying);
   std::erase_if(ops, [&](const Op& op) {  // copies between the same address
     return program_.calculations[op.calculation].source->is_copy_ && op.row[0] == op.row[1];
   });
@@ -74,20 +73,16 @@ void Compiler::MakePlans() {
   const std::vector<const Source*> kinks = FindKinks();
   std::vector<const Source*> watched = witnesses;
   watched.insert(watched.end(), kinks.begin(), kinks.end());
-  ops = program_.Needed(watched, Which::kVarying);
-  program_.AppendSinks(watched, ops);
-  program_.witnesses = program_.Batched(ops);
+  program_.witnesses = program_.Batched(program_.NeededWithSinks(watched, Which::kVarying));
   FindJumps();
   continuing = derivatives;
   continuing.insert(continuing.end(), watched.begin(), watched.end());
   program_.held = program_.Needed(continuing, Which::kHeld);
 
   program_.at_start = program_.MakeUpdates(at_start);
-  program_.published_at_start = program_.Needed(published_at_start, Which::kAll);
-  program_.AppendSinks(published_at_start, program_.published_at_start);
+  program_.published_at_start = program_.NeededWithSinks(published_at_start, Which::kAll);
   program_.each_step = program_.MakeUpdates(each_step);
-  program_.each_step_monitors = program_.Needed(step_monitors, Which::kAll);
-  program_.AppendSinks(step_monitors, program_.each_step_monitors);
+  program_.each_step_monitors = program_.NeededWithSinks(step_monitors, Which::kAll);
   program_.each_step_verdicts = step_monitors;
   for (const Source* witness : witnesses) {
     std::vector<const Source*> updates;
@@ -129,8 +124,7 @@ void Compiler::FindJumps() {
     if (source->kind() == SourceKind::kNextJump && blocks.contains(&source->owner()))
       program_.next_jumps.push_back(source);
   }
-  program_.jumps = program_.Needed(program_.next_jumps, Which::kAll);
-  program_.AppendSinks(program_.next_jumps, program_.jumps);
+  program_.jumps = program_.NeededWithSinks(program_.next_jumps, Which::kAll);
 }
 
 }  // namespace tenon::internal

@@ -34,7 +34,8 @@ OpList Program::Needed(const std::vector<const Source*>& sinks, Which which, con
   return ops;
 }
 
-void Program::AppendSinks(const std::vector<const Source*>& sinks, OpList& ops) const {
+OpList Program::NeededWithSinks(const std::vector<const Source*>& sinks, Which which) const {
+  OpList ops = Needed(sinks, which);
   std::vector<bool> listed(calculations.size());  // some witnesses are read by others
   for (const Op& op : ops) listed[op.calculation] = true;
   for (const Source* sink : sinks) {
@@ -42,6 +43,7 @@ void Program::AppendSinks(const std::vector<const Source*>& sinks, OpList& ops) 
     ops.push_back(calculations[sink->calculation_].op);
     ops.back().always = true;
   }
+  return ops;
 }
 
 std::vector<std::uint32_t> Program::Downstream(std::vector<int> changed) const {
@@ -71,8 +73,7 @@ static void AppendNumbers(const Source& source, Offset offset, const TypeInfo& t
 UpdatePlan Program::MakeUpdates(const std::vector<const Source*>& updates) const {
   UpdatePlan plan;
   if (updates.empty()) return plan;
-  plan.ops = Needed(updates, Which::kAll);
-  AppendSinks(updates, plan.ops);
+  plan.ops = NeededWithSinks(updates, Which::kAll);
   std::vector<int> changed;
   for (const Source* update : updates) {
     if (update->kind() == SourceKind::kPublish) continue;
@@ -114,8 +115,7 @@ TickPlan Program::MakeTick(const Groups& due) const {
   plan.invalidates = Downstream(changed);
   publishes.insert(publishes.end(), plan.due.begin(), plan.due.end());
   plan.outputs = Needed(publishes, Which::kAll, due);
-  plan.monitors = Needed(monitors, Which::kAll);
-  AppendSinks(monitors, plan.monitors);
+  plan.monitors = NeededWithSinks(monitors, Which::kAll);
   plan.verdicts = monitors;
   plan.updates = MakeUpdates(updates);
   return plan;

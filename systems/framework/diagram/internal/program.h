@@ -4,6 +4,7 @@
 #include <tenon/systems/framework/block/source.h>
 
 #include <algorithm>
+#include <functional>
 #include <unordered_map>
 
 namespace tenon::internal {
@@ -127,7 +128,8 @@ struct Program {
   /// Calculations that `sinks` depend on, in dataflow order, including those `sinks` that are sampled
   /// outputs. Sampled outputs are included only if they are in the `due` groups: the others are held.
   OpList Needed(const std::vector<const Source*>& sinks, Which which, const Groups& due = {}) const;
-  void AppendSinks(const std::vector<const Source*>& sinks, OpList& ops) const;
+  /// These calculations, and then the `sinks` themselves, always.
+  OpList NeededWithSinks(const std::vector<const Source*>& sinks, Which which) const;
   /// Calculations that depend on the results of `changed`, without `changed` themselves.
   std::vector<std::uint32_t> Downstream(std::vector<int> changed) const;
   UpdatePlan MakeUpdates(const std::vector<const Source*>& updates) const;
@@ -187,5 +189,9 @@ struct Program {
   std::vector<const Source*> open_inputs;
   std::uint64_t signature = 0;  ///< hash of names, types and layout, stored in snapshots
 };
+
+/// Calls `visit` for each block, and for those in a subdiagram after it.
+void ForEachBlock(const std::vector<std::unique_ptr<System>>& blocks,
+                  const std::function<void(const System&)>& visit);
 
 }  // namespace tenon::internal

@@ -217,7 +217,7 @@ std::vector<Gap> FindGaps(const TypeInfo& type, const FieldList& fields, std::si
   const auto check_gap = [&](std::size_t next) {
     if (next <= end) return;
     for (std::size_t alignment = 1; alignment <= type.alignment; alignment *= 2) {
-      if ((end + alignment - 1) / alignment * alignment == next) return;
+      if (AlignUp(end, alignment) == next) return;
     }
     gaps.push_back({next - end, last});
   };

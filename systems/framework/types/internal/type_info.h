@@ -154,6 +154,22 @@ struct TypeInfo {
   bool fixed = false;
 };
 
+/// The size of a matrix, list or optional that can change.
+struct Extents {
+  std::size_t rows = 0, cols = 0;
+  bool operator==(const Extents&) const = default;
+};
+inline Extents ExtentsOf(const TypeInfo& type, const void* value) {
+  Extents extents;
+  type.shape(value, &extents.rows, &extents.cols);
+  return extents;
+}
+
+/// The first multiple of an alignment from `offset` on.
+constexpr std::size_t AlignUp(std::size_t offset, std::size_t alignment) {
+  return (offset + alignment - 1) / alignment * alignment;
+}
+
 /// The name of a class in C++, from std::type_info::name.
 std::string Demangled(const char* name);
 /// The type as written in code without namespaces: "LeggedState", "Vec<12>", "Mat<3, 3>",
