@@ -82,7 +82,7 @@ void AddWrenchByTurn(const CableKinematics& cables, int i, double tension, const
 
 CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Vector3d& p_WB,
                         const Eigen::Matrix3d& R_WB) {
-  const CableDescription& cable = robot.cables[static_cast<std::size_t>(index)];
+  const CableDescription& cable = robot.cables[index];
   CableLine line;
   line.arm_W = R_WB * cable.attachment_B;
   const Eigen::Vector3d span = cable.anchor_W - p_WB - line.arm_W;

@@ -57,7 +57,7 @@ void CdprPlantParams::Validate() const {
     if (!(std::isfinite(initial_tension[i]) && initial_tension[i] >= 0))
       throw ParameterError(fmt::format(
           "initial_tension of cable {} is {} N; a cable cannot push, give 0 or more", i, initial_tension[i]));
-    const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
+    const CableDescription& cable = robot.cables[i];
     if (cable.anchor_W == p_WB + RotationFromEuler(euler) * cable.attachment_B)
       throw ParameterError(fmt::format(
           "cable {} has no length at the initial pose: its attachment is at its anchor; move p_WB", i));
@@ -75,7 +75,7 @@ CdprPlant::Start CdprPlant::StartOf(const CdprPlantParams& params) {
       Eigen::VectorXd(n), Eigen::VectorXd(n), {}, {}, std::vector<int>(static_cast<std::size_t>(n), -1)};
   const Eigen::Matrix3d R_WB = RotationFromEuler(params.euler);
   for (int i = 0; i < n; ++i) {
-    const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
+    const CableDescription& cable = robot.cables[i];
     const Vec<3> span = cable.anchor_W - params.p_WB - R_WB * cable.attachment_B;
     try {
       start.rest_length[i] = CalcRestLength(robot, i, span, params.initial_tension[i], params.gravity, R_WB);
@@ -94,8 +94,8 @@ CdprPlant::Start CdprPlant::StartOf(const CdprPlantParams& params) {
   }
   if (robot.winch.differential) {
     for (const auto& [i, j] : robot.winch.differential->pairs) {
-      start.partner[static_cast<std::size_t>(i)] = j;
-      start.partner[static_cast<std::size_t>(j)] = i;
+      start.partner[i] = j;
+      start.partner[j] = i;
     }
   }
   return start;
@@ -124,8 +124,7 @@ void CdprPlant::CalcCableForces(double time, const PlatformState& x, const Eigen
   const WinchProperties& winch = params.robot.winch;
   const Eigen::Matrix3d R_WB = x.R_WB();
   for (int i = 0; i < n; ++i) {
-    const auto index = static_cast<std::size_t>(i);
-    const CableDescription& cable = params.robot.cables[index];
+    const CableDescription& cable = params.robot.cables[i];
     Vec<3> arm = R_WB * cable.attachment_B;
     Vec<3> span = cable.anchor_W - x.p_WB - arm;
     PathPoint moved;
@@ -134,7 +133,7 @@ void CdprPlant::CalcCableForces(double time, const PlatformState& x, const Eigen
       span += moved.position;
     }
     const double rest = rest_length[i];
-    CableStatics& statics = out->statics[index];
+    CableStatics& statics = out->statics[i];
     statics = CalcCableStatics(params.robot, i, span, rest, params.gravity, R_WB);
     arm += statics.lead_W;
     const Vec<3>& direction = statics.direction_W;
@@ -152,7 +151,7 @@ void CdprPlant::CalcCableForces(double time, const PlatformState& x, const Eigen
     DrumTurn turn;
     if (winch.drum) {
       turn = DrumTurnAt(*winch.drum, i, rest);
-      out->reeling[i] = turn.radius / start.drum_radius[index];
+      out->reeling[i] = turn.radius / start.drum_radius[i];
     }
 
     const WinchMotion motion = MotionOf(i, motor_tension[i], reel_speed[i], out->reeling[i], faults);
@@ -169,7 +168,7 @@ void CdprPlant::CalcCableForces(double time, const PlatformState& x, const Eigen
       out->potential += statics.potential_energy;
     }
     if (winch.drum) {
-      const double turned = start.drum_radius[index] * (start.drum_angle[index] - turn.angle);
+      const double turned = start.drum_radius[i] * (start.drum_angle[i] - turn.angle);
       const double told = turned - (rest - start.rest_length[i]);
       signals.length[i] += told;
       signals.rest_length[i] += told;
@@ -291,7 +290,7 @@ void CdprPlant::CalcMotorTensionRate(const Eigen::VectorXd& motor_tension, const
   rate->resize(n);
   for (int i = 0; i < n; ++i) {
     double asked = asked_of(i);
-    if (const int j = start.partner[static_cast<std::size_t>(i)]; j >= 0)
+    if (const int j = start.partner[i]; j >= 0)
       asked = GivenByDifferential(*params.robot.winch.differential, asked, asked_of(j));
     (*rate)[i] = (asked - motor_tension[i]) / params.robot.winch.time_constant;
   }

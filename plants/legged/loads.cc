@@ -26,7 +26,7 @@ ExternalForce PointOnLeg(const QuadrupedDescription& robot, int leg, double heig
   Demand(leg >= 0 && leg < kNumLegs, fmt::format("leg {} does not exist; give 0 to {}", leg, kNumLegs - 1));
   Demand(height >= 0 && height <= 1,
          fmt::format("height {} is not on the leg; give 0 for the foot to 1 for the hip", height));
-  const LegDescription& at = robot.legs[static_cast<std::size_t>(leg)];
+  const LegDescription& at = robot.legs[leg];
   const int shank = kJointsPerLeg * (leg + 1);
   ExternalForce force;
   if (height <= 0.5) {
@@ -230,17 +230,15 @@ void SlidingLoad::CalcGeometry(const LeggedState& robot, const LoadMotion& motio
 
 void Ropes::CalcTension(const CableVector& command, CableVector* tension) const {
   CheckNumCables(static_cast<int>(params.ropes.size()), command.size(), "Ropes");
-  for (std::size_t i = 0; i < params.ropes.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    (*tension)[k] = std::clamp(command[k], 0.0, params.ropes[i].tension_max);
-  }
+  for (std::size_t i = 0; i < params.ropes.size(); ++i)
+    (*tension)[i] = std::clamp(command[i], 0.0, params.ropes[i].tension_max);
 }
 
 ExternalForce Ropes::CalcForce(const LeggedState& robot, const CableVector& tension) const {
   ExternalForce sum;
   for (std::size_t i = 0; i < params.ropes.size(); ++i) {
     const RopeLine line = LineOf(params.ropes[i], robot);
-    const Vec<3> pull = tension[static_cast<Eigen::Index>(i)] * line.direction_W;
+    const Vec<3> pull = tension[i] * line.direction_W;
     sum.force_W += pull;
     sum.torque_W += line.arm_W.cross(pull);
   }
@@ -261,7 +259,7 @@ void Ropes::CalcGeometry(const LeggedState& robot, const CableVector& tension, G
     Shape& shape = (*geometry)[i];
     shape.p_W = robot.p_WB + line.arm_W;
     shape.vector_W = line.length * line.direction_W;
-    shape.value = tension[static_cast<Eigen::Index>(i)];
+    shape.value = tension[i];
   }
 }
 

@@ -118,10 +118,7 @@ struct QuadrupedDescription {
   std::array<std::shared_ptr<const TriangleMesh>, 1 + kNumJoints> meshes;
 
   double mass() const;
-  const JointDescription& joint(int j) const {
-    return legs[static_cast<std::size_t>(j / kJointsPerLeg)]
-        .joints[static_cast<std::size_t>(j % kJointsPerLeg)];
-  }
+  const JointDescription& joint(int j) const { return legs[j / kJointsPerLeg].joints[j % kJointsPerLeg]; }
   /// Origin of the leg's hip pitch joint in B at the joint angles q [m].
   Eigen::Vector3d HipPosition(int leg, const Vec<kNumJoints>& q) const;
   /// Distance from the hip pitch joint to the centre of the foot's sphere with a straight leg [m].

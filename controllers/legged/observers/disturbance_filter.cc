@@ -89,7 +89,7 @@ Eigen::MatrixXd EstimatorMatrix(const std::vector<double>& gains) {
   const auto r = static_cast<Eigen::Index>(gains.size());
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(r, r);
   for (Eigen::Index i = 0; i < r; ++i) {
-    const double gain = gains[static_cast<std::size_t>(i)];
+    const double gain = gains[i];
     if (i > 0) A(i, i - 1) = gain;
     A(i, r - 1) -= gain;
   }

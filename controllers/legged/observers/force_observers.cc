@@ -131,12 +131,11 @@ FootForces GroundForceObserver::CalcForces(QuadrupedDynamics dynamics, const Leg
                                            const GroundPlane& ground, const ContactThresholds& thresholds,
                                            std::array<bool, kNumLegs>& stands) const {
   const Vec<3> arm = ground.ContactArm(params.robot.foot_radius), normal = ground.Normal();
-  for (int leg = 0; leg < kNumLegs; ++leg)
-    dynamics.feet[static_cast<std::size_t>(leg)] = dynamics.Contact(leg, arm);
+  for (int leg = 0; leg < kNumLegs; ++leg) dynamics.feet[leg] = dynamics.Contact(leg, arm);
   FootForces forces = SolveFootForces(dynamics, leg_forces.joint_torque, params.min_singular_value);
   const double weight = model_.mass() * params.gravity;
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    bool& stance = stands[static_cast<std::size_t>(leg)];
+    bool& stance = stands[leg];
     stance = forces[leg].dot(normal) > weight * (stance ? thresholds.leave : thresholds.touch);
     if (!stance) forces[leg].setZero();
   }

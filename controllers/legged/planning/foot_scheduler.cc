@@ -226,10 +226,10 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
         schedule.step_time += swings ? clock_rate * dt : dt;
       }
     }
-    for (std::size_t i = 0; i < kNumLegs; ++i) {
+    for (int i = 0; i < kNumLegs; ++i) {
       LegContact& leg = schedule.legs[i];
       ContactEvents events;
-      events.loaded = forces[static_cast<int>(i)].norm() > touchdown_force;
+      events.loaded = forces[i].norm() > touchdown_force;
       double& unloaded = memory.unloaded[i];
       unloaded = leg.stance() && !events.loaded ? unloaded + dt : 0;
       events.unloaded = unloaded >= search_after - kClockTolerance;

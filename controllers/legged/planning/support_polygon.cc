@@ -72,7 +72,7 @@ bool SupportPolygon::AddLine(std::span<const Eigen::Vector2d> feet, double half_
 }
 
 void SupportPolygon::Add(const Eigen::Vector2d& normal, const Eigen::Vector2d& point, double inwards) {
-  edges_[static_cast<std::size_t>(num_edges_++)] = {normal[0], normal[1], -normal.dot(point) - inwards};
+  edges_[num_edges_++] = {normal[0], normal[1], -normal.dot(point) - inwards};
 }
 
 double SupportPolygon::Depth(const Eigen::Vector2d& point) const {

@@ -60,14 +60,13 @@ QpReport ZmpSpline::Solve(const ZmpSplineProblem& problem, const ZmpSplineParams
   spline->num_segments = num_segments_;
   const auto solution = solver_.x();
   for (int k = 0; k < num_segments_; ++k) {
-    PlanarSpline::Segment& segment = spline->segments[static_cast<std::size_t>(k)];
-    segment.duration = duration_[static_cast<std::size_t>(k)];
+    PlanarSpline::Segment& segment = spline->segments[k];
+    segment.duration = duration_[k];
     spline->duration += segment.duration;
     for (int i = 0; i < kCoefficients; ++i) {
       const auto row = maps_.row(kCoefficients * k + i);
       for (int axis = 0; axis < 2; ++axis) {
-        segment.coefficients[static_cast<std::size_t>(i)][axis] =
-            row[n_ + axis] + row.head(n_).dot(solution.segment(axis * n_, n_));
+        segment.coefficients[i][axis] = row[n_ + axis] + row.head(n_).dot(solution.segment(axis * n_, n_));
       }
     }
   }
@@ -79,14 +78,14 @@ void ZmpSpline::MakeSegments(const ZmpSplineProblem& problem) {
   num_segments_ = 0;
   for (const SupportPhase& phase : problem.phases) {
     for (int i = 0; i < segments_per_phase_; ++i) {
-      duration_[static_cast<std::size_t>(num_segments_++)] = phase.duration / segments_per_phase_;
+      duration_[num_segments_++] = phase.duration / segments_per_phase_;
     }
   }
   n_ = num_segments_ * free_;
   origin_ = problem.begin.position;
   maps_.setZero();
   for (int k = 0; k < num_segments_; ++k) {
-    const double T = duration_[static_cast<std::size_t>(k)];
+    const double T = duration_[k];
     auto map = maps_.block(kCoefficients * k, 0, kCoefficients, n_ + 2);
     if (k == 0) {
       map.row(1).tail<2>() = T * problem.begin.velocity.transpose();
@@ -106,7 +105,7 @@ void ZmpSpline::MakeSegments(const ZmpSplineProblem& problem) {
 ZmpSpline::Functional ZmpSpline::Derivative(int order, int segment, double s) const {
   const auto map = maps_.block(kCoefficients * segment, 0, kCoefficients, n_ + 2);
   Functional f = Functional::Zero(n_ + 2);
-  double power = std::pow(duration_[static_cast<std::size_t>(segment)], -order);
+  double power = std::pow(duration_[segment], -order);
   for (int i = order; i < 3 + free_; ++i, power *= s) {
     const int factor = order == 0 ? 1 : order == 1 ? i : i * (i - 1);
     f += factor * power * map.row(i);
@@ -131,7 +130,7 @@ void ZmpSpline::AddCost(const ZmpSplineProblem& problem, double path_weight) {
   g_.setZero();
   double begin = 0;
   for (int k = 0; k < num_segments_; ++k) {
-    const double T = duration_[static_cast<std::size_t>(k)];
+    const double T = duration_[k];
     for (std::size_t i = 0; i < kGaussPoint.size(); ++i) {
       const double s = kGaussPoint[i], weight = kGaussWeight[i] * T;
       AddSquare(Derivative(2, k, s), Eigen::Vector2d::Zero(), weight);
