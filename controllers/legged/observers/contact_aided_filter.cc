@@ -38,9 +38,8 @@ ContactAidedMean Plus(const ContactAidedMean& mean, const Filter::Error& error) 
   out.q_WB = QuaternionProduct(turn, mean.q_WB).normalized();
   out.specific_force_bias_B += error.segment<3>(Filter::kForceBias);
   out.angular_velocity_bias_B += error.segment<3>(Filter::kRateBias);
-  for (int leg = 0; leg < kNumLegs; ++leg) {
+  for (int leg = 0; leg < kNumLegs; ++leg)
     out.feet_W[leg] = E * mean.feet_W[leg] + error.segment<3>(Rows(leg));
-  }
   return out;
 }
 
@@ -138,9 +137,8 @@ void ContactAidedFilter::Predict(const ContactAidedInput& input, const ContactAi
   auto variance = covariance.diagonal();
   variance.segment<3>(kForceBias).array() += T * std::pow(noise.specific_force_bias_walk, 2);
   variance.segment<3>(kRateBias).array() += T * std::pow(noise.angular_velocity_bias_walk, 2);
-  for (int leg = 0; leg < kNumLegs; ++leg) {
+  for (int leg = 0; leg < kNumLegs; ++leg)
     if (anchored[leg]) variance.segment<3>(Rows(leg)).array() += T * std::pow(noise.foot_walk, 2);
-  }
 }
 
 void ContactAidedFilter::Anchor(int leg, const FootMeasurement& foot) {

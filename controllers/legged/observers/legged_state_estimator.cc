@@ -75,9 +75,8 @@ LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu
     for (int leg = 0; leg < kNumLegs; ++leg) {
       Vec<3>& turn = input.turn_B[leg];
       turn.setZero();
-      for (int j = kJointsPerLeg * leg; j < kJointsPerLeg * (leg + 1); ++j) {
+      for (int j = kJointsPerLeg * leg; j < kJointsPerLeg * (leg + 1); ++j)
         turn += (joints.q[j] - memory.q[j]) * legs.axis_W[j];
-      }
     }
     filter.Predict(input, noise, T, RollingRadius(filter.anchored), params.gravity);
     memory.q = joints.q;
@@ -101,9 +100,8 @@ LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu
     if (!counts[leg] && filter.anchored[leg]) filter.Release(leg);
   }
   memory.moved_feet += filter.Correct(feet, outlier);
-  for (int leg = 0; leg < kNumLegs; ++leg) {
+  for (int leg = 0; leg < kNumLegs; ++leg)
     if (counts[leg] && !filter.anchored[leg]) filter.Anchor(leg, feet[leg]);
-  }
   return Output(input.inertial, joints, memory);
 }
 

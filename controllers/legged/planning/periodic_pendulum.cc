@@ -66,9 +66,8 @@ PeriodicPendulum::Place PeriodicPendulum::Find(double t) const {
   place.t -= cycles * cycle_;
   place.beginning = path_.At(cycles * cycle_);
   std::size_t k = 0;
-  while (k + 1 < static_cast<std::size_t>(num_phases_) && place.t >= phases_[k].duration) {
+  while (k + 1 < static_cast<std::size_t>(num_phases_) && place.t >= phases_[k].duration)
     place.t -= phases_[k++].duration;
-  }
   place.phase = &phases_[k];
   return place;
 }

@@ -43,9 +43,8 @@ QuadraticProgram ZmpSpline::quadratic_program() const {
 QpReport ZmpSpline::Solve(const ZmpSplineProblem& problem, const ZmpSplineParams& params,
                           PlanarSpline* spline) {
   const auto phases = problem.phases.size();
-  if (phases == 0 || phases > kMaxPhases) {
+  if (phases == 0 || phases > kMaxPhases)
     throw RunError(fmt::format("a spline over {} support phases: give one to {} phases", phases, kMaxPhases));
-  }
   segments_per_phase_ = params.order == SplineOrder::kCubic ? 2 : 1;
   free_ = params.order == SplineOrder::kCubic ? 1 : 3;
   MakeSegments(problem);
@@ -65,9 +64,8 @@ QpReport ZmpSpline::Solve(const ZmpSplineProblem& problem, const ZmpSplineParams
     spline->duration += segment.duration;
     for (int i = 0; i < kCoefficients; ++i) {
       const auto row = maps_.row(kCoefficients * k + i);
-      for (int axis = 0; axis < 2; ++axis) {
+      for (int axis = 0; axis < 2; ++axis)
         segment.coefficients[i][axis] = row[n_ + axis] + row.head(n_).dot(solution.segment(axis * n_, n_));
-      }
     }
   }
   return report;
@@ -76,11 +74,9 @@ QpReport ZmpSpline::Solve(const ZmpSplineProblem& problem, const ZmpSplineParams
 /// Coefficients of each segment: three from the end of the previous one, the others from its variables.
 void ZmpSpline::MakeSegments(const ZmpSplineProblem& problem) {
   num_segments_ = 0;
-  for (const SupportPhase& phase : problem.phases) {
-    for (int i = 0; i < segments_per_phase_; ++i) {
+  for (const SupportPhase& phase : problem.phases)
+    for (int i = 0; i < segments_per_phase_; ++i)
       duration_[num_segments_++] = phase.duration / segments_per_phase_;
-    }
-  }
   n_ = num_segments_ * free_;
   origin_ = problem.begin.position;
   maps_.setZero();
@@ -95,9 +91,8 @@ void ZmpSpline::MakeSegments(const ZmpSplineProblem& problem) {
       map.row(1) = T * Derivative(1, k - 1, 1);
       map.row(2) = T * T / 2 * Derivative(2, k - 1, 1);
     }
-    for (int i = 0; i < free_; ++i) {  // the second integral of u s^m is u s^(m + 2) / ((m + 1) (m + 2))
+    for (int i = 0; i < free_; ++i)  // the second integral of u s^m is u s^(m + 2) / ((m + 1) (m + 2))
       map(3 + i, k * free_ + i) = T * T / ((i + 2) * (i + 3));
-    }
   }
 }
 
@@ -120,9 +115,8 @@ void ZmpSpline::AddSquare(const Functional& f, const Eigen::Vector2d& target, do
     if (linear[i] == 0) continue;
     H_.col(i).segment(i, n_ - i) += 2 * weight * linear[i] * linear.tail(n_ - i).transpose();
   }
-  for (int axis = 0; axis < 2; ++axis) {
+  for (int axis = 0; axis < 2; ++axis)
     g_.segment(axis * n_, n_) += 2 * weight * (f[n_ + axis] - target[axis]) * linear.transpose();
-  }
 }
 
 void ZmpSpline::AddCost(const ZmpSplineProblem& problem, double path_weight) {

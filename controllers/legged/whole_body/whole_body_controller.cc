@@ -61,11 +61,10 @@ Eigen::Vector3d WithoutTipping(const Eigen::Vector3d& force, const Eigen::Vector
   double to_touchdown = 0;
   for (int leg = 0; leg < kNumLegs; ++leg) {
     const LegContact& contact = schedule.legs[leg];
-    if (contact.stance()) {
+    if (contact.stance())
       feet[count++] = dynamics.foot(leg).p_W;
-    } else {
+    else
       to_touchdown = std::max(to_touchdown, contact.time_to_touchdown);
-    }
   }
   const double time = to_touchdown + gains.tip_margin;
   const Eigen::Vector3d line = (feet[1] - feet[0]).normalized(), across = normal.cross(line).normalized();
@@ -100,9 +99,8 @@ void WholeBodyController::CalcDynamics(const QuadrupedDynamics& of_model, const 
                                        QuadrupedDynamics* dynamics) const {
   *dynamics = of_model;
   const Vec<3> arm = ground.ContactArm(params.robot.foot_radius);
-  for (int leg = 0; leg < kNumLegs; ++leg) {
+  for (int leg = 0; leg < kNumLegs; ++leg)
     if (schedule.legs[leg].stance()) dynamics->feet[leg] = dynamics->Contact(leg, arm);
-  }
   if (gains.dynamics == BodyDynamics::kDecoupled) NeglectAngularMomentumBias(dynamics);
   if (gains.dynamics == BodyDynamics::kQuasiStatic) NeglectCoupling(dynamics);
 }
@@ -144,11 +142,10 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
   task.tilt = tilt.norm();
   Vec<6> disturbance;
   disturbance << wrench.force_W, wrench.torque_W;
-  if (gains.dynamics != BodyDynamics::kDecoupled) {
+  if (gains.dynamics != BodyDynamics::kDecoupled)
     task.disturbance = disturbance;
-  } else {
+  else
     task.wrench -= disturbance;
-  }
   const Vec<3> by_others = task.disturbance.head<3>();
   const Vec<3> by_ground =
       WithinFriction(task.wrench.head<3>() - by_others, task.normal_W, gains.grip_limit * gains.qp.friction);

@@ -193,11 +193,10 @@ TENON_VECTOR_CLONES void WholeBodyQp::MakeProblem(const QuadrupedDynamics& dynam
     for (int k = 0; k < 3; ++k) rows[(6 + 3 * leg + k) * kWidth + kConstant] = joints[k];
     S.noalias() += M_b.lazyProduct(by_trunk[leg]);
     right.col(12).noalias() -= M_b * joints;
-    if (task.stance[leg]) {
+    if (task.stance[leg])
       right.middleCols<3>(3 * leg) = J_b.transpose();
-    } else {
+    else
       right.middleCols<3>(3 * leg) = -M_b.lazyProduct(inverse[leg]);
-    }
   }
   alignas(32) double elimination[6 * kEliminationWidth] = {};
   for (int r = 0; r < 6; ++r) {

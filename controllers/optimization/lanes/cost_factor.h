@@ -134,11 +134,10 @@ class CostFactor {
  private:
   template <class Size>
   static constexpr bool kOneBlock = [] {
-    if constexpr (std::is_same_v<Size, int>) {
+    if constexpr (std::is_same_v<Size, int>)
       return false;
-    } else {
+    else
       return Size::value <= 16;
-    }
   }();
 
   // Ranges of the nonzeros in rows first to first + 3 of H, and in row j of L^T.
