@@ -68,7 +68,7 @@ ExternalForce PulseForce::CalcForce(double time, const ExternalForce& push, doub
 }
 
 void RandomForceParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  robot.CheckMass();
   Demand(upper >= lower,
          fmt::format("the bounds of the magnitude are {} and {} N: give lower <= upper", lower, upper));
 }
@@ -134,7 +134,7 @@ Vec<3> PointInBody(const QuadrupedDescription& robot, const LeggedState& x, int 
 }
 
 void SpringPullParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  robot.CheckMass();
   Demand(std::isfinite(stiffness) && stiffness >= 0 && std::isfinite(damping) && damping >= 0 &&
              std::isfinite(max_force) && max_force >= 0,
          fmt::format("stiffness = {} N/m, damping = {} N s/m and max_force = {} N must not be negative",

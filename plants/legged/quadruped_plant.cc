@@ -43,8 +43,7 @@ double DriveTorque(double command, double qd, const JointDescription& joint, con
 }
 
 void QuadrupedPlantParams::Validate() const {
-  if (!(robot.mass() > 0))
-    throw ParameterError("the robot has no mass; give a robot, as LoadQuadruped reads it");
+  robot.CheckMass();
   if (!(std::isfinite(payload.mass) && payload.com.allFinite() && payload.inertia.allFinite()))
     throw ParameterError(
         "the payload is not finite; give mass, centre of mass and inertia in SI units, 0 kg for none");

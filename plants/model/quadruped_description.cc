@@ -28,6 +28,10 @@ double QuadrupedDescription::mass() const {
   return sum;
 }
 
+void QuadrupedDescription::CheckMass() const {
+  if (!(mass() > 0)) throw ParameterError("the robot has no mass; give a robot, as LoadQuadruped reads it");
+}
+
 Eigen::Vector3d QuadrupedDescription::HipPosition(int leg, const Vec<kNumJoints>& q) const {
   const LegDescription& at = legs[leg];
   return PointInTrunk(at, 0, at.joints[1].p_PJ, q.segment<kJointsPerLeg>(kJointsPerLeg * leg));

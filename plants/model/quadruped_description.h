@@ -115,6 +115,7 @@ struct QuadrupedDescription {
   std::array<std::shared_ptr<const TriangleMesh>, 1 + kNumJoints> meshes;
 
   double mass() const;
+  void CheckMass() const;  ///< throws ParameterError if the robot has no mass
   const JointDescription& joint(int j) const { return legs[j / kJointsPerLeg].joints[j % kJointsPerLeg]; }
   /// Origin of the leg's hip pitch joint in B at the joint angles q [m].
   Eigen::Vector3d HipPosition(int leg, const Vec<kNumJoints>& q) const;

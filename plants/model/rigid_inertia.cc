@@ -55,6 +55,10 @@ void CheckInertia(const Eigen::Matrix3d& inertia) {
         moments));
 }
 
+void CheckGravity(double gravity) {
+  if (!(gravity > 0)) throw ParameterError(fmt::format("gravity is {} m/s^2: it must be positive", gravity));
+}
+
 void AttachedBody::Validate() const {
   if (joint != AttachedJoint::kWeld && joint != AttachedJoint::kBall && !(axis.norm() > 0))
     throw ParameterError("axis has the length 0: give the direction of the pin or slider");

@@ -25,5 +25,7 @@ RigidInertia operator+(const RigidInertia& a, const RigidInertia& b);
 void CheckInertia(const Eigen::Matrix3d& inertia);
 
 inline constexpr double kGravity = 9.81;  ///< standard gravity, rounded as in Morlando 2023 [m/s^2]
+/// Throws ParameterError unless `gravity` [m/s^2] is positive.
+void CheckGravity(double gravity);
 
 }  // namespace tenon

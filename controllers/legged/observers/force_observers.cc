@@ -13,10 +13,6 @@ void ComObserverGains::Validate() const {
   torque_bandwidth.CheckSize("torque_bandwidth_rad_per_s", 3, "axes");
 }
 
-void ComObserverParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-}
-
 WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const QuadrupedDynamics& dynamics,
                                          const FootForces& foot_forces, const GroundPlane& ground,
                                          const Vec<3>& specific_force_W, const WrenchEstimate& known,
@@ -71,7 +67,7 @@ void LegObserverGains::Validate() const {
 }
 
 void LegMomentumObserverParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  robot.CheckMass();
   gains.Validate();
 }
 
@@ -120,8 +116,8 @@ void ContactThresholds::Validate() const {
 }
 
 void GroundForceObserverParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-  Demand(gravity > 0, fmt::format("gravity = {} m/s^2 must be positive", gravity));
+  robot.CheckMass();
+  CheckGravity(gravity);
   Demand(std::isfinite(min_singular_value) && min_singular_value > 0,
          fmt::format("min_singular_value = {} m must be finite and positive, or a straight leg is singular",
                      min_singular_value));

@@ -74,10 +74,6 @@ void Measure(const QuadrupedDescription& robot, const LeggedState& state, const 
 
 }  // namespace
 
-void GroundEstimatorParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-}
-
 GroundPlane GroundEstimator::CalcGround(const LeggedState& state, const ContactSchedule& schedule,
                                         const GroundBelief& belief, Memory& memory) const {
   const bool first = !memory.started;

@@ -102,7 +102,7 @@ void CentroidalMpcParams::Validate() const {
   Demand(periods > 0.5 && std::abs(periods - std::round(periods)) < 1e-6,
          fmt::format("step = {} s is not a multiple of the period of {} s", mpc.step, rate.period()));
   Demand(friction > 0, fmt::format("friction = {} must be positive", friction));
-  Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
+  CheckGravity(gravity);
   CheckRanges(mpc, "mpc");
 }
 

@@ -2,8 +2,6 @@
 #include <tenon/controllers/legged/planning/pacer.h>
 #include <tenon/plants/model/vectors.h>
 
-#include <fmt/core.h>
-
 namespace tenon {
 namespace {
 
@@ -14,7 +12,7 @@ constexpr double kFastest = 10;              // upper end of the search for the 
 
 void PacerParams::Validate() const {
   CheckRanges(pace, "pace");
-  Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
+  CheckGravity(gravity);
 }
 
 Pacer::Pacer(const PacerParams& p)

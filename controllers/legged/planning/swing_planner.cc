@@ -2,8 +2,6 @@
 #include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
-#include <fmt/core.h>
-
 namespace tenon {
 namespace {
 
@@ -79,10 +77,6 @@ FootReference Search(const SwingPlanner::LegMemory& leg, const StepProperties& s
 }
 
 }  // namespace
-
-void SwingPlannerParams::Validate() const {
-  Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
-}
 
 void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& path,
                             const BodyReference& body, const LeggedState& state, const GroundPlane& ground,

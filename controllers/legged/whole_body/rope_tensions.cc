@@ -35,7 +35,7 @@ QpReport Checked(const QpReport& report) {
 
 void RopeTensionsParams::Validate() const {
   CheckRopes(ropes);
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  robot.CheckMass();
   Demand(friction > 0, fmt::format("friction = {} must be positive; give a coefficient above 0", friction));
 }
 
