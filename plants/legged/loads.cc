@@ -2,8 +2,8 @@
 #include <tenon/plants/legged/ropes.h>
 #include <tenon/plants/legged/sliding_load.h>
 #include <tenon/plants/legged/spring_pull.h>
+#include <tenon/plants/model/vectors.h>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 #include <fmt/format.h>
 
@@ -160,9 +160,8 @@ ExternalForce SpringPull::CalcForce(const LeggedState& state, const SpringGrip& 
   const BodyPoint point = PointOfBody(params.robot, state, grip.body, grip.p_B);
   force.body = grip.body;
   force.p_B = grip.p_B;
-  force.force_W = params.stiffness * (grip.target_W - point.p_W) - params.damping * point.v_W;
-  const double size = force.force_W.norm();
-  if (size > params.max_force) force.force_W *= params.max_force / size;
+  force.force_W = Shortened<3>(params.stiffness * (grip.target_W - point.p_W) - params.damping * point.v_W,
+                               params.max_force);
   return force;
 }
 
