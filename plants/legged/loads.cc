@@ -4,7 +4,6 @@
 #include <tenon/plants/legged/spring_pull.h>
 #include <tenon/plants/model/vectors.h>
 
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <numbers>

@@ -1,7 +1,6 @@
 #include <tenon/plants/legged/quadruped_plant.h>
 
 #include <Eigen/Geometry>
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 namespace tenon {

@@ -4,7 +4,6 @@
 #include <tenon/plants/model/swivel_pulley.h>
 #include <tenon/plants/model/vectors.h>
 
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <algorithm>

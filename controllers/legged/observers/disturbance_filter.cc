@@ -2,7 +2,6 @@
 #include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/systems/framework/block/system.h>
 
-#include <fmt/core.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
