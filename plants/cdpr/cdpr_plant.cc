@@ -1,6 +1,5 @@
 #include <tenon/plants/cdpr/cdpr_plant.h>
 #include <tenon/plants/model/platform_springs.h>
-#include <tenon/plants/model/vectors.h>
 #include <tenon/plants/signals/euler.h>
 
 #include <fmt/format.h>
@@ -18,14 +17,6 @@ void CheckFinite(const char* name, const Vec<3>& v) {
 
 PlatformWrench Sum(const PlatformWrench& a, const PlatformWrench& b) {
   return {a.force_W + b.force_W, a.torque_W + b.torque_W};
-}
-
-/// Spatial inertia of a mass at r about the origin, angular before linear.
-Eigen::Matrix<double, 6, 6> PointMassInertia(double mass, const Vec<3>& r) {
-  Eigen::Matrix<double, 6, 6> inertia;
-  const Eigen::Matrix3d moment = mass * CrossMatrix(r);
-  inertia << PointInertia(mass, r), moment, -moment, mass * Eigen::Matrix3d::Identity();
-  return inertia;
 }
 
 }  // namespace
@@ -206,7 +197,8 @@ void CdprPlant::CalcRates(const PlatformState& x, const CableForces& cables, con
   const Vec<3> load = -payload.mass * (x.w_W.cross(x.w_W.cross(r)) + Vec<3>(0, 0, params.gravity));
   const PointForce forces[] = {{0, x.p_WB, total.force_W, total.torque_W}, {0, x.p_WB + r, load}};
   Eigen::VectorXd acceleration;
-  extended.CalcRates({}, forces, added_forces, PointMassInertia(payload.mass, r), &acceleration, out);
+  const auto carried = SpatialInertia(payload.mass, r, PointInertia(payload.mass, r));
+  extended.CalcRates({}, forces, added_forces, carried, &acceleration, out);
   out->platform = {acceleration.tail<3>(), acceleration.head<3>()};
 }
 
