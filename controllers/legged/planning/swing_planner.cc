@@ -93,8 +93,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
   PlanarPath below = BelowTheRobot(path, body, state, step);
   below.position_W += Displacement(known_wrench, ground.slope);
   // The feet of a robot in the air move with their hips: held in place, they would fold the falling legs.
-  const bool flies = std::ranges::all_of(
-      schedule.legs, [](const LegContact& leg) { return leg.state == ContactState::kSearching; });
+  const bool flies = schedule.Count(ContactState::kSearching) == kNumLegs;
   for (int i = 0; i < kNumLegs; ++i) {
     LegMemory& leg = memory.legs[i];
     const ContactState before = leg.state;
