@@ -73,7 +73,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
   held_.assign(static_cast<std::size_t>(cables), 0);
   for (Eigen::Index i = 0; i < broken.size(); ++i) {
     if (broken[i] == 0) continue;
-    held_[static_cast<std::size_t>(i)] = 1;
+    held_[i] = 1;
     tension_[i] = 0;
     wanted.noalias() += at.tension[i] * cables_.structure.col(i);
   }
@@ -82,14 +82,13 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     Matrix6d gram;
     gram.noalias() = by_turn * by_turn.transpose();
     for (Eigen::Index i = 0; i < cables; ++i)
-      if (held_[static_cast<std::size_t>(i)] == 0)
-        gram.noalias() += cables_.structure.col(i) * cables_.structure.col(i).transpose();
+      if (held_[i] == 0) gram.noalias() += cables_.structure.col(i) * cables_.structure.col(i).transpose();
     gram.diagonal() += Vector6d::Ones() - solved;
     multiplier = internal::SolveLdlt<6>(gram, wanted);
     excess = 0;
     Eigen::Index worst = 0;
     for (Eigen::Index i = 0; i < cables; ++i) {
-      if (held_[static_cast<std::size_t>(i)] != 0) continue;
+      if (held_[i] != 0) continue;
       tension_[i] = at.tension[i] + cables_.structure.col(i).dot(multiplier);
       const double beyond =
           std::max(robot_.tension_min(i) - tension_[i], tension_[i] - robot_.tension_max(i));
@@ -100,7 +99,7 @@ void BalancedReference::Calc(const CdprReference& at, const LoadEstimate& load, 
     }
     if (excess == 0 || spare == 0) break;
     const double bound = std::clamp(tension_[worst], robot_.tension_min(worst), robot_.tension_max(worst));
-    held_[static_cast<std::size_t>(worst)] = 1;
+    held_[worst] = 1;
     wanted.noalias() -= (bound - at.tension[worst]) * cables_.structure.col(worst);
     tension_[worst] = bound;
   }

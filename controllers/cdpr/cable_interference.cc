@@ -38,9 +38,7 @@ std::vector<Eigen::Vector3d> FacesAt(const std::vector<Eigen::Vector3d>& points,
 
 CableInterference::CableInterference(const CdprDescription& robot) {
   std::vector<Eigen::Vector3d> hull{Eigen::Vector3d::Zero()};
-  for (const CableDescription& cable : robot.cables) {
-    hull.push_back(cable.attachment_B);
-  }
+  for (const CableDescription& cable : robot.cables) hull.push_back(cable.attachment_B);
   if (const auto plane =
           robot.cables.empty() ? std::nullopt : PlaneOf(robot)) {  // as a flat platform would have no side
     for (std::size_t k = hull.size(); k-- > 0;)

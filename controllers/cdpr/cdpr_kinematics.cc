@@ -82,7 +82,7 @@ void AddWrenchByTurn(const CableKinematics& cables, int i, double tension, const
 
 CableLine CalcCableLine(const CdprDescription& robot, int index, const Eigen::Vector3d& p_WB,
                         const Eigen::Matrix3d& R_WB) {
-  const CableDescription& cable = robot.cables[static_cast<std::size_t>(index)];
+  const CableDescription& cable = robot.cables[index];
   CableLine line;
   line.arm_W = R_WB * cable.attachment_B;
   const Eigen::Vector3d span = cable.anchor_W - p_WB - line.arm_W;
@@ -146,19 +146,18 @@ std::optional<CablePlane> PlaneOf(const CdprDescription& robot) {
   if (robot.on_table) return CablePlane{2, robot.cables[0].anchor_W.z(), {0, 1, 5}};
   for (const int normal : {0, 1}) {
     const double at = robot.cables[0].anchor_W[normal];
-    const bool within = std::ranges::all_of(robot.cables, [&](const CableDescription& cable) {
-      const bool stays =
-          !cable.anchor_path || std::ranges::all_of(cable.anchor_path->offsets, [&](const auto& offset) {
-            return std::abs(offset[normal]) < kInPlane;
-          });
-      return stays && std::abs(cable.anchor_W[normal] - at) < kInPlane &&
-             std::abs(cable.attachment_B[normal]) < kInPlane;
-    });
-    const bool springs_within = std::ranges::all_of(robot.springs, [&](const SpringDescription& spring) {
-      return std::abs(spring.anchor_W[normal] - at) < kInPlane &&
-             std::abs(spring.attachment_B[normal]) < kInPlane;
-    });
-    if (within && springs_within) return CablePlane{normal, at, {1 - normal, 2, 3 + normal}};
+    const auto lies = [&](const auto& each) {  // a cable or a spring
+      return std::abs(each.anchor_W[normal] - at) < kInPlane &&
+             std::abs(each.attachment_B[normal]) < kInPlane;
+    };
+    const auto stays = [&](const CableDescription& cable) {
+      return !cable.anchor_path || std::ranges::all_of(cable.anchor_path->offsets, [&](const auto& offset) {
+        return std::abs(offset[normal]) < kInPlane;
+      });
+    };
+    if (std::ranges::all_of(robot.cables, lies) && std::ranges::all_of(robot.cables, stays) &&
+        std::ranges::all_of(robot.springs, lies))
+      return CablePlane{normal, at, {1 - normal, 2, 3 + normal}};
   }
   return {};
 }

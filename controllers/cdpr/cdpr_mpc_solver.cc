@@ -4,7 +4,6 @@
 #include <tenon/systems/analysis/lqr.h>
 #include <tenon/systems/framework/block/system.h>
 
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <variant>

@@ -27,7 +27,7 @@ class Mapper {
     std::size_t axis = 0;
     double longest = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-      const double length = part.size[k] * options_.grid.cell()[static_cast<int>(k)];
+      const double length = part.size[k] * options_.grid.cell()[k];
       if (part.size[k] == 1 || length <= longest) continue;
       longest = length;
       axis = k;

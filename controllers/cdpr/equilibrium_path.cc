@@ -2,7 +2,6 @@
 #include <tenon/plants/signals/euler.h>
 #include <tenon/systems/block.h>
 
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -218,11 +218,10 @@ class StaticsProblem {
     std::vector<int> free(angles);
     std::iota(free.begin(), free.end(), 0);
     for (int i = 0; i < n; ++i) {
-      if (side[i] == 0) {
+      if (side[i] == 0)
         free.push_back(angles + i);
-      } else {
+      else
         (*x)[angles + i] = side[i] < 0 ? lower_[i] : upper_[i];
-      }
     }
     const int count = static_cast<int>(free.size());
     if (count < equations) return false;
@@ -234,9 +233,7 @@ class StaticsProblem {
       const MatrixXd reduced = jacobian(Eigen::all, free);
       VectorXd objective = *x;
       objective.head(angles).setZero();
-      if (iteration == 0) {
-        multiplier = SolveLeastSquaresBasic(reduced.transpose(), -objective(free));
-      }
+      if (iteration == 0) multiplier = SolveLeastSquaresBasic(reduced.transpose(), -objective(free));
       *gradient = objective + jacobian.transpose() * multiplier;
 
       VectorXd defect(count + equations);
@@ -247,10 +244,8 @@ class StaticsProblem {
       kkt.topRightCorner(count, equations) = reduced.transpose();
       kkt.bottomLeftCorner(equations, count) = reduced;
       const double scale = 1 + multiplier.cwiseAbs().maxCoeff();
-      if (defect.head(count).cwiseAbs().maxCoeff() < 1e-12 * scale &&
-          residual.cwiseAbs().maxCoeff() < 1e-13) {
+      if (defect.head(count).cwiseAbs().maxCoeff() < 1e-12 * scale && residual.cwiseAbs().maxCoeff() < 1e-13)
         return IsMinimum(kkt, count);
-      }
       VectorXd step = SolveLinear(kkt, -defect);
       if (!step.allFinite()) return false;
       const double turn = step.head(angles).norm();
@@ -326,9 +321,8 @@ std::optional<StaticEquilibrium> SearchAttitudes(const CdprDescription& robot, c
     const StaticEquilibrium found = MakeEquilibrium(robot, p_WB, problem.Euler(x), problem.Tension(x));
     const bool stable = IsStable(robot, found), best_stable = best && IsStable(robot, *best);
     if (!best || (stable && !best_stable) ||
-        (stable == best_stable && found.tension.norm() < best->tension.norm())) {
+        (stable == best_stable && found.tension.norm() < best->tension.norm()))
       best = found;
-    }
   }
   return best;
 }

@@ -99,8 +99,7 @@ KinoCentroidalModel<n>::KinoCentroidalModel(const CdprDescription& robot) : cabl
   // Cables that only pad the registers are far away, which avoids divisions by zero, and never pull.
   anchor_W_.setConstant(Padded(cables_), 3, 1e6);
   attachment_B_.setZero(anchor_W_.rows(), 3);
-  for (int i = 0; i < cables_; ++i)
-    anchor_W_.row(i) = robot.cables[static_cast<std::size_t>(i)].anchor_W.transpose();
+  for (int i = 0; i < cables_; ++i) anchor_W_.row(i) = robot.cables[i].anchor_W.transpose();
   gravity_ = robot.on_table ? 0 : kGravity;
   SetPayload(robot, {robot, {}});
 }
@@ -111,7 +110,7 @@ void KinoCentroidalModel<n>::SetPayload(const CdprDescription& robot, const Load
   com_B_ = body.com_B;
   inertia_inverse_ = body.mass * internal::Inverse<3>(body.inertia);
   for (int i = 0; i < robot.num_cables(); ++i)
-    attachment_B_.row(i) = (robot.cables[static_cast<std::size_t>(i)].attachment_B - body.com_B).transpose();
+    attachment_B_.row(i) = (robot.cables[i].attachment_B - body.com_B).transpose();
   springs_ = robot.springs;
   for (SpringDescription& spring : springs_) spring.attachment_B -= body.com_B;
 }

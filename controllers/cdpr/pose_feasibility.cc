@@ -169,7 +169,7 @@ void PoseFeasibility::Differentiate(const PoseBall& poses) {
     const double length = cables_.length[i], arm = arm_W.norm();
     const Eigen::Matrix3d P = (Eigen::Matrix3d::Identity() - lambda * lambda.transpose()) / length,
                           X = CrossMatrix(arm_W);
-    Matrix6d& derivative = derivative_[static_cast<std::size_t>(i)];
+    Matrix6d& derivative = derivative_[i];
     derivative.topLeftCorner<3, 3>() = -P;
     derivative.topRightCorner<3, 3>() = P * X;
     if (turns()) {
@@ -193,7 +193,7 @@ double PoseFeasibility::OverBall(const Eigen::Matrix<double, 1, 6>& row) const {
 
 /// Returns the largest change of c . w_i over the set for a unit vector c.
 double PoseFeasibility::ChangeAlong(const SmallVector& c, int cable) const {
-  const Matrix6d& derivative = derivative_[static_cast<std::size_t>(cable)];
+  const Matrix6d& derivative = derivative_[cable];
   const Eigen::Matrix<double, 1, 6> row = c.transpose() * derivative.topRows(rows_);
   return std::min(change_[cable], OverBall(row) + remainder_[cable]);
 }
@@ -273,7 +273,7 @@ bool PoseFeasibility::HoldsByTensions(const SmallMatrix& gram_inverse, double co
   if (!found.feasible) return false;
 
   Matrix6d first_order = Matrix6d::Zero();
-  for (int i = 0; i < n; ++i) first_order += found.tension[i] * derivative_[static_cast<std::size_t>(i)];
+  for (int i = 0; i < n; ++i) first_order += found.tension[i] * derivative_[i];
   const double remainder = found.tension.dot(remainder_);
   double square = 0;
   for (int k = 0; k < rows_; ++k) square += std::pow(OverBall(first_order.row(k)), 2);

@@ -119,9 +119,8 @@ TENON_VECTOR_CLONES void WrenchFeasibility::Eliminate(int level, int first) {
   // The remaining rows - 2 columns come after this one.
   for (int column = first; column + rows - 2 < columns; ++column) {
     int pivot = 0;
-    for (int r = 1; r < rows; ++r) {
+    for (int r = 1; r < rows; ++r)
       if (std::abs(from[r * width + column]) > std::abs(from[pivot * width + column])) pivot = r;
-    }
     const double* pivot_row = from + pivot * width;
     if (!(std::abs(pivot_row[column]) > smallest_pivot_)) {
       SkipFacets(Choose(columns - column - 1, rows - 2));

@@ -90,11 +90,10 @@ TENON_INLINE bool DualActiveSet::FindViolated(const QuadraticProgram& qp, Size n
   const int count = num_inequalities_;
   const double* const b = qp.b_in.data();
   double* const slack = slack_.data();
-  if (z_is_formed_) {
+  if (z_is_formed_)
     MultiplyColumns(x_.data(), n, slack);
-  } else {
+  else
     Products(qp.A_in.data(), qp.A_in.outerStride(), count, x_.data(), n, slack);
-  }
   int i = 0;
   for (; i + 4 <= count; i += 4) *PacketAt(slack + i) -= *PacketAt(b + i);
   for (; i < count; ++i) slack[i] -= b[i];

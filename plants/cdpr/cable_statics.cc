@@ -108,7 +108,7 @@ CableStatics CalcCableStatics(const CdprDescription& robot, int index, const Vec
         index, rest_length));
 
   CableStatics out;
-  out.anchor_W = out.exit_W = robot.cables[static_cast<std::size_t>(index)].anchor_W;
+  out.anchor_W = out.exit_W = robot.cables[index].anchor_W;
   // Seen from the platform, the anchor is the end of a cable over a pulley at the attachment.
   const bool carried = robot.carries_pulley(index);
   const Vec<3> to_swivel = carried ? Vec<3>(R_WB.transpose() * -span_W) : span_W;

@@ -58,7 +58,7 @@ Geometry MakeCdprGeometry(const CdprDescription& robot) {
   if (robot.has_pulleys())
     for (std::size_t i = 0; i < robot.cables.size(); ++i)
       shapes.push_back(Shape::Cylinder(ShapeRole::kFixture, "pulley " + std::to_string(i),
-                                       robot.pulley_radius(static_cast<Eigen::Index>(i)), kPulleyWidth));
+                                       robot.pulley_radius(i), kPulleyWidth));
   for (std::size_t i = 0; i < robot.cables.size(); ++i) {
     Shape anchor = Shape::Sphere(ShapeRole::kFixture, "anchor " + std::to_string(i), thicker * kAnchorRadius);
     Shape post = Shape::Segment(ShapeRole::kFixture, "post " + std::to_string(i), thicker * kPostRadius);
@@ -110,14 +110,14 @@ void MoveCdprGeometry(const CdprDescription& robot, const PlatformState& platfor
       Shape& piece = shapes[kFirstCable + i * pieces + k];
       piece.p_W = from_W;
       piece.vector_W = to_W - from_W;
-      piece.value = tension[static_cast<Eigen::Index>(i)];
+      piece.value = tension[i];
       from_W = to_W;
     }
     if (!has_pulleys) continue;
-    const double radius = robot.pulley_radius(static_cast<Eigen::Index>(i));
+    const double radius = robot.pulley_radius(i);
     Shape& pulley = shapes[kFirstCable + robot.cables.size() * pieces + i];
     pulley.visible = radius > 0;
-    const bool carried = robot.carries_pulley(static_cast<Eigen::Index>(i));
+    const bool carried = robot.carries_pulley(i);
     pulley.p_W = (carried ? swivel_W : cable.anchor_W) + radius * cable.plane_W;
     // A quarter turn about the direction of the plane brings the swivel axis to the pulley's axle.
     const double half = std::numbers::sqrt2 / 2;

@@ -26,7 +26,7 @@ Verdict CdprMonitor::CheckPlace(double time, const PlatformState& platform, doub
                        floor - lowest, floor);
 
   const auto anchor_W = [&](int i) -> Eigen::Vector3d {
-    return params.robot.cables[static_cast<std::size_t>(i)].anchor_W + anchors_.At(i, time).position;
+    return params.robot.cables[i].anchor_W + anchors_.At(i, time).position;
   };
   const int n = params.robot.num_cables();
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();

@@ -1,6 +1,5 @@
 #include <tenon/plants/cdpr/cdpr_plant.h>
 #include <tenon/plants/model/platform_springs.h>
-#include <tenon/plants/model/vectors.h>
 #include <tenon/plants/signals/euler.h>
 
 #include <fmt/format.h>
@@ -18,14 +17,6 @@ void CheckFinite(const char* name, const Vec<3>& v) {
 
 PlatformWrench Sum(const PlatformWrench& a, const PlatformWrench& b) {
   return {a.force_W + b.force_W, a.torque_W + b.torque_W};
-}
-
-/// Spatial inertia of a mass at r about the origin, angular before linear.
-Eigen::Matrix<double, 6, 6> PointMassInertia(double mass, const Vec<3>& r) {
-  Eigen::Matrix<double, 6, 6> inertia;
-  const Eigen::Matrix3d moment = mass * CrossMatrix(r);
-  inertia << PointInertia(mass, r), moment, -moment, mass * Eigen::Matrix3d::Identity();
-  return inertia;
 }
 
 }  // namespace
@@ -57,7 +48,7 @@ void CdprPlantParams::Validate() const {
     if (!(std::isfinite(initial_tension[i]) && initial_tension[i] >= 0))
       throw ParameterError(fmt::format(
           "initial_tension of cable {} is {} N; a cable cannot push, give 0 or more", i, initial_tension[i]));
-    const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
+    const CableDescription& cable = robot.cables[i];
     if (cable.anchor_W == p_WB + RotationFromEuler(euler) * cable.attachment_B)
       throw ParameterError(fmt::format(
           "cable {} has no length at the initial pose: its attachment is at its anchor; move p_WB", i));
@@ -75,7 +66,7 @@ CdprPlant::Start CdprPlant::StartOf(const CdprPlantParams& params) {
       Eigen::VectorXd(n), Eigen::VectorXd(n), {}, {}, std::vector<int>(static_cast<std::size_t>(n), -1)};
   const Eigen::Matrix3d R_WB = RotationFromEuler(params.euler);
   for (int i = 0; i < n; ++i) {
-    const CableDescription& cable = robot.cables[static_cast<std::size_t>(i)];
+    const CableDescription& cable = robot.cables[i];
     const Vec<3> span = cable.anchor_W - params.p_WB - R_WB * cable.attachment_B;
     try {
       start.rest_length[i] = CalcRestLength(robot, i, span, params.initial_tension[i], params.gravity, R_WB);
@@ -94,8 +85,8 @@ CdprPlant::Start CdprPlant::StartOf(const CdprPlantParams& params) {
   }
   if (robot.winch.differential) {
     for (const auto& [i, j] : robot.winch.differential->pairs) {
-      start.partner[static_cast<std::size_t>(i)] = j;
-      start.partner[static_cast<std::size_t>(j)] = i;
+      start.partner[i] = j;
+      start.partner[j] = i;
     }
   }
   return start;
@@ -124,8 +115,7 @@ void CdprPlant::CalcCableForces(double time, const PlatformState& x, const Eigen
   const WinchProperties& winch = params.robot.winch;
   const Eigen::Matrix3d R_WB = x.R_WB();
   for (int i = 0; i < n; ++i) {
-    const auto index = static_cast<std::size_t>(i);
-    const CableDescription& cable = params.robot.cables[index];
+    const CableDescription& cable = params.robot.cables[i];
     Vec<3> arm = R_WB * cable.attachment_B;
     Vec<3> span = cable.anchor_W - x.p_WB - arm;
     PathPoint moved;
@@ -134,7 +124,7 @@ void CdprPlant::CalcCableForces(double time, const PlatformState& x, const Eigen
       span += moved.position;
     }
     const double rest = rest_length[i];
-    CableStatics& statics = out->statics[index];
+    CableStatics& statics = out->statics[i];
     statics = CalcCableStatics(params.robot, i, span, rest, params.gravity, R_WB);
     arm += statics.lead_W;
     const Vec<3>& direction = statics.direction_W;
@@ -152,7 +142,7 @@ void CdprPlant::CalcCableForces(double time, const PlatformState& x, const Eigen
     DrumTurn turn;
     if (winch.drum) {
       turn = DrumTurnAt(*winch.drum, i, rest);
-      out->reeling[i] = turn.radius / start.drum_radius[index];
+      out->reeling[i] = turn.radius / start.drum_radius[i];
     }
 
     const WinchMotion motion = MotionOf(i, motor_tension[i], reel_speed[i], out->reeling[i], faults);
@@ -169,7 +159,7 @@ void CdprPlant::CalcCableForces(double time, const PlatformState& x, const Eigen
       out->potential += statics.potential_energy;
     }
     if (winch.drum) {
-      const double turned = start.drum_radius[index] * (start.drum_angle[index] - turn.angle);
+      const double turned = start.drum_radius[i] * (start.drum_angle[i] - turn.angle);
       const double told = turned - (rest - start.rest_length[i]);
       signals.length[i] += told;
       signals.rest_length[i] += told;
@@ -207,7 +197,8 @@ void CdprPlant::CalcRates(const PlatformState& x, const CableForces& cables, con
   const Vec<3> load = -payload.mass * (x.w_W.cross(x.w_W.cross(r)) + Vec<3>(0, 0, params.gravity));
   const PointForce forces[] = {{0, x.p_WB, total.force_W, total.torque_W}, {0, x.p_WB + r, load}};
   Eigen::VectorXd acceleration;
-  extended.CalcRates({}, forces, added_forces, PointMassInertia(payload.mass, r), &acceleration, out);
+  const auto carried = SpatialInertia(payload.mass, r, PointInertia(payload.mass, r));
+  extended.CalcRates({}, forces, added_forces, carried, &acceleration, out);
   out->platform = {acceleration.tail<3>(), acceleration.head<3>()};
 }
 
@@ -291,7 +282,7 @@ void CdprPlant::CalcMotorTensionRate(const Eigen::VectorXd& motor_tension, const
   rate->resize(n);
   for (int i = 0; i < n; ++i) {
     double asked = asked_of(i);
-    if (const int j = start.partner[static_cast<std::size_t>(i)]; j >= 0)
+    if (const int j = start.partner[i]; j >= 0)
       asked = GivenByDifferential(*params.robot.winch.differential, asked, asked_of(j));
     (*rate)[i] = (asked - motor_tension[i]) / params.robot.winch.time_constant;
   }

@@ -1,4 +1,5 @@
 #include <tenon/plants/cdpr/free_rigid_body.h>
+#include <tenon/plants/model/rigid_inertia.h>
 #include <tenon/plants/model/vectors.h>
 #include <tenon/plants/simbody.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
@@ -19,15 +20,6 @@ SimTK::MassProperties MakeMassProperties(double mass, const Eigen::Matrix3d& I) 
         "the inertia with the moments {}, {}, {} kg m^2 is that of no rigid body; check values and units: {}",
         I(0, 0), I(1, 1), I(2, 2), error.what()));
   }
-}
-
-/// Spatial inertia of a mass at r with the moments of inertia J, both about and from the body's origin;
-/// angular before linear.
-Matrix6 SpatialInertia(double mass, const Vec<3>& r, const Eigen::Matrix3d& J) {
-  const Eigen::Matrix3d moment = mass * CrossMatrix(r);
-  Matrix6 inertia;
-  inertia << J, moment, -moment, mass * Eigen::Matrix3d::Identity();
-  return inertia;
 }
 
 Matrix6 ToEigen(const SimTK::SpatialInertia& body) {

@@ -2,8 +2,8 @@
 #include <tenon/plants/cdpr/hanging_load.h>
 #include <tenon/plants/cdpr/payload_schedule.h>
 #include <tenon/plants/cdpr/platform_pull.h>
+#include <tenon/plants/model/vectors.h>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <numbers>
@@ -61,10 +61,8 @@ Vec<3> PlatformPull::Force(const PlatformState& platform, const PlatformGrip& gr
   if (!grip.on) return Vec<3>::Zero();
   const Eigen::Vector3d arm = platform.R_WB() * grip.p_B;
   const Eigen::Vector3d velocity = platform.v_W + platform.w_W.cross(arm);
-  const Eigen::Vector3d force =
-      params.stiffness * (grip.target_W - platform.p_WB - arm) - params.damping * velocity;
-  const double size = force.norm();
-  return size > params.max_force ? params.max_force / size * force : force;
+  return Shortened<3>(params.stiffness * (grip.target_W - platform.p_WB - arm) - params.damping * velocity,
+                      params.max_force);
 }
 
 PlatformWrench PlatformPull::CalcWrench(const PlatformState& platform, const PlatformWrench& others,

@@ -86,14 +86,13 @@ bool CableFault::CalcActing(double time, const FaultSchedule& schedule, bool act
 
 void CableFault::CalcFaults(const CableFaults& others, bool acting, CableFaults* out) const {
   const auto take_over = [&](const CableVector& from, CableVector& to) {
-    if (from.size() == 0) {
+    if (from.size() == 0)
       to.setZero();
-    } else if (from.size() == to.size()) {
+    else if (from.size() == to.size())
       to = from;
-    } else {
+    else
       throw RunError(fmt::format("`others` are of {} cables, but num_cables is {}: give both the robot's",
                                  from.size(), to.size()));
-    }
   };
   take_over(others.stuck, out->stuck);
   take_over(others.broken, out->broken);

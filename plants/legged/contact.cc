@@ -40,7 +40,7 @@ FootContact CalcFootContact(const Terrain& terrain, const ContactProperties& con
   Vec<3> sum = Vec<3>::Zero();
   double friction = 0, arm = 0;  // force-weighted means; arm is the distance from the centre to the surface
   for (int i = 0; i < contacts.count; ++i) {
-    const Terrain::Contact& at = contacts.at[static_cast<std::size_t>(i)];
+    const Terrain::Contact& at = contacts.at[i];
     const double rate = -at.normal_W.dot(foot.v_W);
     const double N = contact.stiffness * Penetration(at.depth, contact.blend) *
                      std::max(0.0, 1 + contact.dissipation * rate);
@@ -111,8 +111,8 @@ BodyContact::BodyContact(const QuadrupedDescription& robot, const TerrainParams&
   for (const Sphere& sphere : spheres_) include(sphere.p, sphere.radius);
   for (int i = 1; i < kJointsPerLeg; ++i) {
     for (int leg = 0; leg < kNumLegs; ++leg) {
-      const auto& joints = robot.legs[static_cast<std::size_t>(leg)].joints;
-      const Vec<3>& p = joints[static_cast<std::size_t>(i)].p_PJ;
+      const auto& joints = robot.legs[leg].joints;
+      const Vec<3>& p = joints[i].p_PJ;
       spheres_.push_back({kJointsPerLeg * leg + i, p, radius});
       if (i == 1) include(joints[0].p_PJ, p.norm() + radius);
     }

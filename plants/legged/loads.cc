@@ -2,9 +2,8 @@
 #include <tenon/plants/legged/ropes.h>
 #include <tenon/plants/legged/sliding_load.h>
 #include <tenon/plants/legged/spring_pull.h>
+#include <tenon/plants/model/vectors.h>
 
-#include <Eigen/Geometry>
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <numbers>
@@ -26,7 +25,7 @@ ExternalForce PointOnLeg(const QuadrupedDescription& robot, int leg, double heig
   Demand(leg >= 0 && leg < kNumLegs, fmt::format("leg {} does not exist; give 0 to {}", leg, kNumLegs - 1));
   Demand(height >= 0 && height <= 1,
          fmt::format("height {} is not on the leg; give 0 for the foot to 1 for the hip", height));
-  const LegDescription& at = robot.legs[static_cast<std::size_t>(leg)];
+  const LegDescription& at = robot.legs[leg];
   const int shank = kJointsPerLeg * (leg + 1);
   ExternalForce force;
   if (height <= 0.5) {
@@ -68,7 +67,7 @@ ExternalForce PulseForce::CalcForce(double time, const ExternalForce& push, doub
 }
 
 void RandomForceParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  robot.CheckMass();
   Demand(upper >= lower,
          fmt::format("the bounds of the magnitude are {} and {} N: give lower <= upper", lower, upper));
 }
@@ -134,7 +133,7 @@ Vec<3> PointInBody(const QuadrupedDescription& robot, const LeggedState& x, int 
 }
 
 void SpringPullParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  robot.CheckMass();
   Demand(std::isfinite(stiffness) && stiffness >= 0 && std::isfinite(damping) && damping >= 0 &&
              std::isfinite(max_force) && max_force >= 0,
          fmt::format("stiffness = {} N/m, damping = {} N s/m and max_force = {} N must not be negative",
@@ -160,9 +159,8 @@ ExternalForce SpringPull::CalcForce(const LeggedState& state, const SpringGrip& 
   const BodyPoint point = PointOfBody(params.robot, state, grip.body, grip.p_B);
   force.body = grip.body;
   force.p_B = grip.p_B;
-  force.force_W = params.stiffness * (grip.target_W - point.p_W) - params.damping * point.v_W;
-  const double size = force.force_W.norm();
-  if (size > params.max_force) force.force_W *= params.max_force / size;
+  force.force_W = Shortened<3>(params.stiffness * (grip.target_W - point.p_W) - params.damping * point.v_W,
+                               params.max_force);
   return force;
 }
 
@@ -230,17 +228,15 @@ void SlidingLoad::CalcGeometry(const LeggedState& robot, const LoadMotion& motio
 
 void Ropes::CalcTension(const CableVector& command, CableVector* tension) const {
   CheckNumCables(static_cast<int>(params.ropes.size()), command.size(), "Ropes");
-  for (std::size_t i = 0; i < params.ropes.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    (*tension)[k] = std::clamp(command[k], 0.0, params.ropes[i].tension_max);
-  }
+  for (std::size_t i = 0; i < params.ropes.size(); ++i)
+    (*tension)[i] = std::clamp(command[i], 0.0, params.ropes[i].tension_max);
 }
 
 ExternalForce Ropes::CalcForce(const LeggedState& robot, const CableVector& tension) const {
   ExternalForce sum;
   for (std::size_t i = 0; i < params.ropes.size(); ++i) {
     const RopeLine line = LineOf(params.ropes[i], robot);
-    const Vec<3> pull = tension[static_cast<Eigen::Index>(i)] * line.direction_W;
+    const Vec<3> pull = tension[i] * line.direction_W;
     sum.force_W += pull;
     sum.torque_W += line.arm_W.cross(pull);
   }
@@ -261,7 +257,7 @@ void Ropes::CalcGeometry(const LeggedState& robot, const CableVector& tension, G
     Shape& shape = (*geometry)[i];
     shape.p_W = robot.p_WB + line.arm_W;
     shape.vector_W = line.length * line.direction_W;
-    shape.value = tension[static_cast<Eigen::Index>(i)];
+    shape.value = tension[i];
   }
 }
 

@@ -26,8 +26,8 @@ Matrix3<double> MatrixOf(const SimTK::Rotation& R) {
   return out;
 }
 /// Index of the body that joint i of a leg moves; the trunk has index 0.
-std::size_t BodyOf(int leg, std::size_t i) {
-  return 1 + kJointsPerLeg * static_cast<std::size_t>(leg) + i;
+int BodyOf(int leg, int i) {
+  return 1 + kJointsPerLeg * leg + i;
 }
 
 /// The vector of one leg.
@@ -168,10 +168,10 @@ struct QuadrupedBody::Model {
     bodies[0] = SimTK::MobilizedBody::Free(matter.Ground(), SimTK::Transform(),
                                            SimTK::Body::Rigid(MassOf(robot.trunk).reexpress(axes[0])),
                                            SimTK::Transform());
-    for (std::size_t leg = 0; leg < kNumLegs; ++leg) {
-      for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
+    for (int leg = 0; leg < kNumLegs; ++leg) {
+      for (int i = 0; i < kJointsPerLeg; ++i) {
         const JointDescription& joint = robot.legs[leg].joints[i];
-        const std::size_t own = 1 + kJointsPerLeg * leg + i, carrier = i == 0 ? 0 : own - 1;
+        const int own = BodyOf(leg, i), carrier = i == 0 ? 0 : own - 1;
         axes[own] = Turned(joint.axis);
         bodies[own] = SimTK::MobilizedBody::Pin(
             bodies[carrier],
@@ -182,14 +182,14 @@ struct QuadrupedBody::Model {
     for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
       for (int k = 0; k < 3; ++k)
         offsets[i][k] = PerLeg::Of([&](int leg) {
-          const std::size_t own = BodyOf(leg, i), before = i == 0 ? 0 : own - 1;
-          const LegDescription& of = robot.legs[static_cast<std::size_t>(leg)];
+          const int own = BodyOf(leg, i), before = i == 0 ? 0 : own - 1;
+          const LegDescription& of = robot.legs[leg];
           return (~axes[before] * ToSimbody(of.joints[i].p_PJ))[k];
         });
     }
     for (int k = 0; k < 3; ++k)
       feet[k] = PerLeg::Of([&](int leg) {
-        const LegDescription& of = robot.legs[static_cast<std::size_t>(leg)];
+        const LegDescription& of = robot.legs[leg];
         return (~axes[BodyOf(leg, kJointsPerLeg - 1)] * ToSimbody(of.foot_J))[k];
       });
     RealizeTopology(system);
@@ -277,7 +277,7 @@ void QuadrupedBody::SetState(const LeggedState& x) {
   const Vec<4> turn = QuaternionProduct(x.q_WB, model_->trunk_turn);
   for (int i = 0; i < 4; ++i) q[i] = turn[i];
   for (int i = 0; i < 3; ++i) q[4 + i] = x.p_WB[i];
-  for (std::size_t j = 0; j < kNumJoints; ++j) q[model_->q_index[j]] = x.q[static_cast<Eigen::Index>(j)];
+  for (int j = 0; j < kNumJoints; ++j) q[model_->q_index[j]] = x.q[j];
   // Computes only the values that are read below; complete stages of the System take longer.
   model_->matter.realizePositionKinematics(state);
   Factorise();
@@ -307,7 +307,7 @@ void QuadrupedBody::Factorise() {
         R(row, column) =
             PerLeg::Of([&](int leg) { return work.poses[BodyOf(leg, i)]->R().asMat33()(row, column); });
     const Vector3<PerLeg> axis = R.col(2);
-    const PerLeg speed = PerLeg::Of([&](int leg) { return x.qd[static_cast<int>(BodyOf(leg, i)) - 1]; });
+    const PerLeg speed = PerLeg::Of([&](int leg) { return x.qd[BodyOf(leg, i) - 1]; });
     motion.a += motion.alpha.cross(arm) + w.cross(w.cross(arm));
     motion.alpha += speed * w.cross(axis);
     motion.v += w.cross(arm);
@@ -324,8 +324,7 @@ void QuadrupedBody::Factorise() {
   const Vector3<PerLeg> arm = R * model_->feet;
   const Vector3<PerLeg> foot = r + arm, foot_velocity = motion.v + motion.w.cross(arm);
   for (int leg = 0; leg < kNumLegs; ++leg)
-    work.feet[static_cast<std::size_t>(leg)] = {work.origin + Of(leg, foot), Of(leg, foot_velocity),
-                                                Of(leg, motion.w)};
+    work.feet[leg] = {work.origin + Of(leg, foot), Of(leg, foot_velocity), Of(leg, motion.w)};
 
   // From the feet to the trunk.
   Composite<PerLeg> carried;
@@ -333,10 +332,9 @@ void QuadrupedBody::Factorise() {
   Matrix3<PerLeg> M;
   Eigen::Matrix<PerLeg, 6, 3> momentum;  // momentum of the bodies that each joint carries, at unit speed
   for (int i = kJointsPerLeg - 1; i >= 0; --i) {
-    const auto at = static_cast<std::size_t>(i);
-    const Vector6<PerLeg>& axis = work.axes[at];
-    carried.Add(places[at], bodies[at]);
-    bias += biases[at];
+    const Vector6<PerLeg>& axis = work.axes[i];
+    carried.Add(places[i], bodies[i]);
+    bias += biases[i];
     momentum.col(i) = carried.Momentum(axis);
     for (int k = i; k < kJointsPerLeg; ++k) M(i, k) = M(k, i) = axis.dot(momentum.col(k));
     M(i, i) += model_->rotor_inertia;
@@ -355,7 +353,7 @@ void QuadrupedBody::Factorise() {
 }
 
 FootMotion QuadrupedBody::Foot(int leg) const {
-  return work_->feet[static_cast<std::size_t>(leg)];
+  return work_->feet[leg];
 }
 
 FootMotion QuadrupedBody::MotionOf(int body, const Vec<3>& p_B) const {
@@ -364,7 +362,7 @@ FootMotion QuadrupedBody::MotionOf(int body, const Vec<3>& p_B) const {
   FootMotion motion{p_W, work.x.v_W + work.x.w_W.cross(r), work.x.w_W};
   const int joint = body - 1, leg = body == 0 ? 0 : joint / kJointsPerLeg;
   for (int i = 0; body > 0 && i <= joint % kJointsPerLeg; ++i) {
-    const Vec<6> axis = work.x.qd[kJointsPerLeg * leg + i] * Of(leg, work.axes[static_cast<std::size_t>(i)]);
+    const Vec<6> axis = work.x.qd[kJointsPerLeg * leg + i] * Of(leg, work.axes[i]);
     motion.w_W += axis.head<3>();
     motion.v_W += axis.tail<3>() + Vec<3>(axis.head<3>()).cross(r);
   }
@@ -372,12 +370,11 @@ FootMotion QuadrupedBody::MotionOf(int body, const Vec<3>& p_B) const {
 }
 
 Vec<3> QuadrupedBody::Origin(int body) const {
-  return ToEigen(work_->poses[static_cast<std::size_t>(body)]->p());
+  return ToEigen(work_->poses[body]->p());
 }
 
 Vec<3> QuadrupedBody::Position(int body, const Vec<3>& p_B) const {
-  const auto index = static_cast<std::size_t>(body);
-  return ToEigen(*work_->poses[index] * (~model_->axes[index] * ToSimbody(p_B)));
+  return ToEigen(*work_->poses[body] * (~model_->axes[body] * ToSimbody(p_B)));
 }
 
 double QuadrupedBody::KineticEnergy() const {
@@ -387,7 +384,7 @@ double QuadrupedBody::KineticEnergy() const {
     u[i] = x.w_W[i];
     u[3 + i] = x.v_W[i];
   }
-  for (std::size_t j = 0; j < kNumJoints; ++j) u[model_->u_index[j]] = x.qd[static_cast<Eigen::Index>(j)];
+  for (int j = 0; j < kNumJoints; ++j) u[model_->u_index[j]] = x.qd[j];
   model_->matter.realizeVelocityKinematics(work_->state);
   return model_->matter.calcKineticEnergy(work_->state) + model_->rotor_inertia / 2 * x.qd.squaredNorm();
 }
@@ -407,7 +404,7 @@ LeggedAcceleration QuadrupedBody::Acceleration(const Vec<12>& torque, std::span<
     if (at.body == 0) continue;
     const int joint = at.body - 1, leg = joint / kJointsPerLeg;
     for (int i = 0; i <= joint % kJointsPerLeg; ++i)
-      joint_load[kJointsPerLeg * leg + i] += Of(leg, work.axes[static_cast<std::size_t>(i)]).dot(wrench);
+      joint_load[kJointsPerLeg * leg + i] += Of(leg, work.axes[i]).dot(wrench);
   }
   Vector3<PerLeg> load;
   for (int i = 0; i < kJointsPerLeg; ++i)

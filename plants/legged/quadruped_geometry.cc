@@ -23,10 +23,6 @@ enum Index {
   kNumMoving = kFirstExternal + kMaxExternalForces
 };
 
-std::size_t At(int index) {
-  return static_cast<std::size_t>(index);
-}
-
 /// Edges of the trunk's uniform box, widened to the first joints of the legs [m].
 Vec<3> TrunkEdges(const QuadrupedDescription& robot) {
   Vec<3> edges = UniformBox(robot.trunk);
@@ -55,7 +51,7 @@ bool JudgesTrunkByOthers(const QuadrupedDescription& robot) {
 
 /// End of a link in its joint's frame: the next joint, or the foot [m].
 const Eigen::Vector3d& LinkEnd(const QuadrupedDescription& robot, int joint) {
-  return joint % kJointsPerLeg == kJointsPerLeg - 1 ? robot.legs[At(joint / kJointsPerLeg)].foot_J
+  return joint % kJointsPerLeg == kJointsPerLeg - 1 ? robot.legs[joint / kJointsPerLeg].foot_J
                                                     : robot.joint(joint + 1).p_PJ;
 }
 
@@ -124,7 +120,7 @@ Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const RigidIne
   const double force_scale = 2 * robot.StanceHeight() / (kGravity * robot.mass());  // [m/N]
   Geometry shapes(kNumMoving);
   const auto with_mesh = [&](Shape plain, int body) {
-    const auto& mesh = robot.meshes[At(body)];
+    const auto& mesh = robot.meshes[body];
     return mesh == nullptr ? plain : Shape::Mesh(plain.role, std::move(plain.name), mesh);
   };
   shapes[kTrunk] = with_mesh(Shape::Box(ShapeRole::kBody, "trunk", TrunkEdges(robot)), 0);
@@ -135,18 +131,18 @@ Geometry MakeQuadrupedGeometry(const QuadrupedDescription& robot, const RigidIne
     return Shape::Capsule(role, name + robot.joint(j).name, LinkRadius(robot), LinkEnd(robot, j).norm());
   };
   for (int j = 0; j < kNumJoints; ++j)
-    shapes[At(kFirstLink + j)] = with_mesh(capsule(ShapeRole::kBody, "link of ", j), j + 1);
+    shapes[kFirstLink + j] = with_mesh(capsule(ShapeRole::kBody, "link of ", j), j + 1);
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const std::string name = kLegNames[At(leg)];
-    shapes[At(kFirstFoot + leg)] = Shape::Sphere(ShapeRole::kBody, "foot " + name, robot.foot_radius);
-    shapes[At(kFirstFootForce + leg)] = Shape::Arrow(ShapeRole::kForce, "force on " + name, force_scale);
+    const std::string name = kLegNames[leg];
+    shapes[kFirstFoot + leg] = Shape::Sphere(ShapeRole::kBody, "foot " + name, robot.foot_radius);
+    shapes[kFirstFootForce + leg] = Shape::Arrow(ShapeRole::kForce, "force on " + name, force_scale);
   }
   for (int i = 0; i < kMaxExternalForces; ++i)
-    shapes[At(kFirstExternal + i)] =
+    shapes[kFirstExternal + i] =
         Shape::Arrow(ShapeRole::kDisturbance, "external force " + std::to_string(i), force_scale);
   AddTerrain(terrain, &shapes);
   for (int j = 0; j < kNumJoints; ++j)
-    if (robot.meshes[At(j + 1)] != nullptr)
+    if (robot.meshes[j + 1] != nullptr)
       shapes.push_back(capsule(ShapeRole::kCollision, "collision shape of ", j));
   if (!JudgesTrunkByOthers(robot)) return shapes;
   for (const RoundedBox& box : robot.trunk_shapes)
@@ -179,10 +175,10 @@ void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia
     const LegPose pose = robot.PoseOfLeg(leg, x.q);
     for (int i = 0; i < kJointsPerLeg; ++i) {
       const int joint = kJointsPerLeg * leg + i;
-      const std::size_t body = At(joint + 1);
-      p_W[body] = x.p_WB + R_W[0] * pose.p_BJ[At(i)];
-      R_W[body] = R_W[0] * pose.R_BJ[At(i)];
-      Shape& link = shapes[At(kFirstLink + joint)];
+      const int body = joint + 1;
+      p_W[body] = x.p_WB + R_W[0] * pose.p_BJ[i];
+      R_W[body] = R_W[0] * pose.R_BJ[i];
+      Shape& link = shapes[kFirstLink + joint];
       const bool has_mesh = robot.meshes[body] != nullptr;
       if (has_mesh) {
         link.p_W = p_W[body];
@@ -194,8 +190,8 @@ void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia
       capsule.p_W = p_W[body] + along_W / 2;
       capsule.q_W = {turn.w(), turn.x(), turn.y(), turn.z()};
     }
-    Shape& force = shapes[At(kFirstFootForce + leg)];
-    force.p_W = shapes[At(kFirstFoot + leg)].p_W = x.p_WB + R_W[0] * pose.foot_B;
+    Shape& force = shapes[kFirstFootForce + leg];
+    force.p_W = shapes[kFirstFoot + leg].p_W = x.p_WB + R_W[0] * pose.foot_B;
     force.vector_W = feet[leg];
   }
   for (std::size_t i = 0; i < external.size(); ++i) {
@@ -203,7 +199,7 @@ void MoveQuadrupedGeometry(const QuadrupedDescription& robot, const RigidInertia
     Shape& arrow = shapes[kFirstExternal + i];
     arrow.visible = force.body >= 0 && force.body < kNumBodies;
     if (!arrow.visible) continue;
-    arrow.p_W = p_W[At(force.body)] + R_W[At(force.body)] * force.p_B;
+    arrow.p_W = p_W[force.body] + R_W[force.body] * force.p_B;
     arrow.vector_W = force.force_W;
   }
 }

@@ -1,7 +1,6 @@
 #include <tenon/plants/legged/quadruped_plant.h>
 
 #include <Eigen/Geometry>
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 namespace tenon {
@@ -43,8 +42,7 @@ double DriveTorque(double command, double qd, const JointDescription& joint, con
 }
 
 void QuadrupedPlantParams::Validate() const {
-  if (!(robot.mass() > 0))
-    throw ParameterError("the robot has no mass; give a robot, as LoadQuadruped reads it");
+  robot.CheckMass();
   if (!(std::isfinite(payload.mass) && payload.com.allFinite() && payload.inertia.allFinite()))
     throw ParameterError(
         "the payload is not finite; give mass, centre of mass and inertia in SI units, 0 kg for none");
@@ -69,9 +67,8 @@ void QuadrupedPlant::CalcContacts(const LeggedState& x, const QuadrupedBody& bod
                                   const FootBristles& bristles, FootContacts* out) const {
   body_contact_.CalcForces(body, x, &out->bodies);
   for (int leg = 0; leg < kNumLegs; ++leg)
-    out->feet[static_cast<std::size_t>(leg)] =
-        CalcFootContact(terrain, params.robot.contact, params.robot.foot_radius, body.Foot(leg),
-                        bristles.z.segment<2>(2 * leg));
+    out->feet[leg] = CalcFootContact(terrain, params.robot.contact, params.robot.foot_radius, body.Foot(leg),
+                                     bristles.z.segment<2>(2 * leg));
 }
 
 LeggedState QuadrupedPlant::CalcState(const LeggedState& x) const {
@@ -129,13 +126,13 @@ void QuadrupedPlant::CalcRates(const LeggedState& x, const QuadrupedBody& body, 
 
 FootForces QuadrupedPlant::CalcFootForces(const FootContacts& contacts) const {
   FootForces forces;
-  for (int leg = 0; leg < kNumLegs; ++leg) forces[leg] = contacts.feet[static_cast<std::size_t>(leg)].force_W;
+  for (int leg = 0; leg < kNumLegs; ++leg) forces[leg] = contacts.feet[leg].force_W;
   return forces;
 }
 
 Vec<4> QuadrupedPlant::CalcFootDepths(const FootContacts& contacts) const {
   Vec<4> depths;
-  for (int leg = 0; leg < kNumLegs; ++leg) depths[leg] = contacts.feet[static_cast<std::size_t>(leg)].depth;
+  for (int leg = 0; leg < kNumLegs; ++leg) depths[leg] = contacts.feet[leg].depth;
   return depths;
 }
 
@@ -241,8 +238,7 @@ LeggedState QuadrupedPlant::CalcMotionRate(const LeggedState& x,
 
 FootBristles QuadrupedPlant::CalcBristleRate(const FootContacts& contacts) const {
   FootBristles rate;
-  for (int leg = 0; leg < kNumLegs; ++leg)
-    rate.z.segment<2>(2 * leg) = contacts.feet[static_cast<std::size_t>(leg)].bristle_rate;
+  for (int leg = 0; leg < kNumLegs; ++leg) rate.z.segment<2>(2 * leg) = contacts.feet[leg].bristle_rate;
   return rate;
 }
 

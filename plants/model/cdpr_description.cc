@@ -4,7 +4,6 @@
 #include <tenon/plants/model/swivel_pulley.h>
 #include <tenon/plants/model/vectors.h>
 
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -96,15 +95,15 @@ void WinchProperties::Validate() const {
 }
 
 double CdprDescription::tension_min(Eigen::Index i) const {
-  return cables[static_cast<std::size_t>(i)].tension_min.value_or(cable.tension_min);
+  return cables[i].tension_min.value_or(cable.tension_min);
 }
 
 double CdprDescription::tension_max(Eigen::Index i) const {
-  return cables[static_cast<std::size_t>(i)].tension_max.value_or(cable.tension_max);
+  return cables[i].tension_max.value_or(cable.tension_max);
 }
 
 double CdprDescription::pulley_radius(Eigen::Index i) const {
-  return cables[static_cast<std::size_t>(i)].pulley_radius.value_or(winch.pulley_radius);
+  return cables[i].pulley_radius.value_or(winch.pulley_radius);
 }
 
 bool CdprDescription::has_pulleys() const {

@@ -121,9 +121,8 @@ Path Path::Spline(const std::vector<Eigen::Vector3d>& points, const std::vector<
   Path path;
   path.times_ = times;
   path.center_ = points.back();
-  for (int i = 0; i + 1 < n; ++i) {
+  for (int i = 0; i + 1 < n; ++i)
     path.pieces_.push_back(HermiteQuintic(times[i + 1] - times[i], knots[i], knots[i + 1]));
-  }
   return path;
 }
 

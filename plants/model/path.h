@@ -86,8 +86,7 @@ class MovingAnchors {
 
   /// Displacement of an anchor from its `anchor_W`, with its derivatives. Does not allocate.
   PathPoint At(int cable, double time) const {
-    const auto index = static_cast<std::size_t>(cable);
-    return any() && paths_[index] ? paths_[index]->At(time) : PathPoint{};
+    return any() && paths_[cable] ? paths_[cable]->At(time) : PathPoint{};
   }
 
   /// Returns `robot` with its anchors at their places at this time, where they stand.

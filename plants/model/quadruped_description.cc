@@ -13,7 +13,7 @@ namespace {
 Eigen::Vector3d PointInTrunk(const LegDescription& leg, int i, Eigen::Vector3d p,
                              const Vec<kJointsPerLeg>& q) {
   for (; i >= 0; --i) {
-    const JointDescription& joint = leg.joints[static_cast<std::size_t>(i)];
+    const JointDescription& joint = leg.joints[i];
     p = joint.p_PJ + Eigen::AngleAxisd(q[i], joint.axis) * p;
   }
   return p;
@@ -28,18 +28,22 @@ double QuadrupedDescription::mass() const {
   return sum;
 }
 
+void QuadrupedDescription::CheckMass() const {
+  if (!(mass() > 0)) throw ParameterError("the robot has no mass; give a robot, as LoadQuadruped reads it");
+}
+
 Eigen::Vector3d QuadrupedDescription::HipPosition(int leg, const Vec<kNumJoints>& q) const {
-  const LegDescription& at = legs[static_cast<std::size_t>(leg)];
+  const LegDescription& at = legs[leg];
   return PointInTrunk(at, 0, at.joints[1].p_PJ, q.segment<kJointsPerLeg>(kJointsPerLeg * leg));
 }
 
 double QuadrupedDescription::LegLength(int leg) const {
-  const LegDescription& at = legs[static_cast<std::size_t>(leg)];
+  const LegDescription& at = legs[leg];
   return at.joints[2].p_PJ.norm() + at.foot_J.norm();
 }
 
 double QuadrupedDescription::LongestExtension(int leg) const {
-  const auto& [joints, bodies, foot] = legs[static_cast<std::size_t>(leg)];
+  const auto& [joints, bodies, foot] = legs[leg];
   const JointDescription& knee = joints[2];
   // The knee's angle of a straight leg, within a turn of the middle of a finite range.
   double straight = std::atan2(knee.axis.dot(foot.cross(knee.p_PJ)), foot.dot(knee.p_PJ));
@@ -52,19 +56,19 @@ double QuadrupedDescription::LongestExtension(int leg) const {
 }
 
 Eigen::Vector3d QuadrupedDescription::FootPosition(int leg, const Vec<kNumJoints>& q) const {
-  const LegDescription& at = legs[static_cast<std::size_t>(leg)];
+  const LegDescription& at = legs[leg];
   return PointInTrunk(at, kJointsPerLeg - 1, at.foot_J, q.segment<kJointsPerLeg>(kJointsPerLeg * leg));
 }
 
 LegPose QuadrupedDescription::PoseOfLeg(int leg, const Vec<kNumJoints>& q) const {
-  const LegDescription& at = legs[static_cast<std::size_t>(leg)];
+  const LegDescription& at = legs[leg];
   LegPose pose;
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < kJointsPerLeg; ++i) {
+  for (int i = 0; i < kJointsPerLeg; ++i) {
     const JointDescription& joint = at.joints[i];
     p += R * joint.p_PJ;
-    R = R * Eigen::AngleAxisd(q[kJointsPerLeg * leg + static_cast<int>(i)], joint.axis);
+    R = R * Eigen::AngleAxisd(q[kJointsPerLeg * leg + i], joint.axis);
     pose.p_BJ[i] = p;
     pose.R_BJ[i] = R;
   }

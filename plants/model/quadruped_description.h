@@ -77,26 +77,23 @@ struct ContactProperties {
   double release_time = 0;        ///< tau [s]
 
   static FieldList Fields() {
-    return {Required("stiffness_N_per_m", &ContactProperties::stiffness)
+    using P = ContactProperties;
+    return {Required("stiffness_N_per_m", &P::stiffness)
                 .Positive()
                 .Because("the weight on a foot over its static depth"),
-            Required("dissipation_s_per_m", &ContactProperties::dissipation).AtLeast(0),
-            Required("blend_m", &ContactProperties::blend)
-                .Positive()
-                .Because("about a tenth of the static depth"),
-            Required("bristle_stiffness_per_m", &ContactProperties::bristle_stiffness)
+            Required("dissipation_s_per_m", &P::dissipation).AtLeast(0),
+            Required("blend_m", &P::blend).Positive().Because("about a tenth of the static depth"),
+            Required("bristle_stiffness_per_m", &P::bristle_stiffness)
                 .Positive()
                 .Because("the friction coefficient over the deflection before sliding"),
-            Required("bristle_damping_s_per_m", &ContactProperties::bristle_damping).AtLeast(0),
-            Field("bristle_friction", &ContactProperties::bristle_friction)
+            Required("bristle_damping_s_per_m", &P::bristle_damping).AtLeast(0),
+            Field("bristle_friction", &P::bristle_friction)
                 .Positive()
                 .Because("0.2, or the lowest friction of interest"),
-            Required("full_friction_N", &ContactProperties::full_friction)
+            Required("full_friction_N", &P::full_friction)
                 .Positive()
                 .Because("a small fraction of the weight on a foot"),
-            Required("release_time_s", &ContactProperties::release_time)
-                .Positive()
-                .Because("a few milliseconds")};
+            Required("release_time_s", &P::release_time).Positive().Because("a few milliseconds")};
   }
 };
 
@@ -118,10 +115,8 @@ struct QuadrupedDescription {
   std::array<std::shared_ptr<const TriangleMesh>, 1 + kNumJoints> meshes;
 
   double mass() const;
-  const JointDescription& joint(int j) const {
-    return legs[static_cast<std::size_t>(j / kJointsPerLeg)]
-        .joints[static_cast<std::size_t>(j % kJointsPerLeg)];
-  }
+  void CheckMass() const;  ///< throws ParameterError if the robot has no mass
+  const JointDescription& joint(int j) const { return legs[j / kJointsPerLeg].joints[j % kJointsPerLeg]; }
   /// Origin of the leg's hip pitch joint in B at the joint angles q [m].
   Eigen::Vector3d HipPosition(int leg, const Vec<kNumJoints>& q) const;
   /// Distance from the hip pitch joint to the centre of the foot's sphere with a straight leg [m].

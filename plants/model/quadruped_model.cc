@@ -87,7 +87,7 @@ DynamicsMatrix<3, 18> QuadrupedDynamics::FootJacobian(int leg) const {
 Eigen::Matrix3d QuadrupedDynamics::LegJacobian(int leg, const Eigen::Vector3d& p_W) const {
   Matrix3d J;
   for (int i = 0; i < kJointsPerLeg; ++i) {
-    const auto j = static_cast<std::size_t>(kJointsPerLeg * leg + i);
+    const int j = kJointsPerLeg * leg + i;
     J.col(i) = axis_W[j].cross(p_W - origin_W[j]);
   }
   return J;
@@ -130,8 +130,8 @@ void QuadrupedModel::Calc(const LeggedState& x, QuadrupedDynamics* out) const {
     const Frame* parent = &base;
     for (int i = 0; i < kJointsPerLeg; ++i) {
       const int j = kJointsPerLeg * leg + i;
-      const Body& body = bodies_[static_cast<std::size_t>(j)];
-      Frame& frame = frames[static_cast<std::size_t>(i)];
+      const Body& body = bodies_[j];
+      Frame& frame = frames[i];
       const Vector3d arm = parent->R * body.p_PJ;
       const Vector3d a = parent->R * body.axis;
       frame.R = parent->R * Eigen::AngleAxisd(x.q[j], body.axis).toRotationMatrix();
@@ -140,15 +140,15 @@ void QuadrupedModel::Calc(const LeggedState& x, QuadrupedDynamics* out) const {
       frame.a = parent->Acceleration(arm);
       frame.w = parent->w + x.qd[j] * a;
       frame.alpha = parent->alpha + x.qd[j] * parent->w.cross(a);
-      axis[static_cast<std::size_t>(i)] = a;
-      spin[static_cast<std::size_t>(i)] = frame.p.cross(a);
-      out->axis_W[static_cast<std::size_t>(j)] = a;
-      out->origin_W[static_cast<std::size_t>(j)] = x.p_WB + frame.p;
+      axis[i] = a;
+      spin[i] = frame.p.cross(a);
+      out->axis_W[j] = a;
+      out->origin_W[j] = x.p_WB + frame.p;
       parent = &frame;
     }
 
-    QuadrupedDynamics::Foot& foot = out->feet[static_cast<std::size_t>(leg)];
-    const Vector3d arm = parent->R * feet_[static_cast<std::size_t>(leg)];
+    QuadrupedDynamics::Foot& foot = out->feet[leg];
+    const Vector3d arm = parent->R * feet_[leg];
     foot.p_W = x.p_WB + parent->p + arm;
     foot.v_W = parent->Velocity(arm);
     foot.bias = parent->Acceleration(arm);
@@ -158,12 +158,11 @@ void QuadrupedModel::Calc(const LeggedState& x, QuadrupedDynamics* out) const {
 
     Composite carried;  // the bodies that joint i moves
     for (int i = kJointsPerLeg - 1; i >= 0; --i) {
-      const auto at = static_cast<std::size_t>(i);
       const int j = kJointsPerLeg * leg + i;
-      const Body& body = bodies_[static_cast<std::size_t>(j)];
-      const Frame& frame = frames[at];
+      const Body& body = bodies_[j];
+      const Frame& frame = frames[i];
       carried.Add(frame, body.mass, body.com, body.inertia);
-      const Vector3d &a = axis[at], &s = spin[at];
+      const Vector3d &a = axis[i], &s = spin[i];
 
       // The momentum of these bodies at unit joint speed, projected on this joint and those above it.
       const Vector3d linear = carried.mass * s + a.cross(carried.moment);
@@ -171,8 +170,7 @@ void QuadrupedModel::Calc(const LeggedState& x, QuadrupedDynamics* out) const {
       out->M.block<3, 1>(0, 6 + j) = linear;
       out->M.block<3, 1>(3, 6 + j) = angular;
       for (int k = i; k >= 0; --k) {
-        const auto above = static_cast<std::size_t>(k);
-        const double m = axis[above].dot(angular) + spin[above].dot(linear);
+        const double m = axis[k].dot(angular) + spin[k].dot(linear);
         out->M(6 + kJointsPerLeg * leg + k, 6 + j) = m;
         out->M(6 + j, 6 + kJointsPerLeg * leg + k) = m;
       }
@@ -282,7 +280,7 @@ LeggedState StandingOn(const QuadrupedDescription& robot, const GroundPlane& gro
     throw ParameterError(fmt::format(
         "the {} leg of '{}' does not reach ground of slope ({}, {}) from its nominal stance within the "
         "ranges of its joints; reduce the slope, or bend the knees of nominal_stance",
-        kLegNames[static_cast<std::size_t>(leg)], robot.name, ground.slope[0], ground.slope[1]));
+        kLegNames[leg], robot.name, ground.slope[0], ground.slope[1]));
   };
   // Newton's method for each leg; the trunk is moved to keep the CoM at its target.
   constexpr int kMostSteps = 100;
@@ -303,11 +301,10 @@ LeggedState StandingOn(const QuadrupedDescription& robot, const GroundPlane& gro
       return x;
     }
     x.p_WB += off;
-    for (std::size_t i = 0; i < kNumLegs; ++i) {
+    for (int i = 0; i < kNumLegs; ++i) {
       const Eigen::Vector3d missing = target[i] - dynamics.feet[i].p_W - off;
       const Eigen::Vector3d turn = internal::SolveLu<3>(dynamics.feet[i].J_leg, missing);
-      x.q.segment<3>(kJointsPerLeg * static_cast<int>(i)) +=
-          turn.cwiseMax(-kLongestStep).cwiseMin(kLongestStep);
+      x.q.segment<3>(kJointsPerLeg * i) += turn.cwiseMax(-kLongestStep).cwiseMin(kLongestStep);
     }
   }
   refuse(std::max_element(error.begin(), error.end()) - error.begin());

@@ -43,7 +43,7 @@ struct QuadrupedDynamics {
   std::array<Eigen::Vector3d, kNumJoints> origin_W;  ///< origins of the joints [m]
   Eigen::Vector3d base_W;                            ///< p_WB [m]
 
-  const Foot& foot(int leg) const { return feet[static_cast<std::size_t>(leg)]; }
+  const Foot& foot(int leg) const { return feet[leg]; }
   Vec<18> bias() const { return coriolis + gravity; }
   /// Jacobian J of a foot: v_W = J nu.
   DynamicsMatrix<3, 18> FootJacobian(int leg) const;

@@ -1,5 +1,6 @@
 #include <tenon/plants/model/attached_body.h>
 #include <tenon/plants/model/rigid_inertia.h>
+#include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
 #include <fmt/format.h>
@@ -18,6 +19,13 @@ RigidInertia RigidInertia::In(const Eigen::Matrix3d& R, const Eigen::Vector3d& p
 
 Eigen::Matrix3d PointInertia(double mass, const Eigen::Vector3d& r) {
   return mass * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+}
+
+Eigen::Matrix<double, 6, 6> SpatialInertia(double mass, const Eigen::Vector3d& r, const Eigen::Matrix3d& J) {
+  const Eigen::Matrix3d moment = mass * CrossMatrix(r);
+  Eigen::Matrix<double, 6, 6> inertia;
+  inertia << J, moment, -moment, mass * Eigen::Matrix3d::Identity();
+  return inertia;
 }
 
 RigidInertia operator+(const RigidInertia& a, const RigidInertia& b) {
@@ -53,6 +61,10 @@ void CheckInertia(const Eigen::Matrix3d& inertia) {
         "no rigid body has this inertia: its principal moments are {}, the largest above the sum of the "
         "other two; check the values and that they are about the CoM",
         moments));
+}
+
+void CheckGravity(double gravity) {
+  if (!(gravity > 0)) throw ParameterError(fmt::format("gravity is {} m/s^2: it must be positive", gravity));
 }
 
 void AttachedBody::Validate() const {

@@ -17,6 +17,10 @@ struct RigidInertia {
 /// Inertia of a point mass [kg] at r [m] about the origin: mass (|r|^2 1 - r r^T), the parallel axis term.
 Eigen::Matrix3d PointInertia(double mass, const Eigen::Vector3d& r);
 
+/// Spatial inertia of a mass [kg] at r [m] with the inertia J [kg m^2], both from and about the origin;
+/// angular before linear.
+Eigen::Matrix<double, 6, 6> SpatialInertia(double mass, const Eigen::Vector3d& r, const Eigen::Matrix3d& J);
+
 /// The union of two bodies given in one frame, by the parallel axis theorem.
 RigidInertia operator+(const RigidInertia& a, const RigidInertia& b);
 
@@ -25,5 +29,7 @@ RigidInertia operator+(const RigidInertia& a, const RigidInertia& b);
 void CheckInertia(const Eigen::Matrix3d& inertia);
 
 inline constexpr double kGravity = 9.81;  ///< standard gravity, rounded as in Morlando 2023 [m/s^2]
+/// Throws ParameterError unless `gravity` [m/s^2] is positive.
+void CheckGravity(double gravity);
 
 }  // namespace tenon

@@ -40,11 +40,11 @@ Eigen::VectorXd ToVector(const SimTK::Vector& v) {
 }
 Eigen::VectorXd Pick(const SimTK::Vector& v, const std::vector<int>& indices) {
   Eigen::VectorXd out(static_cast<Eigen::Index>(indices.size()));
-  for (std::size_t i = 0; i < indices.size(); ++i) out[static_cast<Eigen::Index>(i)] = v[indices[i]];
+  for (std::size_t i = 0; i < indices.size(); ++i) out[i] = v[indices[i]];
   return out;
 }
 void Place(const Eigen::VectorXd& values, const std::vector<int>& indices, SimTK::Vector& v) {
-  for (std::size_t i = 0; i < indices.size(); ++i) v[indices[i]] = values[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < indices.size(); ++i) v[indices[i]] = values[i];
 }
 
 std::string Join(const std::vector<std::string>& items) {
@@ -384,10 +384,9 @@ void ExtendedRobot::CalcRates(std::span<const double> torque, std::span<const Po
   const auto joints = static_cast<Eigen::Index>(model.u_index.size());
   robot->resize(6 + joints);
   robot->head<6>() = u.head<6>();
-  for (Eigen::Index j = 0; j < joints; ++j) (*robot)[6 + j] = u[model.u_index[static_cast<std::size_t>(j)]];
+  for (Eigen::Index j = 0; j < joints; ++j) (*robot)[6 + j] = u[model.u_index[j]];
   rates->u.resize(static_cast<Eigen::Index>(model.added_u.size()));
-  for (std::size_t i = 0; i < model.added_u.size(); ++i)
-    rates->u[static_cast<Eigen::Index>(i)] = u[model.added_u[i]];
+  for (std::size_t i = 0; i < model.added_u.size(); ++i) rates->u[i] = u[model.added_u[i]];
   SimTK::Vector qdot = state.getQDot();
   const SimTK::Vector& q = state.getQ();
   for (const int first : model.quaternions) {
@@ -402,8 +401,7 @@ PlatformWrench ExtendedRobot::MomentumRate(const Eigen::VectorXd& robot, const V
   const Model& model = *model_;
   SimTK::Vector u(model.state.getNU(), 0.0);  // added joints do not affect the robot's bodies
   for (int i = 0; i < 6; ++i) u[i] = robot[i];
-  for (std::size_t j = 0; j < model.u_index.size(); ++j)
-    u[model.u_index[j]] = robot[static_cast<Eigen::Index>(6 + j)];
+  for (std::size_t j = 0; j < model.u_index.size(); ++j) u[model.u_index[j]] = robot[6 + j];
   SimTK::Vector_<SimTK::SpatialVec> accelerations;
   model.matter.calcBodyAccelerationFromUDot(model.state, u, accelerations);
   SimTK::Vec3 force(0), torque(0);

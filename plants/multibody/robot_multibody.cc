@@ -69,19 +69,22 @@ SimTK::MobilizedBody& QuadrupedMultibody::link(const std::string& joint) {
 
 namespace {
 
-ExtendedRobot MakeExtended(const QuadrupedDescription& robot, double gravity, const ExtendQuadruped& extend,
-                           const LeggedState& initial) {
+/// The robot with the additions of `extend`; without these, no robot.
+template <class Multibody, class Description>
+ExtendedRobot MakeExtended(const Description& robot, double gravity,
+                           const std::function<void(Multibody&)>& extend, double rotor_inertia,
+                           const ExtendedRobot::Motion& initial) {
   if (!extend) return {};
-  return ExtendedRobot([robot, gravity] { return std::make_unique<QuadrupedMultibody>(robot, gravity); },
-                       [extend](RobotMultibody& robot) { extend(static_cast<QuadrupedMultibody&>(robot)); },
-                       robot.drive.rotor_inertia, ExtendedQuadruped::MotionOf(initial));
+  return ExtendedRobot([robot, gravity] { return std::make_unique<Multibody>(robot, gravity); },
+                       [extend](RobotMultibody& robot) { extend(static_cast<Multibody&>(robot)); },
+                       rotor_inertia, initial);
 }
 
 }  // namespace
 
 ExtendedQuadruped::ExtendedQuadruped(const QuadrupedDescription& robot, double gravity,
                                      const ExtendQuadruped& extend, const LeggedState& initial)
-    : ExtendedRobot(MakeExtended(robot, gravity, extend, initial)) {}
+    : ExtendedRobot(MakeExtended(robot, gravity, extend, robot.drive.rotor_inertia, MotionOf(initial))) {}
 
 ExtendedRobot::Motion ExtendedQuadruped::MotionOf(const LeggedState& x) {
   return {{x.p_WB, x.q_WB, x.v_W, x.w_W}, {x.q.data(), kNumJoints}, {x.qd.data(), kNumJoints}};
@@ -105,10 +108,7 @@ WrenchEstimate ExtendedQuadruped::MomentumRate(const LeggedAcceleration& acceler
 
 ExtendedRobot ExtendedPlatform(const CdprDescription& robot, double gravity, const ExtendCdpr& extend,
                                const PlatformState& initial) {
-  if (!extend) return {};
-  return ExtendedRobot([robot, gravity] { return std::make_unique<CdprMultibody>(robot, gravity); },
-                       [extend](RobotMultibody& robot) { extend(static_cast<CdprMultibody&>(robot)); }, 0,
-                       {initial});
+  return MakeExtended(robot, gravity, extend, 0, {initial});
 }
 
 }  // namespace tenon

@@ -145,15 +145,14 @@ struct RobotFile {
 void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& feet,
                  const YamlDocument& document) {
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto at = static_cast<std::size_t>(leg);
     for (int i = 0; i < kJointsPerLeg; ++i) {
-      const JointDescription& joint = robot.legs[at].joints[static_cast<std::size_t>(i)];
+      const JointDescription& joint = robot.legs[leg].joints[i];
       const double q = robot.stance[kJointsPerLeg * leg + i];
       if (q < joint.lower || q > joint.upper)
         throw ParameterError(fmt::format(
             "{}: the angle {} rad is outside the range {} to {} rad of the joint '{}' in the URDF; "
             "change one of them",
-            document.PlaceOf(fmt::format("nominal_stance.{}.{}", kLegNames[at], i)), q, joint.lower,
+            document.PlaceOf(fmt::format("nominal_stance.{}.{}", kLegNames[leg], i)), q, joint.lower,
             joint.upper, joint.name));
     }
     const Eigen::Vector3d p = robot.FootPosition(leg, robot.stance);
@@ -162,7 +161,7 @@ void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& f
       throw ParameterError(fmt::format(
           "{}: '{}' is at ({:.3g}, {:.3g}, {:.3g}) m from the root link in the nominal stance, which is {} "
           "{} (x points forward, y to the left); swap the names of the feet, or turn the URDF's root link",
-          document.PlaceOf(fmt::format("feet.{}", kLegNames[at])), feet.InOrder()[at], p[0], p[1], p[2],
+          document.PlaceOf(fmt::format("feet.{}", kLegNames[leg])), feet.InOrder()[leg], p[0], p[1], p[2],
           p[0] > 0 ? "front" : "rear", p[1] > 0 ? "left" : "right"));
   }
   try {
@@ -182,8 +181,7 @@ QuadrupedDescription ReadRobot(const YamlDocument& document, std::vector<std::st
   robot.drive = file.drive;
   robot.contact = file.contact;
   for (int leg = 0; leg < kNumLegs; ++leg)
-    robot.stance.segment<kJointsPerLeg>(kJointsPerLeg * leg) =
-        file.stance.InOrder()[static_cast<std::size_t>(leg)];
+    robot.stance.segment<kJointsPerLeg>(kJointsPerLeg * leg) = file.stance.InOrder()[leg];
   internal::UrdfReading reading;
   reading.mass = file.mass;
   reading.trunk = file.trunk_link;

@@ -117,9 +117,8 @@ void TerrainMapper::CalcMap(const LeggedState& state, const LeggedState& told, E
       const Eigen::Vector2d there = state.p_WB.head<2>() + turn * (place - told.p_WB.head<2>());
       const auto wrapped = [](double index) { return (static_cast<int>(index) % n + n) % n; };
       const int of_noise = wrapped(corner[0] + i) + n * wrapped(corner[1] + j);
-      map->height[static_cast<std::size_t>(i + n * j)] = terrain_.At(there[0], there[1]).height +
-                                                         told.p_WB[2] - state.p_WB[2] +
-                                                         noise_[static_cast<std::size_t>(of_noise)];
+      map->height[i + n * j] =
+          terrain_.At(there[0], there[1]).height + told.p_WB[2] - state.p_WB[2] + noise_[of_noise];
     }
   }
 }

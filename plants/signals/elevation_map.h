@@ -20,7 +20,7 @@ struct ElevationMap {
   int Index(int axis, double place) const {
     return static_cast<int>(std::lround(std::clamp((place - first_W[axis]) / cell, 0.0, kSize - 1.0)));
   }
-  double At(int i, int j) const { return height[static_cast<std::size_t>(i + kSize * j)]; }
+  double At(int i, int j) const { return height[i + kSize * j]; }
   double HeightAt(const Eigen::Vector2d& place) const { return At(Index(0, place[0]), Index(1, place[1])); }
 
   static FieldList Fields() {

@@ -70,11 +70,11 @@ struct ContactSchedule {
   double step_time = 0;  ///< gait clock since the start of the step [s]
   int footsteps = 0;     ///< number of steps and gait changes; planners replan when it changes
 
-  int num_stance() const {
-    int count = 0;
-    for (const LegContact& leg : legs) count += leg.stance();
-    return count;
+  /// Number of legs in this state.
+  int Count(ContactState state) const {
+    return static_cast<int>(std::ranges::count(legs, state, &LegContact::state));
   }
+  int num_stance() const { return Count(ContactState::kStance); }
   static FieldList Fields() {
     return {{"legs", &ContactSchedule::legs, "", kLegElements},
             {"gait", &ContactSchedule::gait},

@@ -59,8 +59,8 @@ struct FootForces {
   Vec<3> rear_left = Vec<3>::Zero();
   Vec<3> rear_right = Vec<3>::Zero();
 
-  Vec<3>& operator[](int leg) { return this->*kMembers[static_cast<std::size_t>(leg)]; }
-  const Vec<3>& operator[](int leg) const { return this->*kMembers[static_cast<std::size_t>(leg)]; }
+  Vec<3>& operator[](int leg) { return this->*kMembers[leg]; }
+  const Vec<3>& operator[](int leg) const { return this->*kMembers[leg]; }
   static FieldList Fields() {
     return {{"front_left", &FootForces::front_left, "N"},
             {"front_right", &FootForces::front_right, "N"},

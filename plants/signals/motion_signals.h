@@ -41,8 +41,8 @@ struct FootReference {
 struct FeetReference {
   std::array<FootReference, kNumLegs> feet;
 
-  FootReference& operator[](int leg) { return feet[static_cast<std::size_t>(leg)]; }
-  const FootReference& operator[](int leg) const { return feet[static_cast<std::size_t>(leg)]; }
+  FootReference& operator[](int leg) { return feet[leg]; }
+  const FootReference& operator[](int leg) const { return feet[leg]; }
   static FieldList Fields() { return {{"feet", &FeetReference::feet, "", kLegElements}}; }
 };
 

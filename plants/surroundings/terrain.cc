@@ -37,7 +37,7 @@ bool TouchBox(const TerrainBox& box, const Vec<3>& p, double radius, Vec<3>* nor
 
 void Insert(const Terrain::Contact& contact, Terrain::Contacts* contacts) {
   if (contacts->count < Terrain::kMaxContacts) {
-    contacts->at[static_cast<std::size_t>(contacts->count++)] = contact;
+    contacts->at[contacts->count++] = contact;
     return;
   }
   auto* shallowest = std::min_element(contacts->at.begin(), contacts->at.end(),
@@ -132,7 +132,7 @@ Terrain::Terrain(const TerrainParams& params) : friction_(params.friction), boxe
                  to = (boxes_[b].centre + half - corner_) / cell_;
     for (int j = static_cast<int>(from[1]); j <= std::min(ny_ - 1, static_cast<int>(to[1])); ++j)
       for (int i = static_cast<int>(from[0]); i <= std::min(nx_ - 1, static_cast<int>(to[0])); ++i)
-        cells[static_cast<std::size_t>(i + nx_ * j)].push_back(static_cast<int>(b));
+        cells[i + nx_ * j].push_back(static_cast<int>(b));
   }
   for (const std::vector<int>& cell : cells) {
     starts_.push_back(static_cast<int>(members_.size()));
@@ -144,7 +144,7 @@ Terrain::Terrain(const TerrainParams& params) : friction_(params.friction), boxe
 Terrain::Range Terrain::Near(const Vec<3>& p_S) const {
   const double i = std::floor((p_S[0] - corner_[0]) / cell_), j = std::floor((p_S[1] - corner_[1]) / cell_);
   if (!(i >= 0 && i < nx_ && j >= 0 && j < ny_)) return {nullptr, nullptr};
-  const auto cell = static_cast<std::size_t>(static_cast<int>(i) + nx_ * static_cast<int>(j));
+  const int cell = static_cast<int>(i) + nx_ * static_cast<int>(j);
   return {members_.data() + starts_[cell], members_.data() + starts_[cell + 1]};
 }
 
@@ -154,7 +154,7 @@ Terrain::Surface Terrain::At(double x, double y) const {
   Surface surface{plane, normal, friction_};
   const Vec<3> foot_S = R_WS_.transpose() * Vec<3>(x, y, plane), up_S = R_WS_.row(2) / normal[2];
   for (const int b : Near(foot_S)) {
-    const TerrainBox& box = boxes_[static_cast<std::size_t>(b)];
+    const TerrainBox& box = boxes_[b];
     const Vec<3> top_S = foot_S + box.height * up_S;
     const bool above = ((top_S.head<2>() - box.centre).cwiseAbs() - box.size / 2).maxCoeff() <= 0;
     const double height = plane + box.height / normal[2];
@@ -168,7 +168,7 @@ Terrain::Contacts Terrain::Touch(const Vec<3>& centre_W, double radius) const {
   const Vec<3> p_S = R_WS_.transpose() * centre_W;
   if (p_S[2] < radius) Insert({R_WS_.col(2), radius - p_S[2], friction_}, &contacts);
   for (const int b : Near(p_S)) {
-    const TerrainBox& box = boxes_[static_cast<std::size_t>(b)];
+    const TerrainBox& box = boxes_[b];
     Vec<3> normal_S;
     double depth = 0;
     if (TouchBox(box, p_S, radius, &normal_S, &depth))

@@ -12,13 +12,11 @@ struct TerrainBox {
   double friction = 0;             ///< friction coefficient of the box's faces, 0 to 10
 
   static FieldList Fields() {
-    return {
-        Required("centre_m", &TerrainBox::centre).Between(-1e5, 1e5),
-        Required("size_m", &TerrainBox::size).Between(1e-3, 1e5),
-        Required("height_m", &TerrainBox::height).Above(0).AtMost(100).Because("boxes stand on the plane"),
-        Required("friction", &TerrainBox::friction)
-            .Between(0, 10)
-            .Because("about 1 for rubber on a dry floor")};
+    using B = TerrainBox;
+    return {Required("centre_m", &B::centre).Between(-1e5, 1e5),
+            Required("size_m", &B::size).Between(1e-3, 1e5),
+            Required("height_m", &B::height).Above(0).AtMost(100).Because("boxes stand on the plane"),
+            Required("friction", &B::friction).Between(0, 10).Because("about 1 for rubber on a dry floor")};
   }
 };
 

@@ -5,7 +5,7 @@
 namespace tenon {
 
 void NonlinearDisturbanceObserverParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  robot.CheckMass();
   gain.CheckSize("gain", 12, "joints");
 }
 

@@ -82,7 +82,7 @@ Vec<12> LyingPosture(const QuadrupedDescription& robot) {
 }
 
 Deployment::Deployment(const DeploymentParams& p) : LeafSystem(p) {
-  Demand(params.robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  params.robot.CheckMass();
   lying_ = LyingPosture(params.robot);
   const JointPdParams pd = MakeJointPd(params.robot);
   stiffness_ = pd.stiffness;

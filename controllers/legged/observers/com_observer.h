@@ -42,7 +42,7 @@ struct ComObserverParams {
   QuadrupedDescription robot;  ///< model of the observer
   ComObserverGains gains;
   Rate rate = Hz(1000);
-  void Validate() const;  ///< throws ParameterError
+  void Validate() const { robot.CheckMass(); }  ///< throws ParameterError
 };
 
 /// Estimates the net external wrench on a quadruped, without gravity and ground forces, about its centre of

@@ -10,9 +10,6 @@ namespace {
 using Filter = ContactAidedFilter;
 using Eigen::Matrix3d;
 
-constexpr std::size_t At(int leg) {
-  return static_cast<std::size_t>(leg);
-}
 constexpr int Rows(int leg) {
   return Filter::kFeet + 3 * leg;
 }
@@ -41,9 +38,8 @@ ContactAidedMean Plus(const ContactAidedMean& mean, const Filter::Error& error) 
   out.q_WB = QuaternionProduct(turn, mean.q_WB).normalized();
   out.specific_force_bias_B += error.segment<3>(Filter::kForceBias);
   out.angular_velocity_bias_B += error.segment<3>(Filter::kRateBias);
-  for (int leg = 0; leg < kNumLegs; ++leg) {
-    out.feet_W[At(leg)] = E * mean.feet_W[At(leg)] + error.segment<3>(Rows(leg));
-  }
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    out.feet_W[leg] = E * mean.feet_W[leg] + error.segment<3>(Rows(leg));
   return out;
 }
 
@@ -84,18 +80,18 @@ Filter::Covariance PropagationJacobian(const ContactAidedMean& mean, const Conta
   F.block<3, 3>(Filter::kVelocity, Filter::kRateBias) = CrossMatrix(next.v_WI) * turned;
   F.block<3, 3>(Filter::kAttitude, Filter::kRateBias) = turned;
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    if (!anchored[At(leg)]) continue;
-    const Vec<3> turn_W = R * (T * imu.w_B + input.turn_B[At(leg)]);
+    if (!anchored[leg]) continue;
+    const Vec<3> turn_W = R * (T * imu.w_B + input.turn_B[leg]);
     // The ground's normal does not depend on the attitude error.
     F.block<3, 3>(Rows(leg), Filter::kAttitude) = radius * CrossMatrix(turn_W) * normal;
     F.block<3, 3>(Rows(leg), Filter::kRateBias) =
-        CrossMatrix(next.feet_W[At(leg)]) * turned + radius * T * normal * R;
+        CrossMatrix(next.feet_W[leg]) * turned + radius * T * normal * R;
   }
   return F;
 }
 
 Vec<3> FootResidual(const ContactAidedMean& mean, int leg, const Vec<3>& p_IF_B) {
-  return mean.feet_W[At(leg)] - mean.p_WI - mean.R_WB() * p_IF_B;
+  return mean.feet_W[leg] - mean.p_WI - mean.R_WB() * p_IF_B;
 }
 
 void ContactAidedFilter::Start(const ContactAidedMean& start, const Eigen::Matrix<double, 5, 1>& deviation) {
@@ -141,16 +137,15 @@ void ContactAidedFilter::Predict(const ContactAidedInput& input, const ContactAi
   auto variance = covariance.diagonal();
   variance.segment<3>(kForceBias).array() += T * std::pow(noise.specific_force_bias_walk, 2);
   variance.segment<3>(kRateBias).array() += T * std::pow(noise.angular_velocity_bias_walk, 2);
-  for (int leg = 0; leg < kNumLegs; ++leg) {
-    if (anchored[At(leg)]) variance.segment<3>(Rows(leg)).array() += T * std::pow(noise.foot_walk, 2);
-  }
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    if (anchored[leg]) variance.segment<3>(Rows(leg)).array() += T * std::pow(noise.foot_walk, 2);
 }
 
 void ContactAidedFilter::Anchor(int leg, const FootMeasurement& foot) {
   Release(leg);
-  anchored[At(leg)] = true;
+  anchored[leg] = true;
   const Matrix3d R = mean.R_WB();
-  mean.feet_W[At(leg)] = mean.p_WI + R * foot.p_IF_B;
+  mean.feet_W[leg] = mean.p_WI + R * foot.p_IF_B;
   // The foot's error is the error of p plus the measurement error.
   const FootRow row = covariance.middleRows<3>(kPosition);
   covariance.middleRows<3>(Rows(leg)) = row;
@@ -160,7 +155,7 @@ void ContactAidedFilter::Anchor(int leg, const FootMeasurement& foot) {
 }
 
 void ContactAidedFilter::Release(int leg) {
-  anchored[At(leg)] = false;
+  anchored[leg] = false;
   covariance.middleRows<3>(Rows(leg)).setZero();
   covariance.middleCols<3>(Rows(leg)).setZero();
 }
@@ -171,8 +166,8 @@ int ContactAidedFilter::Correct(const std::array<FootMeasurement, kNumLegs>& fee
   Error error = Error::Zero();
   std::array<bool, kNumLegs> moved{};
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    if (!anchored[At(leg)]) continue;
-    const FootMeasurement& foot = feet[At(leg)];
+    if (!anchored[leg]) continue;
+    const FootMeasurement& foot = feet[leg];
     const FootRow HP = covariance.middleRows<3>(Rows(leg)) - covariance.middleRows<3>(kPosition);
     const Matrix3d S =
         HP.middleCols<3>(Rows(leg)) - HP.middleCols<3>(kPosition) + R * foot.covariance * R.transpose();
@@ -181,7 +176,7 @@ int ContactAidedFilter::Correct(const std::array<FootMeasurement, kNumLegs>& fee
     const internal::Cholesky<3> factors(S);
     const Vec<3> weighted = factors.Solve<1>(innovation);
     if (innovation.dot(weighted) > outlier) {
-      moved[At(leg)] = true;
+      moved[leg] = true;
       continue;
     }
     error += HP.transpose() * weighted;
@@ -192,8 +187,8 @@ int ContactAidedFilter::Correct(const std::array<FootMeasurement, kNumLegs>& fee
   covariance = ((covariance + covariance.transpose()) / 2).eval();
   int count = 0;
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    if (!moved[At(leg)]) continue;
-    Anchor(leg, feet[At(leg)]);
+    if (!moved[leg]) continue;
+    Anchor(leg, feet[leg]);
     ++count;
   }
   return count;

@@ -2,7 +2,6 @@
 #include <tenon/systems/analysis/matrix_functions.h>
 #include <tenon/systems/framework/block/system.h>
 
-#include <fmt/core.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -89,7 +88,7 @@ Eigen::MatrixXd EstimatorMatrix(const std::vector<double>& gains) {
   const auto r = static_cast<Eigen::Index>(gains.size());
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(r, r);
   for (Eigen::Index i = 0; i < r; ++i) {
-    const double gain = gains[static_cast<std::size_t>(i)];
+    const double gain = gains[i];
     if (i > 0) A(i, i - 1) = gain;
     A(i, r - 1) -= gain;
   }

@@ -13,10 +13,6 @@ void ComObserverGains::Validate() const {
   torque_bandwidth.CheckSize("torque_bandwidth_rad_per_s", 3, "axes");
 }
 
-void ComObserverParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-}
-
 WrenchEstimate ComObserver::CalcEstimate(const LeggedState& state, const QuadrupedDynamics& dynamics,
                                          const FootForces& foot_forces, const GroundPlane& ground,
                                          const Vec<3>& specific_force_W, const WrenchEstimate& known,
@@ -71,7 +67,7 @@ void LegObserverGains::Validate() const {
 }
 
 void LegMomentumObserverParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  robot.CheckMass();
   gains.Validate();
 }
 
@@ -120,8 +116,8 @@ void ContactThresholds::Validate() const {
 }
 
 void GroundForceObserverParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-  Demand(gravity > 0, fmt::format("gravity = {} m/s^2 must be positive", gravity));
+  robot.CheckMass();
+  CheckGravity(gravity);
   Demand(std::isfinite(min_singular_value) && min_singular_value > 0,
          fmt::format("min_singular_value = {} m must be finite and positive, or a straight leg is singular",
                      min_singular_value));
@@ -131,12 +127,11 @@ FootForces GroundForceObserver::CalcForces(QuadrupedDynamics dynamics, const Leg
                                            const GroundPlane& ground, const ContactThresholds& thresholds,
                                            std::array<bool, kNumLegs>& stands) const {
   const Vec<3> arm = ground.ContactArm(params.robot.foot_radius), normal = ground.Normal();
-  for (int leg = 0; leg < kNumLegs; ++leg)
-    dynamics.feet[static_cast<std::size_t>(leg)] = dynamics.Contact(leg, arm);
+  for (int leg = 0; leg < kNumLegs; ++leg) dynamics.feet[leg] = dynamics.Contact(leg, arm);
   FootForces forces = SolveFootForces(dynamics, leg_forces.joint_torque, params.min_singular_value);
   const double weight = model_.mass() * params.gravity;
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    bool& stance = stands[static_cast<std::size_t>(leg)];
+    bool& stance = stands[leg];
     stance = forces[leg].dot(normal) > weight * (stance ? thresholds.leave : thresholds.touch);
     if (!stance) forces[leg].setZero();
   }

@@ -54,11 +54,11 @@ void Measure(const QuadrupedDescription& robot, const LeggedState& state, const 
   const Eigen::Matrix3d R = state.R_WB();
   Vec<3> sum = Vec<3>::Zero();
   int count = 0;
-  for (std::size_t i = 0; i < kNumLegs; ++i) {
+  for (int i = 0; i < kNumLegs; ++i) {
     const bool stands = schedule.legs[i].stance();
     if (stands) {
-      const Vec<3> contact = state.p_WB + R * robot.FootPosition(static_cast<int>(i), state.q) +
-                             memory.plane.ContactArm(robot.foot_radius);
+      const Vec<3> contact =
+          state.p_WB + R * robot.FootPosition(i, state.q) + memory.plane.ContactArm(robot.foot_radius);
       if (!memory.stood[i]) Correct(contact, belief, roughness, memory);
       sum += contact;
       ++count;
@@ -73,10 +73,6 @@ void Measure(const QuadrupedDescription& robot, const LeggedState& state, const 
 }
 
 }  // namespace
-
-void GroundEstimatorParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
-}
 
 GroundPlane GroundEstimator::CalcGround(const LeggedState& state, const ContactSchedule& schedule,
                                         const GroundBelief& belief, Memory& memory) const {

@@ -41,7 +41,7 @@ struct GroundEstimatorParams {
   QuadrupedDescription robot;
   GroundBelief belief;
   Rate rate = Hz(1000);
-  void Validate() const;  ///< throws ParameterError
+  void Validate() const { robot.CheckMass(); }  ///< throws ParameterError
 };
 
 /// Estimates the slope of the ground from the footholds by a Kalman filter on the height and the slope of a

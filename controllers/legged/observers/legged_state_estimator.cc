@@ -73,11 +73,10 @@ LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu
     input.inertial.angular_velocity_B = params.initial.R_WB().transpose() * params.initial.w_W;
   } else {
     for (int leg = 0; leg < kNumLegs; ++leg) {
-      Vec<3>& turn = input.turn_B[static_cast<std::size_t>(leg)];
+      Vec<3>& turn = input.turn_B[leg];
       turn.setZero();
-      for (int j = kJointsPerLeg * leg; j < kJointsPerLeg * (leg + 1); ++j) {
-        turn += (joints.q[j] - memory.q[j]) * legs.axis_W[static_cast<std::size_t>(j)];
-      }
+      for (int j = kJointsPerLeg * leg; j < kJointsPerLeg * (leg + 1); ++j)
+        turn += (joints.q[j] - memory.q[j]) * legs.axis_W[j];
     }
     filter.Predict(input, noise, T, RollingRadius(filter.anchored), params.gravity);
     memory.q = joints.q;
@@ -93,19 +92,16 @@ LeggedEstimate LeggedStateEstimator::CalcEstimate(const ImuMeasurement& last_imu
   // Feet that no longer stand are released before the prediction, new stance feet are anchored at the end.
   std::array<bool, kNumLegs> counts{};
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto i = static_cast<std::size_t>(leg);
-    double& time = memory.stance_time[i];
-    const bool stance = schedule.legs[i].stance();
+    double& time = memory.stance_time[leg];
+    const bool stance = schedule.legs[leg].stance();
     if (!first) time += T;
     if (!stance) time = 0;
-    counts[i] = stance && time >= settle_time - kSettleTolerance;
-    if (!counts[i] && filter.anchored[i]) filter.Release(leg);
+    counts[leg] = stance && time >= settle_time - kSettleTolerance;
+    if (!counts[leg] && filter.anchored[leg]) filter.Release(leg);
   }
   memory.moved_feet += filter.Correct(feet, outlier);
-  for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto i = static_cast<std::size_t>(leg);
-    if (counts[i] && !filter.anchored[i]) filter.Anchor(leg, feet[i]);
-  }
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    if (counts[leg] && !filter.anchored[leg]) filter.Anchor(leg, feet[leg]);
   return Output(input.inertial, joints, memory);
 }
 

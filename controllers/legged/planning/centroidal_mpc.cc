@@ -17,7 +17,7 @@ constexpr int kAir = 0, kGround = 1, kLanding = 2;
 constexpr double kSteadyTime = 0.5;  // time constant of the wrench's steady part [s]
 constexpr double kLean = 0.15;  // largest distance of a standing robot's path from the centre of its feet [h]
 
-int RoleOf(const Problem::Node& node, std::size_t leg) {
+int RoleOf(const Problem::Node& node, int leg) {
   return node.lands[leg] ? kLanding : node.stands[leg] > 0 ? kGround : kAir;
 }
 
@@ -89,7 +89,7 @@ Problem& CentroidalWalkSolver::problem() {
   return impl_->slq.problem();
 }
 CentroidalWalkSolver::Policy CentroidalWalkSolver::policy(int k) {
-  auto& node = impl_->slq.policy()[static_cast<std::size_t>(k)];
+  auto& node = impl_->slq.policy()[k];
   return {node.x, node.u, node.K};
 }
 SlqReport CentroidalWalkSolver::Solve(const Problem::State& x0, double first_step) {
@@ -102,7 +102,7 @@ void CentroidalMpcParams::Validate() const {
   Demand(periods > 0.5 && std::abs(periods - std::round(periods)) < 1e-6,
          fmt::format("step = {} s is not a multiple of the period of {} s", mpc.step, rate.period()));
   Demand(friction > 0, fmt::format("friction = {} must be positive", friction));
-  Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
+  CheckGravity(gravity);
   CheckRanges(mpc, "mpc");
 }
 
@@ -117,7 +117,7 @@ void CentroidalMpc::SetContacts(const ContactSchedule& schedule, double first_st
                                 const std::array<bool, kNumLegs>& fixed, Problem* problem) const {
   const int N = params.mpc.num_steps;
   const auto time_of = [&](int k) { return k == 0 ? 0 : first_step + (k - 1) * params.mpc.step; };
-  for (std::size_t i = 0; i < kNumLegs; ++i) {
+  for (int i = 0; i < kNumLegs; ++i) {
     for (Problem::Node& node : problem->nodes) {
       node.stands[i] = 0;
       node.lands[i] = false;
@@ -126,7 +126,7 @@ void CentroidalMpc::SetContacts(const ContactSchedule& schedule, double first_st
     for (LegCourse course(schedule.legs[i], schedule.timing); course.begin() < time_of(N); course.Next()) {
       for (int k = 0; k < N; ++k) {
         const double from = std::max(course.begin(), time_of(k)), to = std::min(course.end(), time_of(k + 1));
-        Problem::Node& node = problem->nodes[static_cast<std::size_t>(k)];
+        Problem::Node& node = problem->nodes[k];
         if (to > from) node.stands[i] += (to - from) / (time_of(k + 1) - time_of(k));
         const bool touchdown = course.begin() >= time_of(k) && course.begin() < time_of(k + 1);
         if (touchdown && k > 0 && !(first && fixed[i]))
@@ -214,8 +214,8 @@ void CentroidalMpc::SetReference(const BodyReference& body, const PlanarPath& pa
     node.lower.setZero();
     node.upper.setZero();
     node.R.setConstant(weights.force);
-    for (std::size_t i = 0; i < kNumLegs; ++i) {
-      const Eigen::Index u = 4 * static_cast<Eigen::Index>(i);
+    for (int i = 0; i < kNumLegs; ++i) {
+      const int u = 4 * i;
       const Eigen::Vector2d nominal = FootprintOnSlope(ground.slope, there.yaw) * stance.foot[i];
       node.nominal[i] = (nominal + ground.ContactArm(params.robot.foot_radius).head<2>()) / h;
       node.height[i] = ground.HeightAt(there.position_W + nominal) / h;
@@ -261,11 +261,10 @@ void CentroidalMpc::WarmStart(double time, long grid, const Eigen::Vector2d& ori
       const double share = (time - from) / (static_cast<double>(grid + 1) * params.mpc.step - from);
       policy.x += share * (memory.nodes[last + 1].x - before.x);
     }
-    for (std::size_t i = 0; i < kNumLegs; ++i) {
+    for (int i = 0; i < kNumLegs; ++i) {
       if (before.role[i] != RoleOf(node, i)) continue;
-      const Eigen::Index at = 4 * static_cast<Eigen::Index>(i);
-      policy.u.segment<4>(at) = before.u.segment<4>(at);
-      policy.K.middleRows<4>(at) = before.K.middleRows<4>(at);
+      policy.u.segment<4>(4 * i) = before.u.segment<4>(4 * i);
+      policy.K.middleRows<4>(4 * i) = before.K.middleRows<4>(4 * i);
     }
   }
 }
@@ -282,8 +281,7 @@ void CentroidalMpc::Keep(double time, long grid, const Eigen::Vector2d& origin, 
     node.x = policy.x;
     node.u = policy.u;
     node.K = policy.K;
-    for (std::size_t i = 0; i < kNumLegs; ++i)
-      node.role[i] = RoleOf(solver.problem().At(static_cast<int>(k)), i);
+    for (int i = 0; i < kNumLegs; ++i) node.role[i] = RoleOf(solver.problem().At(static_cast<int>(k)), i);
   }
 }
 
@@ -306,7 +304,7 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
   const long grid = std::lround(std::floor(time / mpc.step + kRounding));
   const double first_step = static_cast<double>(grid + 1) * mpc.step - time;
   std::array<bool, kNumLegs> fixed{};
-  for (std::size_t i = 0; i < kNumLegs; ++i) {
+  for (int i = 0; i < kNumLegs; ++i) {
     const LegContact& leg = schedule.legs[i];
     fixed[i] = leg.state != ContactState::kSwing || leg.phase > params.retarget_phase;
   }
@@ -334,7 +332,7 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
   x0.segment<3>(6) = RotationVector(state.R_WB() * R_ref.transpose());
   x0.segment<3>(9) = angular_momentum / (model_.mass() * h * speed);
   const Eigen::Vector3d arm = ground.ContactArm(params.robot.foot_radius);
-  for (std::size_t i = 0; i < kNumLegs; ++i) {
+  for (int i = 0; i < kNumLegs; ++i) {
     const bool stands = schedule.legs[i].stance();
     const Eigen::Vector3d contact = dynamics.feet[i].p_W + arm;
     if (stands || !memory.started) memory.footholds.position_W[i] = dynamics.feet[i].p_W.head<2>();
@@ -342,10 +340,9 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
       const double until = schedule.timing.num_steps == 0 ? kNever : schedule.legs[i].time_to_lift_off;
       double t = 0;
       for (int k = 0; k < N && t < until; t += k++ == 0 ? first_step : mpc.step)
-        problem.nodes[static_cast<std::size_t>(k)].height[i] = contact[2] / h;
+        problem.nodes[k].height[i] = contact[2] / h;
     }
-    x0.segment<2>(kFeet + 2 * static_cast<Eigen::Index>(i)) =
-        (memory.footholds.position_W[i] + arm.head<2>() - origin) / h;
+    x0.segment<2>(kFeet + 2 * i) = (memory.footholds.position_W[i] + arm.head<2>() - origin) / h;
   }
 
   WarmStart(time, grid, origin, memory, solver);
@@ -358,13 +355,12 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
   if (report.ok()) diagnostics.cost = report.cost;
   Keep(time, grid, origin, solver, memory);
   // The foothold of each swinging foot's next landing.
-  for (std::size_t i = 0; i < kNumLegs; ++i) {
+  for (int i = 0; i < kNumLegs; ++i) {
     if (fixed[i] || !report.ok()) continue;
     for (int k = 0; k < N; ++k) {
       if (!problem.At(k).lands[i]) continue;
       memory.footholds.position_W[i] =
-          origin + h * solver.policy(k + 1).x.segment<2>(kFeet + 2 * static_cast<Eigen::Index>(i)) -
-          arm.head<2>();
+          origin + h * solver.policy(k + 1).x.segment<2>(kFeet + 2 * i) - arm.head<2>();
       break;
     }
   }
@@ -383,15 +379,14 @@ void CentroidalMpc::CalcPlan(const double& time, const BodyReference& body, cons
   Vec<6> mean = plan->free_fall;
   const Eigen::Vector3d middle = x0.head<3>() + first_step / time_unit_ / 2 * x0.segment<3>(3);
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto i = static_cast<std::size_t>(leg);
-    plan->push[i].setZero();
-    plan->force_W[i].setZero();
-    if (node.stands[i] == 0) continue;
+    plan->push[leg].setZero();
+    plan->force_W[leg].setZero();
+    if (node.stands[leg] == 0) continue;
     const Eigen::Vector3d f = problem.edges * u.segment<4>(4 * leg);
-    const Eigen::Vector3d r(x0[kFeet + 2 * leg], x0[kFeet + 2 * leg + 1], node.height[i]);
-    plan->force_W[i] = weight * f;
-    plan->push[i] = accelerations(f, (r - middle).cross(f));
-    mean += node.stands[i] * plan->push[i];
+    const Eigen::Vector3d r(x0[kFeet + 2 * leg], x0[kFeet + 2 * leg + 1], node.height[leg]);
+    plan->force_W[leg] = weight * f;
+    plan->push[leg] = accelerations(f, (r - middle).cross(f));
+    mean += node.stands[leg] * plan->push[leg];
   }
   plan->start = time;
   plan->body.com_W = dynamics.com_W;
@@ -417,7 +412,7 @@ BodyReference CentroidalMpc::CalcReference(const double& time, const CentroidalP
       QuaternionFromRotationVector(t * (reference.w_W + t / 2 * reference.alpha_W)), reference.q_WB);
   reference.w_W += t * reference.alpha_W;
   Vec<6> acceleration = plan.free_fall;
-  for (std::size_t i = 0; i < kNumLegs; ++i)
+  for (int i = 0; i < kNumLegs; ++i)
     if (schedule.legs[i].stance()) acceleration += plan.push[i];
   reference.com_acceleration_W = acceleration.head<3>();
   reference.alpha_W = acceleration.tail<3>();

@@ -64,14 +64,13 @@ void CentroidalWalkProblem::Step(int k, StepMethod, double T, const State& x, co
   Vector a = node.load.head<3>() - Vector::UnitZ(), tau = node.load.tail<3>();
   next.tail<2 * kNumLegs>() = x.tail<2 * kNumLegs>();
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto i = static_cast<std::size_t>(leg);
-    if (node.lands[i]) {
+    if (node.lands[leg]) {
       next.segment<2>(kP + 2 * leg) =
-          x.head<2>() + T * v.head<2>() + node.nominal[i] + node.heading * u.segment<2>(4 * leg);
-    } else if (node.stands[i] > 0) {
+          x.head<2>() + T * v.head<2>() + node.nominal[leg] + node.heading * u.segment<2>(4 * leg);
+    } else if (node.stands[leg] > 0) {
       const Vector f = Force(k, leg, u);
       a += f;
-      tau += (Vector(x[kP + 2 * leg], x[kP + 2 * leg + 1], node.height[i]) - middle).cross(f);
+      tau += (Vector(x[kP + 2 * leg], x[kP + 2 * leg + 1], node.height[leg]) - middle).cross(f);
     }
   }
   const Vector L = x.segment<3>(kL);
@@ -93,19 +92,18 @@ void CentroidalWalkProblem::LinearizeSteps(StepMethod, int count, const double* 
     const Vector middle = x.segment<3>(kC) + T / 2 * x.segment<3>(kV);
     Vector total = Vector::Zero();
     for (int leg = 0; leg < kNumLegs; ++leg) {
-      const auto i = static_cast<std::size_t>(leg);
       const int p = kP + 2 * leg, u = kStates + 4 * leg;
-      if (node.lands[i]) {
+      if (node.lands[leg]) {
         D.block<2, 2>(p, p).setZero();
         D.block<2, 2>(p, kC).setIdentity();
         D.block<2, 2>(p, kV).diagonal().setConstant(T);
         D.block<2, 2>(p, u) = node.heading;
-      } else if (node.stands[i] > 0) {
+      } else if (node.stands[leg] > 0) {
         const Vector f = Force(k, leg, inputs[k]);
-        const Vector arm = Vector(x[p], x[p + 1], node.height[i]) - middle;
+        const Vector arm = Vector(x[p], x[p + 1], node.height[leg]) - middle;
         total += f;
         D.block<3, 2>(kL, p) = -T * CrossMatrix(f).leftCols<2>();
-        D.block<3, 4>(kV, u) = T * node.stands[i] * edges;
+        D.block<3, 4>(kV, u) = T * node.stands[leg] * edges;
         D.block<3, 4>(kC, u) = T / 2 * D.block<3, 4>(kV, u);
         D.block<3, 4>(kL, u).noalias() = CrossMatrix(arm).lazyProduct(D.block<3, 4>(kV, u));
       }

@@ -86,10 +86,10 @@ class CentroidalWalkProblem {
   void LinearizeSteps(StepMethod, int count, const double* T, const State* x, const Input* u,
                       Tangent* tangents, StepWorkspace&) const;
 
-  const Node& At(int k) const { return nodes[static_cast<std::size_t>(k)]; }
+  const Node& At(int k) const { return nodes[k]; }
   /// s_i f_i of a foot.
   Vector Force(int k, int leg, const Input& u) const {
-    return At(k).stands[static_cast<std::size_t>(leg)] * (edges * u.segment<4>(4 * leg));
+    return At(k).stands[leg] * (edges * u.segment<4>(4 * leg));
   }
 };
 

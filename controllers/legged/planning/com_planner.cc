@@ -3,8 +3,6 @@
 #include <tenon/plants/signals/euler.h>
 #include <tenon/plants/signals/quaternion.h>
 
-#include <fmt/core.h>
-
 namespace tenon {
 namespace {
 
@@ -47,10 +45,6 @@ void Fade(const Vec<6>& offset, const Vec<6>& rate, double blend, ComPlan* plan)
 }
 
 }  // namespace
-
-void ComPlannerParams::Validate() const {
-  Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
-}
 
 /// The initial plan: at rest in the nominal stance, in which the CoM need not be above the centre of the
 /// feet.

@@ -73,7 +73,7 @@ struct ComPlannerParams {
   double blend = 0.5;         ///< duration of the transition to a new plan, about a cycle of the trot [s]
   double gravity = kGravity;  ///< [m/s^2]
   Rate rate = Hz(1000);
-  void Validate() const;  ///< throws ParameterError
+  void Validate() const { CheckGravity(gravity); }  ///< throws ParameterError
 };
 
 /// Plans the motion of CoM and trunk (Morlando 2023, section 2.4.1), anew at each footstep of the schedule.

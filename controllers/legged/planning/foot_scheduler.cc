@@ -246,17 +246,14 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
       if (StepIsOver(schedule) || Any(DueLegs(memory, command.gait))) {
         memory.waited += dt;
       } else {
-        const bool swings =
-            !Flies(schedule.timing) && std::ranges::any_of(schedule.legs, [](const LegContact& leg) {
-              return leg.state == ContactState::kSwing;
-            });
+        const bool swings = !Flies(schedule.timing) && schedule.Count(ContactState::kSwing) > 0;
         schedule.step_time += swings ? clock_rate * dt : dt;
       }
     }
-    for (std::size_t i = 0; i < kNumLegs; ++i) {
+    for (int i = 0; i < kNumLegs; ++i) {
       LegContact& leg = schedule.legs[i];
       ContactEvents events;
-      events.loaded = forces[static_cast<int>(i)].norm() > touchdown_force;
+      events.loaded = forces[i].norm() > touchdown_force;
       double& unloaded = memory.unloaded[i];
       unloaded = leg.stance() && !events.loaded ? unloaded + dt : 0;
       events.unloaded = unloaded >= search_after - kClockTolerance;
@@ -267,8 +264,7 @@ ContactSchedule FootScheduler::CalcSchedule(const WalkCommand& command, const Fo
       events.wait_over = wait_is_over();
       leg.state = NextContactState(leg.state, events);
     }
-    const bool late = std::any_of(schedule.legs.begin(), schedule.legs.end(),
-                                  [](const LegContact& leg) { return leg.state == ContactState::kLate; });
+    const bool late = schedule.Count(ContactState::kLate) > 0;
     if (schedule.gait == Gait::kStand ? command.gait != Gait::kStand : StepIsOver(schedule) && !late) {
       // A group in the air lands in its own step, before another gait begins.
       BeginStep(NextIsInAir(memory) ? schedule.gait : command.gait, gaits, timing, forces, start_margin,

@@ -21,14 +21,13 @@ NominalStance::NominalStance(const QuadrupedDescription& robot) {
   com_height = robot.StanceHeight() + com_B[2];
   center_B.setZero();
   for (const auto& f : dynamics.feet) center_B += f.p_W.head<2>() / kNumLegs;
-  for (std::size_t i = 0; i < kNumLegs; ++i) {
+  for (int i = 0; i < kNumLegs; ++i) {
     const Eigen::Vector3d p_foot = dynamics.feet[i].p_W;
     foot[i] = p_foot.head<2>() - center_B;
     // The leg turns about its second joint, so height and horizontal reach are bounded by its length.
-    const double length = robot.LegLength(static_cast<int>(i));
-    const Eigen::Vector3d leg = p_foot - robot.HipPosition(static_cast<int>(i), robot.stance);
-    longest[i] =
-        std::min(kFullestExtension * length, kWithinRange * robot.LongestExtension(static_cast<int>(i)));
+    const double length = robot.LegLength(i);
+    const Eigen::Vector3d leg = p_foot - robot.HipPosition(i, robot.stance);
+    longest[i] = std::min(kFullestExtension * length, kWithinRange * robot.LongestExtension(i));
     const double horizontal = longest[i] * longest[i] - leg[2] * leg[2];
     reach[i] = horizontal > 0 ? std::sqrt(horizontal) - leg.head<2>().norm() : 0;
     if (reach[i] <= 0) {

@@ -2,8 +2,6 @@
 #include <tenon/controllers/legged/planning/pacer.h>
 #include <tenon/plants/model/vectors.h>
 
-#include <fmt/core.h>
-
 namespace tenon {
 namespace {
 
@@ -14,7 +12,7 @@ constexpr double kFastest = 10;              // upper end of the search for the 
 
 void PacerParams::Validate() const {
   CheckRanges(pace, "pace");
-  Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
+  CheckGravity(gravity);
 }
 
 Pacer::Pacer(const PacerParams& p)
@@ -25,13 +23,12 @@ Pacer::Pacer(const PacerParams& p)
       drive_speed_(std::numeric_limits<double>::infinity()) {
   const NominalStance stance(p.robot);
   hip_height_ = 0;
-  for (std::size_t i = 0; i < kNumLegs; ++i) {
-    const int leg = static_cast<int>(i);
+  for (int leg = 0; leg < kNumLegs; ++leg) {
     hip_height_ +=
         (p.robot.HipPosition(leg, p.robot.stance) - p.robot.FootPosition(leg, p.robot.stance))[2] / kNumLegs;
-    foot_radius_ = std::max(foot_radius_, stance.foot[i].norm());
-    reach_ = std::min(reach_, stance.reach[i]);
-    drive_speed_ = std::min(drive_speed_, p.robot.legs[i].joints[1].speed_limit);
+    foot_radius_ = std::max(foot_radius_, stance.foot[leg].norm());
+    reach_ = std::min(reach_, stance.reach[leg]);
+    drive_speed_ = std::min(drive_speed_, p.robot.legs[leg].joints[1].speed_limit);
   }
   for (const Gait gait : {Gait::kCrawl, Gait::kTrot, Gait::kPace, Gait::kGallop}) {
     table_[static_cast<std::size_t>(gait)] = p.gaits[gait].Timing();

@@ -16,7 +16,7 @@ void PeriodicPendulum::Add(double duration, const Eigen::Vector2d& zmp_W) {
                    " phases: let more legs swing together");
   }
   if (duration <= 0) return;
-  Phase& phase = phases_[static_cast<std::size_t>(num_phases_++)];
+  Phase& phase = phases_[num_phases_++];
   phase.duration = duration;
   phase.zmp = path_.Heading().transpose() * (zmp_W - path_.position_W);
   cycle_ += duration;
@@ -30,17 +30,15 @@ void PeriodicPendulum::Solve() {
   const Eigen::Matrix2d R = path_.Heading().transpose() * end.Heading();
   const Eigen::Vector2d d = path_.Heading().transpose() * (end.position_W - path_.position_W);
   const double whole = std::exp(-frequency_ * cycle_);
-  const auto decay = [&](int k) {
-    return std::exp(-frequency_ * phases_[static_cast<std::size_t>(k)].duration);
-  };
+  const auto decay = [&](int k) { return std::exp(-frequency_ * phases_[k].duration); };
   // Contributions of the ZMPs to a, backwards in time, and to b, forwards.
   Eigen::Vector2d a = Eigen::Vector2d::Zero(), b = Eigen::Vector2d::Zero();
   for (int k = num_phases_; k-- > 0;) {
-    const Vec<2>& p = phases_[static_cast<std::size_t>(k)].zmp;
+    const Vec<2>& p = phases_[k].zmp;
     a = p + decay(k) * (a - p);
   }
   for (int k = 0; k < num_phases_; ++k) {
-    const Vec<2>& p = phases_[static_cast<std::size_t>(k)].zmp;
+    const Vec<2>& p = phases_[k].zmp;
     b = p + decay(k) * (b - p);
   }
   const Eigen::Matrix2d I = Eigen::Matrix2d::Identity();
@@ -50,12 +48,12 @@ void PeriodicPendulum::Solve() {
       (b - d);  // at the end: R b + d = whole b + contribution of the ZMPs
   a = R * a + d;
   for (int k = num_phases_; k-- > 0;) {
-    Phase& phase = phases_[static_cast<std::size_t>(k)];
+    Phase& phase = phases_[k];
     phase.a_end = a;
     a = phase.zmp + decay(k) * (a - phase.zmp);
   }
   for (int k = 0; k < num_phases_; ++k) {
-    Phase& phase = phases_[static_cast<std::size_t>(k)];
+    Phase& phase = phases_[k];
     phase.b_begin = b;
     b = phase.zmp + decay(k) * (b - phase.zmp);
   }
@@ -68,9 +66,8 @@ PeriodicPendulum::Place PeriodicPendulum::Find(double t) const {
   place.t -= cycles * cycle_;
   place.beginning = path_.At(cycles * cycle_);
   std::size_t k = 0;
-  while (k + 1 < static_cast<std::size_t>(num_phases_) && place.t >= phases_[k].duration) {
+  while (k + 1 < static_cast<std::size_t>(num_phases_) && place.t >= phases_[k].duration)
     place.t -= phases_[k++].duration;
-  }
   place.phase = &phases_[k];
   return place;
 }

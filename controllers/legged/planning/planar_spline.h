@@ -41,9 +41,8 @@ struct PlanarSpline {
     point.position = origin;
     if (num_segments == 0) return point;
     std::size_t k = 0;
-    while (k + 1 < static_cast<std::size_t>(num_segments) && t >= segments[k].duration) {
+    while (k + 1 < static_cast<std::size_t>(num_segments) && t >= segments[k].duration)
       t -= segments[k++].duration;
-    }
     // Horner's scheme for the polynomial and its two derivatives in s = t / T.
     const auto& c = segments[k].coefficients;
     const double T = segments[k].duration, s = t / T;

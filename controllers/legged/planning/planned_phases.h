@@ -40,17 +40,14 @@ void ForEachPlannedPhase(const PlanarPath& path, const Vec<2>& slope, const Cont
   for (int k = 0; k < steps; ++k) {
     std::array<Eigen::Vector2d, kNumLegs> standing;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < kNumLegs; ++i) {
+    for (std::size_t i = 0; i < kNumLegs; ++i)
       if (steps_ahead(i) != k % timing.num_steps) standing[count++] = foot[i];
-    }
     visit(std::max(timing.stance, 0.0), std::span<const Eigen::Vector2d>(foot));
     visit(timing.span() + std::min(timing.stance, 0.0),
           std::span<const Eigen::Vector2d>(standing.data(), count));
-    for (std::size_t i = 0; i < kNumLegs; ++i) {
-      if (steps_ahead(i) == k % timing.num_steps) {
+    for (std::size_t i = 0; i < kNumLegs; ++i)
+      if (steps_ahead(i) == k % timing.num_steps)
         plant(i, (k + 1) * timing.step_duration() + timing.leg_stance() / 2);
-      }
-    }
   }
 }
 

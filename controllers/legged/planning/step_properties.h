@@ -42,24 +42,22 @@ struct StepProperties {
   MapFootholdProperties footing = {};  ///< choice of the footholds on an elevation map
 
   static FieldList Fields() {
-    return {Field("height_m", &StepProperties::height).Positive(),
-            Field("touchdown_speed_m_per_s", &StepProperties::touchdown_speed)
+    using P = StepProperties;
+    return {Field("height_m", &P::height).Positive(),
+            Field("touchdown_speed_m_per_s", &P::touchdown_speed)
                 .Positive()
                 .Because("a late foot must reach the ground"),
-            Field("search_depth_m", &StepProperties::search_depth).Positive(),
-            Field("velocity_feedback_s", &StepProperties::velocity_feedback).AtLeast(0),
-            Field("retarget_phase", &StepProperties::retarget_phase)
-                .AtLeast(0)
-                .Below(1)
-                .Because("at 1 the swing ends"),
-            {"wrench_shift", &StepProperties::wrench_shift},
-            Field("free_shift_m", &StepProperties::free_shift).AtLeast(0).OrInfinite(),
-            Field("shift_bandwidth_rad_per_s", &StepProperties::shift_bandwidth).Positive(),
-            Field("largest_shift_m", &StepProperties::largest_shift).AtLeast(0).OrInfinite(),
-            Field("free_offset_m", &StepProperties::free_offset).AtLeast(0).OrInfinite(),
-            Field("free_turn_rad", &StepProperties::free_turn).AtLeast(0).OrInfinite(),
-            {"reflex", &StepProperties::reflex},
-            {"footing", &StepProperties::footing}};
+            Field("search_depth_m", &P::search_depth).Positive(),
+            Field("velocity_feedback_s", &P::velocity_feedback).AtLeast(0),
+            Field("retarget_phase", &P::retarget_phase).AtLeast(0).Below(1).Because("at 1 the swing ends"),
+            {"wrench_shift", &P::wrench_shift},
+            Field("free_shift_m", &P::free_shift).AtLeast(0).OrInfinite(),
+            Field("shift_bandwidth_rad_per_s", &P::shift_bandwidth).Positive(),
+            Field("largest_shift_m", &P::largest_shift).AtLeast(0).OrInfinite(),
+            Field("free_offset_m", &P::free_offset).AtLeast(0).OrInfinite(),
+            Field("free_turn_rad", &P::free_turn).AtLeast(0).OrInfinite(),
+            {"reflex", &P::reflex},
+            {"footing", &P::footing}};
   }
 };
 

@@ -18,9 +18,8 @@ Eigen::Vector2d TurnedLeft(const Eigen::Vector2d& v) {
 }  // namespace
 
 SupportPolygon::SupportPolygon(std::span<const Eigen::Vector2d> feet, double half_width, double margin) {
-  if (feet.empty() || feet.size() > kMaxFeet) {
+  if (feet.empty() || feet.size() > kMaxFeet)
     throw Error(fmt::format("a support polygon of {} feet: give one to {} feet", feet.size(), kMaxFeet));
-  }
   if (AddLine(feet, half_width, margin)) return;
   // Counterclockwise around the hull; of several feet in a line the farthest is next.
   const auto is_before = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -72,7 +71,7 @@ bool SupportPolygon::AddLine(std::span<const Eigen::Vector2d> feet, double half_
 }
 
 void SupportPolygon::Add(const Eigen::Vector2d& normal, const Eigen::Vector2d& point, double inwards) {
-  edges_[static_cast<std::size_t>(num_edges_++)] = {normal[0], normal[1], -normal.dot(point) - inwards};
+  edges_[num_edges_++] = {normal[0], normal[1], -normal.dot(point) - inwards};
 }
 
 double SupportPolygon::Depth(const Eigen::Vector2d& point) const {

@@ -2,8 +2,6 @@
 #include <tenon/plants/model/vectors.h>
 #include <tenon/systems/analysis/internal/small_matrices.h>
 
-#include <fmt/core.h>
-
 namespace tenon {
 namespace {
 
@@ -80,10 +78,6 @@ FootReference Search(const SwingPlanner::LegMemory& leg, const StepProperties& s
 
 }  // namespace
 
-void SwingPlannerParams::Validate() const {
-  Demand(gravity > 0, fmt::format("gravity is {} m/s^2: it must be positive", gravity));
-}
-
 void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& path,
                             const BodyReference& body, const LeggedState& state, const GroundPlane& ground,
                             const FootForces& foot_forces, const WrenchEstimate& wrench,
@@ -92,21 +86,19 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
                             Memory* plan) const {
   const Eigen::Matrix3d R = state.R_WB();
   std::array<Eigen::Vector3d, kNumLegs> foot;
-  for (std::size_t i = 0; i < kNumLegs; ++i)
-    foot[i] = state.p_WB + R * params.robot.FootPosition(static_cast<int>(i), state.q);
+  for (int i = 0; i < kNumLegs; ++i) foot[i] = state.p_WB + R * params.robot.FootPosition(i, state.q);
   const Vec<2> shift = step.wrench_shift ? Vec<2>(Shift(wrench, step)) : Vec<2>(Vec<2>::Zero());
   const double gain = 1 - std::exp(-step.shift_bandwidth * params.rate.period());
   memory.shift += gain * (shift - memory.shift);
   PlanarPath below = BelowTheRobot(path, body, state, step);
   below.position_W += Displacement(known_wrench, ground.slope);
   // The feet of a robot in the air move with their hips: held in place, they would fold the falling legs.
-  const bool flies = std::ranges::all_of(
-      schedule.legs, [](const LegContact& leg) { return leg.state == ContactState::kSearching; });
-  for (std::size_t i = 0; i < kNumLegs; ++i) {
+  const bool flies = schedule.Count(ContactState::kSearching) == kNumLegs;
+  for (int i = 0; i < kNumLegs; ++i) {
     LegMemory& leg = memory.legs[i];
     const ContactState before = leg.state;
     leg.state = schedule.legs[i].state;
-    leg.hip = state.p_WB + R * params.robot.HipPosition(static_cast<int>(i), state.q);
+    leg.hip = state.p_WB + R * params.robot.HipPosition(i, state.q);
     if (leg.state == ContactState::kStance) {
       if (before != leg.state || !memory.started) leg.foothold = foot[i];
       leg.planned = planned.position_W[i];
@@ -127,7 +119,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
         leg.ground = ground;
         leg.ground.p_W[2] += params.robot.foot_radius / ground.Normal()[2];
       } else {
-        back = PushedBack(i, schedule, leg, foot[i], foot_forces[static_cast<int>(i)], step);
+        back = PushedBack(i, schedule, leg, foot[i], foot_forces[i], step);
       }
       leg.blocked = !back.isZero(0);
       if (leg.blocked) leg.sink = 0;
@@ -148,7 +140,7 @@ void SwingPlanner::CalcPlan(const ContactSchedule& schedule, const PlanarPath& p
       leg.awaits = planned.planned && same && (lifts_off || leg.awaits);
       if (map.known()) {
         std::array<Vec<3>, kNumLegs - 1> others;
-        for (std::size_t j = 0, n = 0; j < kNumLegs; ++j)
+        for (int j = 0, n = 0; j < kNumLegs; ++j)
           if (j != i) others[n++] = memory.legs[j].foothold;
         PlaceOnMap(map, lifts_off || renewed, others, step, &leg);
         if (renewed && leg.rise > 0) leg.from = {.position = leg.from.position};  // straight up from here

@@ -19,7 +19,7 @@ struct SwingPlannerParams {
   double capture_speed = std::numeric_limits<double>::infinity();
   double gravity = kGravity;  ///< [m/s^2]
   Rate rate = Hz(1000);
-  void Validate() const;  ///< throws ParameterError
+  void Validate() const { CheckGravity(gravity); }  ///< throws ParameterError
 };
 
 /// Plans footholds and the motion of the feet in the air (Morlando 2023, section 2.4.1).

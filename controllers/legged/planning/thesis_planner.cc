@@ -60,10 +60,7 @@ void ThesisPlanner::CalcPlan(double now, const ContactSchedule& schedule, const 
   *plan = memory;
   const bool steps = memory.footsteps != schedule.footsteps;
   const bool walks = schedule.gait != Gait::kStand;
-  const bool lifts_off =
-      walks && (steps || !memory.swing) && std::ranges::any_of(schedule.legs, [](const LegContact& leg) {
-        return leg.state == ContactState::kSwing;
-      });
+  const bool lifts_off = walks && (steps || !memory.swing) && schedule.Count(ContactState::kSwing) > 0;
   const bool heuristic = params.reference == ComReference::kHeuristic;
   if (heuristic && walks && schedule.timing.stance <= 0)
     throw RunError("a heuristic walk moves its CoM while all feet stand: give the gait a longer stance_s");

@@ -9,10 +9,8 @@ Vec<3> TrunkPlanner::FreeAcceleration(const ContactSchedule& schedule, const Leg
                                       const WrenchEstimate& wrench) const {
   std::array<Eigen::Vector3d, kNumLegs> feet_B;
   std::size_t count = 0;
-  for (int leg = 0; leg < kNumLegs; ++leg) {
-    if (schedule.timing.step[static_cast<std::size_t>(leg)] != schedule.step)
-      feet_B[count++] = params.robot.FootPosition(leg, state.q);
-  }
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    if (schedule.timing.step[leg] != schedule.step) feet_B[count++] = params.robot.FootPosition(leg, state.q);
   if (count != 2) return Vec<3>::Zero();
   const Eigen::Matrix3d R = state.R_WB();
   const Eigen::Vector3d n_B = (feet_B[1] - feet_B[0]).normalized();

@@ -1,6 +1,7 @@
 #include <tenon/controllers/legged/planning/planar_spline.h>
 #include <tenon/controllers/legged/planning/walk_drive.h>
 #include <tenon/controllers/legged/planning/walk_schedule.h>
+#include <tenon/plants/model/vectors.h>
 
 #include <fmt/core.h>
 
@@ -135,9 +136,8 @@ WalkCommand WalkDrive::CalcCommand(const WalkCommand& planned, const VelocityCom
   const double dt = params.rate.period();
   const Vec<3>& asked = request.active ? request.velocity : velocity;
   const Vec<3> ordered = active && !stands ? asked : Vec<3>(Vec<3>::Zero());
-  Eigen::Vector2d change = (ordered - progress.velocity).head<2>();
-  if (change.norm() > params.acceleration * dt) change *= params.acceleration * dt / change.norm();
-  progress.velocity.head<2>() += change;
+  const Eigen::Vector2d change = (ordered - progress.velocity).head<2>();
+  progress.velocity.head<2>() += Shortened<2>(change, params.acceleration * dt);
   const double turn = params.yaw_acceleration * dt;
   progress.velocity[2] += std::clamp(ordered[2] - progress.velocity[2], -turn, turn);
   const bool moves = !progress.velocity.isZero(0);

@@ -43,9 +43,8 @@ QuadraticProgram ZmpSpline::quadratic_program() const {
 QpReport ZmpSpline::Solve(const ZmpSplineProblem& problem, const ZmpSplineParams& params,
                           PlanarSpline* spline) {
   const auto phases = problem.phases.size();
-  if (phases == 0 || phases > kMaxPhases) {
+  if (phases == 0 || phases > kMaxPhases)
     throw RunError(fmt::format("a spline over {} support phases: give one to {} phases", phases, kMaxPhases));
-  }
   segments_per_phase_ = params.order == SplineOrder::kCubic ? 2 : 1;
   free_ = params.order == SplineOrder::kCubic ? 1 : 3;
   MakeSegments(problem);
@@ -60,15 +59,13 @@ QpReport ZmpSpline::Solve(const ZmpSplineProblem& problem, const ZmpSplineParams
   spline->num_segments = num_segments_;
   const auto solution = solver_.x();
   for (int k = 0; k < num_segments_; ++k) {
-    PlanarSpline::Segment& segment = spline->segments[static_cast<std::size_t>(k)];
-    segment.duration = duration_[static_cast<std::size_t>(k)];
+    PlanarSpline::Segment& segment = spline->segments[k];
+    segment.duration = duration_[k];
     spline->duration += segment.duration;
     for (int i = 0; i < kCoefficients; ++i) {
       const auto row = maps_.row(kCoefficients * k + i);
-      for (int axis = 0; axis < 2; ++axis) {
-        segment.coefficients[static_cast<std::size_t>(i)][axis] =
-            row[n_ + axis] + row.head(n_).dot(solution.segment(axis * n_, n_));
-      }
+      for (int axis = 0; axis < 2; ++axis)
+        segment.coefficients[i][axis] = row[n_ + axis] + row.head(n_).dot(solution.segment(axis * n_, n_));
     }
   }
   return report;
@@ -77,16 +74,14 @@ QpReport ZmpSpline::Solve(const ZmpSplineProblem& problem, const ZmpSplineParams
 /// Coefficients of each segment: three from the end of the previous one, the others from its variables.
 void ZmpSpline::MakeSegments(const ZmpSplineProblem& problem) {
   num_segments_ = 0;
-  for (const SupportPhase& phase : problem.phases) {
-    for (int i = 0; i < segments_per_phase_; ++i) {
-      duration_[static_cast<std::size_t>(num_segments_++)] = phase.duration / segments_per_phase_;
-    }
-  }
+  for (const SupportPhase& phase : problem.phases)
+    for (int i = 0; i < segments_per_phase_; ++i)
+      duration_[num_segments_++] = phase.duration / segments_per_phase_;
   n_ = num_segments_ * free_;
   origin_ = problem.begin.position;
   maps_.setZero();
   for (int k = 0; k < num_segments_; ++k) {
-    const double T = duration_[static_cast<std::size_t>(k)];
+    const double T = duration_[k];
     auto map = maps_.block(kCoefficients * k, 0, kCoefficients, n_ + 2);
     if (k == 0) {
       map.row(1).tail<2>() = T * problem.begin.velocity.transpose();
@@ -96,9 +91,8 @@ void ZmpSpline::MakeSegments(const ZmpSplineProblem& problem) {
       map.row(1) = T * Derivative(1, k - 1, 1);
       map.row(2) = T * T / 2 * Derivative(2, k - 1, 1);
     }
-    for (int i = 0; i < free_; ++i) {  // the second integral of u s^m is u s^(m + 2) / ((m + 1) (m + 2))
+    for (int i = 0; i < free_; ++i)  // the second integral of u s^m is u s^(m + 2) / ((m + 1) (m + 2))
       map(3 + i, k * free_ + i) = T * T / ((i + 2) * (i + 3));
-    }
   }
 }
 
@@ -106,7 +100,7 @@ void ZmpSpline::MakeSegments(const ZmpSplineProblem& problem) {
 ZmpSpline::Functional ZmpSpline::Derivative(int order, int segment, double s) const {
   const auto map = maps_.block(kCoefficients * segment, 0, kCoefficients, n_ + 2);
   Functional f = Functional::Zero(n_ + 2);
-  double power = std::pow(duration_[static_cast<std::size_t>(segment)], -order);
+  double power = std::pow(duration_[segment], -order);
   for (int i = order; i < 3 + free_; ++i, power *= s) {
     const int factor = order == 0 ? 1 : order == 1 ? i : i * (i - 1);
     f += factor * power * map.row(i);
@@ -121,9 +115,8 @@ void ZmpSpline::AddSquare(const Functional& f, const Eigen::Vector2d& target, do
     if (linear[i] == 0) continue;
     H_.col(i).segment(i, n_ - i) += 2 * weight * linear[i] * linear.tail(n_ - i).transpose();
   }
-  for (int axis = 0; axis < 2; ++axis) {
+  for (int axis = 0; axis < 2; ++axis)
     g_.segment(axis * n_, n_) += 2 * weight * (f[n_ + axis] - target[axis]) * linear.transpose();
-  }
 }
 
 void ZmpSpline::AddCost(const ZmpSplineProblem& problem, double path_weight) {
@@ -131,7 +124,7 @@ void ZmpSpline::AddCost(const ZmpSplineProblem& problem, double path_weight) {
   g_.setZero();
   double begin = 0;
   for (int k = 0; k < num_segments_; ++k) {
-    const double T = duration_[static_cast<std::size_t>(k)];
+    const double T = duration_[k];
     for (std::size_t i = 0; i < kGaussPoint.size(); ++i) {
       const double s = kGaussPoint[i], weight = kGaussWeight[i] * T;
       AddSquare(Derivative(2, k, s), Eigen::Vector2d::Zero(), weight);

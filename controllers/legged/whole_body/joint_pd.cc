@@ -7,7 +7,7 @@
 namespace tenon {
 
 void JointPdParams::Validate() const {
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  robot.CheckMass();
   Demand(std::isfinite(gravity), fmt::format("gravity = {} must be finite; give m/s^2", gravity));
 }
 

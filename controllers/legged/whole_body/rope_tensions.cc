@@ -35,7 +35,7 @@ QpReport Checked(const QpReport& report) {
 
 void RopeTensionsParams::Validate() const {
   CheckRopes(ropes);
-  Demand(robot.mass() > 0, "the robot has no mass; give a robot, as LoadQuadruped reads it");
+  robot.CheckMass();
   Demand(friction > 0, fmt::format("friction = {} must be positive; give a coefficient above 0", friction));
 }
 
@@ -46,7 +46,7 @@ void RopeTensions::CalcLimbs(const LeggedState& state, Limbs* limbs) const {
   for (std::size_t i = 0; i < params.ropes.size(); ++i) {
     const RopeLine line = LineOf(params.ropes[i], state);
     const Vec<3> arm = state.p_WB + line.arm_W - dynamics.com_W;
-    limbs->ropes.col(static_cast<Eigen::Index>(i)) << line.direction_W, arm.cross(line.direction_W);
+    limbs->ropes.col(i) << line.direction_W, arm.cross(line.direction_W);
   }
   for (std::size_t i = 0; i < kNumLegs; ++i) limbs->feet[i] = dynamics.feet[i].p_W - dynamics.com_W;
   limbs->com_W = dynamics.com_W;
@@ -70,10 +70,9 @@ void RopeTensions::Watch(const CableVector& tension, Plan* memory) const {
 RopeTensions::Bounds RopeTensions::BoundsOf(const Plan& memory) const {
   Bounds bounds{Vec<kMaxRopes>::Zero(), Vec<kMaxRopes>::Zero()};
   for (std::size_t i = 0; i < params.ropes.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    if (memory.missing[k] >= kLostTime) continue;
-    bounds.lower[k] = params.ropes[i].tension_min;
-    bounds.upper[k] = params.ropes[i].tension_max;
+    if (memory.missing[i] >= kLostTime) continue;
+    bounds.lower[i] = params.ropes[i].tension_min;
+    bounds.upper[i] = params.ropes[i].tension_max;
   }
   return bounds;
 }
@@ -148,12 +147,11 @@ Vec<kMaxRopes> RopeTensions::Distribute(const Limbs& limbs, const Support& suppo
   const Vec<3> loads = force - limbs.ropes.topRows<3>() * nominal / count;
   const double side = params.friction * std::numbers::sqrt2 / 2;
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto i = static_cast<std::size_t>(leg);
     const int column = kMaxRopes + 3 * leg, row = 2 * kMaxRopes + 4 * leg;
     weights.segment<3>(column) << kOfLoad, kOfFriction, kOfFriction;
-    if (!support.feet[i]) continue;  // its force is zero because it costs and has no effect
+    if (!support.feet[leg]) continue;  // its force is zero because it costs and has no effect
     limb.block<3, 3>(0, column) = axes;
-    limb.block<3, 3>(3, column) = CrossMatrix(limbs.feet[i] + support.contact) * axes;
+    limb.block<3, 3>(3, column) = CrossMatrix(limbs.feet[leg] + support.contact) * axes;
     wanted.segment<3>(column) << loads.dot(support.normal), (1 - share) * force.dot(support.t_1),
         (1 - share) * force.dot(support.t_2);
     b.segment<4>(row).setZero();

@@ -60,12 +60,11 @@ Eigen::Vector3d WithoutTipping(const Eigen::Vector3d& force, const Eigen::Vector
   std::size_t count = 0;
   double to_touchdown = 0;
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const LegContact& contact = schedule.legs[static_cast<std::size_t>(leg)];
-    if (contact.stance()) {
+    const LegContact& contact = schedule.legs[leg];
+    if (contact.stance())
       feet[count++] = dynamics.foot(leg).p_W;
-    } else {
+    else
       to_touchdown = std::max(to_touchdown, contact.time_to_touchdown);
-    }
   }
   const double time = to_touchdown + gains.tip_margin;
   const Eigen::Vector3d line = (feet[1] - feet[0]).normalized(), across = normal.cross(line).normalized();
@@ -91,8 +90,7 @@ Vec<12> WholeBodyController::TorqueLimit(const QuadrupedDescription& robot) {
 
 std::array<double, kNumLegs> WholeBodyController::Extensions(const QuadrupedDescription& robot) {
   std::array<double, kNumLegs> extension;
-  for (int leg = 0; leg < kNumLegs; ++leg)
-    extension[static_cast<std::size_t>(leg)] = robot.LongestExtension(leg);
+  for (int leg = 0; leg < kNumLegs; ++leg) extension[leg] = robot.LongestExtension(leg);
   return extension;
 }
 
@@ -101,10 +99,8 @@ void WholeBodyController::CalcDynamics(const QuadrupedDynamics& of_model, const 
                                        QuadrupedDynamics* dynamics) const {
   *dynamics = of_model;
   const Vec<3> arm = ground.ContactArm(params.robot.foot_radius);
-  for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto i = static_cast<std::size_t>(leg);
-    if (schedule.legs[i].stance()) dynamics->feet[i] = dynamics->Contact(leg, arm);
-  }
+  for (int leg = 0; leg < kNumLegs; ++leg)
+    if (schedule.legs[leg].stance()) dynamics->feet[leg] = dynamics->Contact(leg, arm);
   if (gains.dynamics == BodyDynamics::kDecoupled) NeglectAngularMomentumBias(dynamics);
   if (gains.dynamics == BodyDynamics::kQuasiStatic) NeglectCoupling(dynamics);
 }
@@ -146,11 +142,10 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
   task.tilt = tilt.norm();
   Vec<6> disturbance;
   disturbance << wrench.force_W, wrench.torque_W;
-  if (gains.dynamics != BodyDynamics::kDecoupled) {
+  if (gains.dynamics != BodyDynamics::kDecoupled)
     task.disturbance = disturbance;
-  } else {
+  else
     task.wrench -= disturbance;
-  }
   const Vec<3> by_others = task.disturbance.head<3>();
   const Vec<3> by_ground =
       WithinFriction(task.wrench.head<3>() - by_others, task.normal_W, gains.grip_limit * gains.qp.friction);
@@ -158,23 +153,22 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
       by_others + WithoutTipping(by_ground, task.disturbance.tail<3>(), -tilt, state.w_W - body.w_W,
                                  body.alpha_W, dynamics, schedule, task.normal_W, gains);
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto i = static_cast<std::size_t>(leg);
     const FootReference& reference = feet[leg];
-    task.stance[i] = schedule.legs[i].stance();
-    const Vec<3>& v_W = dynamics.feet[i].v_W;
-    if (task.stance[i]) {
+    task.stance[leg] = schedule.legs[leg].stance();
+    const Vec<3>& v_W = dynamics.feet[leg].v_W;
+    if (task.stance[leg]) {
       const Eigen::Vector3d to_hip =
           R_WB * (params.robot.HipPosition(leg, state.q) - params.robot.FootPosition(leg, state.q));
       const double length = to_hip.norm();
-      const double excess = length - gains.stretch_limit * extension_[i];
-      task.foot_acceleration[i] = -gains.stance_damping * v_W;
-      if (excess > 0) task.foot_acceleration[i] += gains.stretch_stiffness * excess / length * to_hip;
+      const double excess = length - gains.stretch_limit * extension_[leg];
+      task.foot_acceleration[leg] = -gains.stance_damping * v_W;
+      if (excess > 0) task.foot_acceleration[leg] += gains.stretch_stiffness * excess / length * to_hip;
     } else {
-      const Eigen::Vector3d away = reference.p_W - dynamics.feet[i].p_W, slower = reference.v_W - v_W;
+      const Eigen::Vector3d away = reference.p_W - dynamics.feet[leg].p_W, slower = reference.v_W - v_W;
       const Eigen::Vector3d correction =
           gains.sliding ? gains.sliding->swing.Acceleration(away, slower)
                         : Eigen::Vector3d(gains.swing_damping * slower + gains.swing_stiffness * away);
-      task.foot_acceleration[i] = reference.a_W + Shortened<3>(correction, gains.swing_limit);
+      task.foot_acceleration[leg] = reference.a_W + Shortened<3>(correction, gains.swing_limit);
     }
   }
   if (gains.compensation == LegCompensation::kExact) {
@@ -191,12 +185,11 @@ void WholeBodyController::LimitLoads(const ContactSchedule& schedule, double loa
   const bool walks = schedule.timing.num_steps > 0;
   const double ramp = walks ? std::min(load_ramp, schedule.timing.stance / 2) : load_ramp;
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto i = static_cast<std::size_t>(leg);
     double& share = (*loading)[leg];
-    if (!task->stance[i]) share = 0;
-    if (!task->stance[i] || ramp <= 0) continue;
+    if (!task->stance[leg]) share = 0;
+    if (!task->stance[leg] || ramp <= 0) continue;
     share = std::min(1.0, share + params.qp_rate.period() / ramp);
-    const double left = schedule.legs[i].time_to_lift_off;  // 0 or less while the lift-off waits
+    const double left = schedule.legs[leg].time_to_lift_off;  // 0 or less while the lift-off waits
     const double largest = left > kClockTolerance ? std::min(share, left / ramp) : share;
     if (largest < 1) task->largest_load[leg] = largest * model_.mass() * model_.gravity();
   }

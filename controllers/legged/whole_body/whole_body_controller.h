@@ -47,58 +47,48 @@ struct WholeBodyGains {
   std::optional<SlidingGains> sliding = {};  ///< replaces stiffnesses and dampings; empty: it does not
 
   static FieldList Fields() {
+    using G = WholeBodyGains;
     return {
-        Field("com_stiffness_N_per_m", &WholeBodyGains::com_stiffness)
+        Field("com_stiffness_N_per_m", &G::com_stiffness)
             .Positive()
             .Because("with 0 errors are not corrected")
             .Scaled("com_stiffness_mg_per_l",
                     [](double k, const Scale& s) { return k * (s.mass * s.gravity / s.length); }),
-        Field("com_damping_N_s_per_m", &WholeBodyGains::com_damping)
+        Field("com_damping_N_s_per_m", &G::com_damping)
             .AtLeast(0)
             .Because("negative damping is unstable")
             .Scaled("com_damping_mg_t_per_l",
                     [](double k, const Scale& s) { return k * (s.mass * s.gravity * s.Time() / s.length); }),
-        Field("com_limit_m", &WholeBodyGains::com_limit)
+        Field("com_limit_m", &G::com_limit)
             .Positive()
             .OrInfinite()
             .Scaled("com_limit_l", [](double limit, const Scale& s) { return limit * s.length; }),
-        Field("grip_limit", &WholeBodyGains::grip_limit).Positive().OrInfinite(),
-        Field("trunk_stiffness_per_s2", &WholeBodyGains::trunk_stiffness)
+        Field("grip_limit", &G::grip_limit).Positive().OrInfinite(),
+        Field("trunk_stiffness_per_s2", &G::trunk_stiffness)
             .Positive()
             .Because("with 0 errors are not corrected"),
-        Field("trunk_damping_per_s", &WholeBodyGains::trunk_damping)
-            .AtLeast(0)
-            .Because("negative damping is unstable"),
-        Field("turn_limit_rad", &WholeBodyGains::turn_limit).Positive().OrInfinite(),
-        Field("swing_stiffness_per_s2", &WholeBodyGains::swing_stiffness)
+        Field("trunk_damping_per_s", &G::trunk_damping).AtLeast(0).Because("negative damping is unstable"),
+        Field("turn_limit_rad", &G::turn_limit).Positive().OrInfinite(),
+        Field("swing_stiffness_per_s2", &G::swing_stiffness)
             .Positive()
             .Because("with 0 errors are not corrected"),
-        Field("swing_damping_per_s", &WholeBodyGains::swing_damping)
-            .AtLeast(0)
-            .Because("negative damping is unstable"),
-        Field("swing_limit_m_per_s2", &WholeBodyGains::swing_limit)
+        Field("swing_damping_per_s", &G::swing_damping).AtLeast(0).Because("negative damping is unstable"),
+        Field("swing_limit_m_per_s2", &G::swing_limit)
             .Positive()
             .OrInfinite()
             .Scaled("swing_limit_g", [](double limit, const Scale& s) { return limit * s.gravity; }),
-        Field("stance_damping_per_s", &WholeBodyGains::stance_damping)
-            .AtLeast(0)
-            .Because("negative damping is unstable"),
-        Field("stretch_limit", &WholeBodyGains::stretch_limit)
-            .Above(0)
-            .AtMost(1)
-            .Because("1 is a straight leg"),
-        Field("stretch_stiffness_per_s2", &WholeBodyGains::stretch_stiffness)
-            .AtLeast(0)
-            .Because("0 turns it off"),
-        Field("load_ramp_s", &WholeBodyGains::load_ramp).AtLeast(0).Because("0 turns it off"),
-        Field("tip_limit_rad", &WholeBodyGains::tip_limit).Positive().OrInfinite(),
-        Field("tip_margin_s", &WholeBodyGains::tip_margin)
+        Field("stance_damping_per_s", &G::stance_damping).AtLeast(0).Because("negative damping is unstable"),
+        Field("stretch_limit", &G::stretch_limit).Above(0).AtMost(1).Because("1 is a straight leg"),
+        Field("stretch_stiffness_per_s2", &G::stretch_stiffness).AtLeast(0).Because("0 turns it off"),
+        Field("load_ramp_s", &G::load_ramp).AtLeast(0).Because("0 turns it off"),
+        Field("tip_limit_rad", &G::tip_limit).Positive().OrInfinite(),
+        Field("tip_margin_s", &G::tip_margin)
             .Positive()
             .Scaled("tip_margin_t", [](double time, const Scale& s) { return time * s.Time(); }),
-        {"dynamics", &WholeBodyGains::dynamics},
-        {"leg_compensation", &WholeBodyGains::compensation},
-        {"qp", &WholeBodyGains::qp},
-        {"sliding", &WholeBodyGains::sliding}};
+        {"dynamics", &G::dynamics},
+        {"leg_compensation", &G::compensation},
+        {"qp", &G::qp},
+        {"sliding", &G::sliding}};
   }
 };
 

@@ -135,7 +135,7 @@ void WholeBodyQp::MakePyramids(const WholeBodyTask& task, const WholeBodyQpParam
     friction *= ratio;
   }
   const auto write = [&](int leg, int row, const Eigen::Vector3d& t_1, const Eigen::Vector3d& t_2) {
-    const bool stance = task.stance[static_cast<std::size_t>(leg)];
+    const bool stance = task.stance[leg];
     A_in_.middleRows<4>(row).setZero();
     b_in_.segment<4>(row).setConstant(stance ? 0 : -1);
     if (!stance) return;
@@ -160,7 +160,7 @@ void WholeBodyQp::BoundLoads(const WholeBodyTask& task, const WholeBodyQpParams&
   num_rows_ = kNumLegs * kRowsPerLeg;
   if (!octagonal && (task.largest_load.array() == kUnlimited).all()) return;
   for (int leg = 0; leg < kNumLegs; ++leg, ++num_rows_) {
-    const bool bounded = task.stance[static_cast<std::size_t>(leg)] && task.largest_load[leg] < kUnlimited;
+    const bool bounded = task.stance[leg] && task.largest_load[leg] < kUnlimited;
     A_in_.row(num_rows_).setZero();
     b_in_[num_rows_] = bounded ? -task.largest_load[leg] : -1;
     if (bounded) A_in_.block<1, 3>(num_rows_, 3 * leg) = -task.normal_W.transpose();
@@ -182,23 +182,21 @@ TENON_VECTOR_CLONES void WholeBodyQp::MakeProblem(const QuadrupedDynamics& dynam
   right.col(12) =
       AboutBase(dynamics, task.disturbance) - dynamics.coriolis.head<6>() - dynamics.gravity.head<6>();
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto i = static_cast<std::size_t>(leg);
     const Eigen::Matrix3d& J = dynamics.foot(leg).J_leg;
     const double size2 = J.squaredNorm();
     const bool regular = std::abs(J.determinant()) > kStraight * size2 * std::sqrt(size2);
-    inverse[i] = regular ? Eigen::Matrix3d(J.inverse()) : InverseOfSingular(J);  // inlined for the clones
+    inverse[leg] = regular ? Eigen::Matrix3d(J.inverse()) : InverseOfSingular(J);  // inlined for the clones
     const auto J_b = TrunkJacobian(dynamics, leg);
     const auto M_b = dynamics.M.block<6, 3>(0, 6 + 3 * leg);
-    by_trunk[i].noalias() = -inverse[i] * J_b;
-    const Eigen::Vector3d joints = inverse[i] * (task.foot_acceleration[i] - dynamics.foot(leg).bias);
+    by_trunk[leg].noalias() = -inverse[leg] * J_b;
+    const Eigen::Vector3d joints = inverse[leg] * (task.foot_acceleration[leg] - dynamics.foot(leg).bias);
     for (int k = 0; k < 3; ++k) rows[(6 + 3 * leg + k) * kWidth + kConstant] = joints[k];
-    S.noalias() += M_b.lazyProduct(by_trunk[i]);
+    S.noalias() += M_b.lazyProduct(by_trunk[leg]);
     right.col(12).noalias() -= M_b * joints;
-    if (task.stance[i]) {
+    if (task.stance[leg])
       right.middleCols<3>(3 * leg) = J_b.transpose();
-    } else {
-      right.middleCols<3>(3 * leg) = -M_b.lazyProduct(inverse[i]);
-    }
+    else
+      right.middleCols<3>(3 * leg) = -M_b.lazyProduct(inverse[leg]);
   }
   alignas(32) double elimination[6 * kEliminationWidth] = {};
   for (int r = 0; r < 6; ++r) {
@@ -208,12 +206,11 @@ TENON_VECTOR_CLONES void WholeBodyQp::MakeProblem(const QuadrupedDynamics& dynam
   Eliminate(elimination, rows);
 
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto i = static_cast<std::size_t>(leg);
     for (int k = 0; k < 3; ++k) {
       double* const row = rows + (6 + 3 * leg + k) * kWidth;
-      if (!task.stance[i])
-        for (int c = 0; c < 3; ++c) row[3 * leg + c] = inverse[i](k, c);
-      for (int r = 0; r < 6; ++r) AddRow(by_trunk[i](k, r), rows + r * kWidth, row);
+      if (!task.stance[leg])
+        for (int c = 0; c < 3; ++c) row[3 * leg + c] = inverse[leg](k, c);
+      for (int r = 0; r < 6; ++r) AddRow(by_trunk[leg](k, r), rows + r * kWidth, row);
     }
   }
   std::array<double, kRows> weights;
@@ -221,10 +218,10 @@ TENON_VECTOR_CLONES void WholeBodyQp::MakeProblem(const QuadrupedDynamics& dynam
   const Vec<6> wrench = task.wrench - task.disturbance, wrench_weights = params.WrenchWeights(task.tilt);
   for (int r = 0; r < 6; ++r) {
     rows[(kWrenchRow + r) * kWidth + kConstant] = -wrench[r];
-    weights[static_cast<std::size_t>(kWrenchRow + r)] = wrench_weights[r];
+    weights[kWrenchRow + r] = wrench_weights[r];
   }
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    if (!task.stance[static_cast<std::size_t>(leg)]) continue;
+    if (!task.stance[leg]) continue;
     const Eigen::Matrix3d arm = CrossMatrix(dynamics.foot(leg).p_W - dynamics.com_W);
     for (int r = 0; r < 3; ++r) {
       rows[(kWrenchRow + r) * kWidth + 3 * leg + r] = 1;
@@ -233,17 +230,15 @@ TENON_VECTOR_CLONES void WholeBodyQp::MakeProblem(const QuadrupedDynamics& dynam
   }
   SumSquares(rows, weights.data(), H_.data());
   SumProducts(rows, weights.data(), g_.data());
-  for (int y = 0; y < 12; ++y)
-    H_(y, y) += task.stance[static_cast<std::size_t>(y / 3)] ? params.force_weight : params.slack_weight;
+  for (int y = 0; y < 12; ++y) H_(y, y) += task.stance[y / 3] ? params.force_weight : params.slack_weight;
 
   MakePyramids(task, params);
   BoundLoads(task, params);
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const auto i = static_cast<std::size_t>(leg);
     for (int k = 0; k < 3; ++k) {
       const int joint = 3 * leg + k, lower = kRowsPerLeg * leg + 4 + k, upper = lower + 3;
       alignas(32) double torque[kWidth] = {};
-      if (task.stance[i])
+      if (task.stance[leg])
         for (int c = 0; c < 3; ++c) torque[3 * leg + c] = -dynamics.foot(leg).J_leg(c, k);
       torque[kConstant] =
           dynamics.coriolis[6 + joint] + dynamics.gravity[6 + joint] - task.joint_disturbance[joint];
@@ -273,7 +268,7 @@ QpReport WholeBodyQp::Solve(const QuadrupedDynamics& dynamics, const WholeBodyTa
   for (int r = 0; r < 18; ++r) solution->acceleration[r] = acceleration[r] + affine_[r * kWidth + kConstant];
   for (int leg = 0; leg < kNumLegs; ++leg) {
     solution->force[leg].setZero();
-    if (task.stance[static_cast<std::size_t>(leg)]) solution->force[leg] = y.segment<3>(3 * leg);
+    if (task.stance[leg]) solution->force[leg] = y.segment<3>(3 * leg);
   }
   solution->valid = true;
   solution->stance = task.stance;
@@ -305,7 +300,7 @@ std::array<Vec<3>, kNumLegs> SwingFootAcceleration(const QuadrupedDynamics& dyna
   Eigen::Matrix<double, 18, 1> push = Eigen::Matrix<double, 18, 1>::Zero();
   Matrix12 A = Matrix12::Zero();
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    if (stance[static_cast<std::size_t>(leg)]) {
+    if (stance[leg]) {
       J.middleRows<3>(3 * leg) = dynamics.FootJacobian(leg);
     } else {
       push.noalias() += dynamics.FootJacobian(leg).transpose() * force[leg];
@@ -319,9 +314,9 @@ std::array<Vec<3>, kNumLegs> SwingFootAcceleration(const QuadrupedDynamics& dyna
   acceleration -= response * internal::SolveLdlt<12>(A, J * acceleration);
   std::array<Vec<3>, kNumLegs> out;
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    auto& foot = out[static_cast<std::size_t>(leg)];
+    auto& foot = out[leg];
     foot.setZero();
-    if (!stance[static_cast<std::size_t>(leg)]) foot = dynamics.FootJacobian(leg) * acceleration;
+    if (!stance[leg]) foot = dynamics.FootJacobian(leg) * acceleration;
   }
   return out;
 }

@@ -134,22 +134,21 @@ class CostFactor {
  private:
   template <class Size>
   static constexpr bool kOneBlock = [] {
-    if constexpr (std::is_same_v<Size, int>) {
+    if constexpr (std::is_same_v<Size, int>)
       return false;
-    } else {
+    else
       return Size::value <= 16;
-    }
   }();
 
   // Ranges of the nonzeros in rows first to first + 3 of H, and in row j of L^T.
   template <class Size>
   TENON_INLINE int Begin(int first, Size) const {
-    if constexpr (!kOneBlock<Size>) return block_begin_[static_cast<std::size_t>(first)];
+    if constexpr (!kOneBlock<Size>) return block_begin_[first];
     return 0;
   }
   template <class Size>
   TENON_INLINE int End(int first, Size n) const {
-    if constexpr (!kOneBlock<Size>) return block_end_[static_cast<std::size_t>(first)];
+    if constexpr (!kOneBlock<Size>) return block_end_[first];
     return Padded(n);
   }
   template <class Size>
@@ -159,7 +158,7 @@ class CostFactor {
   }
   template <class Size>
   TENON_INLINE int RowEnd(int j, Size n) const {
-    if constexpr (!kOneBlock<Size>) return row_end_[static_cast<std::size_t>(j)];
+    if constexpr (!kOneBlock<Size>) return row_end_[j];
     return n;
   }
 
@@ -221,20 +220,18 @@ class CostFactor {
         if (IsZero(column, std::max(j + 1, end), n)) last = j + 1;
         while (last > j + 1 && last > end && column[last - 1] == 0) --last;
         end = std::max(last, end);
-        row_end_[static_cast<std::size_t>(j)] = end;
-        block_begin_[static_cast<std::size_t>(j)] = begin;
+        row_end_[j] = end;
+        block_begin_[j] = begin;
         if (j == num_single_ && end == j + 1) ++num_single_;
       }
       num_single_ = PaddedDown(num_single_);
       // Extends the ranges to groups of four rows, from the begin of the first row's block to the end of the
       // last's.
       for (int first = Singles(n); first < n; first += 4) {
-        int stop = row_end_[static_cast<std::size_t>(std::min(first + 4, n) - 1)];
-        while (row_end_[static_cast<std::size_t>(stop - 1)] > stop)
-          stop = row_end_[static_cast<std::size_t>(stop - 1)];
-        block_end_[static_cast<std::size_t>(first)] = Padded(stop);
-        block_begin_[static_cast<std::size_t>(first)] =
-            PaddedDown(block_begin_[static_cast<std::size_t>(first)]);
+        int stop = row_end_[std::min(first + 4, n) - 1];
+        while (row_end_[stop - 1] > stop) stop = row_end_[stop - 1];
+        block_end_[first] = Padded(stop);
+        block_begin_[first] = PaddedDown(block_begin_[first]);
       }
     }
   }

@@ -38,11 +38,10 @@ constexpr int PaddedDown(int n) {
 
 /// Loads min(count, 4) >= 1 doubles; the other lanes are 0.
 TENON_INLINE void LoadFirst(const double* from, int count, Lanes* lanes) {
-  if (count >= 4) {
+  if (count >= 4)
     *lanes = *PacketAt(from);
-  } else {
+  else
     *lanes = Lanes{from[0], count > 1 ? from[1] : 0, count > 2 ? from[2] : 0, 0};
-  }
 }
 
 TENON_INLINE void Sqrt(const Lanes& x, Lanes* root) {

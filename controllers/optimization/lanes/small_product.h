@@ -58,22 +58,20 @@ TENON_INLINE void LowerProduct(const double* A, const double* B, double* __restr
 template <class MA, class MB, class MC>
 TENON_INLINE void Multiply(const MA& A, const MB& B, MC& C) {
   constexpr int rows = MA::RowsAtCompileTime, inner = MA::ColsAtCompileTime, columns = MB::ColsAtCompileTime;
-  if constexpr (rows != Eigen::Dynamic && inner != Eigen::Dynamic && columns != Eigen::Dynamic) {
+  if constexpr (rows != Eigen::Dynamic && inner != Eigen::Dynamic && columns != Eigen::Dynamic)
     Product<rows, inner, columns>(A.data(), rows, B.data(), inner, C.data(), rows);
-  } else {
+  else
     C = A.lazyProduct(B);
-  }
 }
 
 /// The lower triangle of C = A B, C symmetric.
 template <class MA, class MB, class MC>
 TENON_INLINE void MultiplyLower(const MA& A, const MB& B, MC& C) {
   constexpr int size = MA::RowsAtCompileTime, inner = MA::ColsAtCompileTime;
-  if constexpr (size != Eigen::Dynamic && inner != Eigen::Dynamic) {
+  if constexpr (size != Eigen::Dynamic && inner != Eigen::Dynamic)
     LowerProduct<size, inner>(A.data(), B.data(), C.data());
-  } else {
+  else
     C = A.lazyProduct(B);
-  }
 }
 
 /// B = A^T

@@ -85,10 +85,8 @@ class ColladaCheck {
     static_cast<ColladaCheck*>(self)->Fail("a document type, which may define entities, is not allowed");
   }
 
-  struct Free {
-    void operator()(XML_Parser parser) const { XML_ParserFree(parser); }
-  };
-  std::unique_ptr<std::remove_pointer_t<XML_Parser>, Free> parser_{XML_ParserCreate(nullptr)};
+  std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser_{
+      XML_ParserCreate(nullptr), &XML_ParserFree};
   std::string failure_;
   std::size_t depth_ = 0;
   std::map<std::string, double> arrays_;  // numbers of elements by reference

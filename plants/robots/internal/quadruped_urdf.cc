@@ -37,7 +37,7 @@ class Reader {
 
   std::vector<std::string> Read(MovingParts* moving) {
     CheckLocked();
-    for (int leg = 0; leg < kNumLegs; ++leg) FindLeg(leg, reading_.feet[static_cast<std::size_t>(leg)]);
+    for (int leg = 0; leg < kNumLegs; ++leg) FindLeg(leg, reading_.feet[leg]);
     Add(file_.FloatingLink(), 0, PoseOfRoot());
     MeasureExtents();
     ShareMass();
@@ -159,7 +159,7 @@ class Reader {
 
   /// Finds the joints of a leg: the three movable joints between its foot and the root.
   void FindLeg(int leg, const std::string& foot) {
-    const char* leg_name = kLegNames[static_cast<std::size_t>(leg)];
+    const char* leg_name = kLegNames[leg];
     const UrdfLink* link = file_.FindLink(foot);
     if (link == nullptr) {
       std::vector<std::string> names;
@@ -184,7 +184,7 @@ class Reader {
           leg_name, chain.size(), file_.root->name, foot, names.empty() ? "none" : names, kJointsPerLeg);
     }
     for (int i = 0; i < kJointsPerLeg; ++i) {
-      const UrdfJoint& joint = *chain[static_cast<std::size_t>(kJointsPerLeg - 1 - i)];
+      const UrdfJoint& joint = *chain[kJointsPerLeg - 1 - i];
       const std::string& name = joint.name;
       if (joint.mimic)
         file_.Fail(
@@ -194,22 +194,20 @@ class Reader {
       const auto [at, is_new] = joints_.emplace(name, kJointsPerLeg * leg + i);
       if (!is_new)
         file_.Fail("the joint '{}' is in the legs {} and {}; give each leg a foot of its own under 'feet'",
-                   name, kLegNames[static_cast<std::size_t>(at->second / kJointsPerLeg)], leg_name);
+                   name, kLegNames[at->second / kJointsPerLeg], leg_name);
     }
   }
 
   /// Adds a link and its subtree to `body`; T_BL is its pose with all joints at 0.
   void Add(const UrdfLink& link, int body, const Eigen::Isometry3d& T_BL) {
     poses_[link.name] = T_BL;
-    std::string& names = names_[static_cast<std::size_t>(body)];
+    std::string& names = names_[body];
     names += (names.empty() ? "'" : ", '") + link.name + "'";
     if (link.inertia)
-      parts_[static_cast<std::size_t>(body)].push_back(
-          {link.name, link.inertia->In(T_BL.linear(), T_BL.translation())});
+      parts_[body].push_back({link.name, link.inertia->In(T_BL.linear(), T_BL.translation())});
     if (!link.inertia || !(link.inertia->mass > 0))
       for (const UrdfShape& shape : link.collisions.empty() ? link.visuals : link.collisions)
-        volumes_[static_cast<std::size_t>(body)] = volumes_[static_cast<std::size_t>(body)] +
-                                                   FilledShape(shape).In(T_BL.linear(), T_BL.translation());
+        volumes_[body] = volumes_[body] + FilledShape(shape).In(T_BL.linear(), T_BL.translation());
     for (const UrdfShape& visual : link.visuals)
       if (visual.kind == UrdfShape::Kind::kMesh) AddMesh(link.name, visual, body, T_BL * visual.pose);
     for (const UrdfShape& collision : link.collisions)
@@ -321,7 +319,7 @@ class Reader {
     if (!file) return miss(not_found_, fmt::format("the mesh '{}' is not found", visual.mesh));
     try {
       const std::shared_ptr<const TriangleMesh> mesh = ReadMesh(*file);
-      TriangleMesh& out = looks_[static_cast<std::size_t>(body)];
+      TriangleMesh& out = looks_[body];
       const auto first = static_cast<std::uint32_t>(out.corners.size());
       out.colours.resize(first, {});
       out.colours.insert(out.colours.end(), mesh->colours.begin(), mesh->colours.end());
@@ -383,7 +381,7 @@ class Reader {
     out.name = joint.name;
     out.p_PJ = T_BJ.translation();  // in B until FinishLeg
     out.axis = T_BJ.linear() * AxisOf(joint);
-    const auto kind = static_cast<std::size_t>(at->second % kJointsPerLeg);
+    const int kind = at->second % kJointsPerLeg;
     const JointLimits& own = reading_.limits[kind];
     const std::optional<UrdfJoint::Limits>& limits = joint.limits;
     out.torque_limit = own.torque.value_or(limits ? limits->effort : 0);
@@ -433,7 +431,7 @@ class Reader {
     AttachedBody body = drive;
     Eigen::Isometry3d T_BC = Eigen::Isometry3d::Identity();
     if (carrier > 0) {
-      const auto index = static_cast<std::size_t>(carrier - 1 - kNumJoints);
+      const int index = carrier - 1 - kNumJoints;
       body.on = moving_.bodies[index].name;
       T_BC = moving_poses_[index];
     }
@@ -455,10 +453,9 @@ class Reader {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     for (int leg = 0; leg < kNumLegs; ++leg) centre += JointOf(kJointsPerLeg * leg).p_PJ / kNumLegs;
     for (int leg = 0; leg < kNumLegs; ++leg) {
-      const auto at = static_cast<std::size_t>(leg);
       const Eigen::Vector3d hip = JointOf(kJointsPerLeg * leg + 1).p_PJ,
                             knee = JointOf(kJointsPerLeg * leg + 2).p_PJ,
-                            foot = poses_.at(reading_.feet[at]) * reading_.foot_centres[at];
+                            foot = poses_.at(reading_.feet[leg]) * reading_.foot_centres[leg];
       leg_extent_ = std::max(leg_extent_, (knee - hip).norm() + (foot - knee).norm());
       trunk_extent_ = std::max(trunk_extent_, (JointOf(kJointsPerLeg * leg).p_PJ - centre).norm());
     }
@@ -466,20 +463,18 @@ class Reader {
 
   /// Transforms the joints and bodies of a leg from B to the joints' frames.
   void FinishLeg(int leg) {
-    LegDescription& out = robot_.legs[static_cast<std::size_t>(leg)];
+    LegDescription& out = robot_.legs[leg];
     Eigen::Vector3d parent = Eigen::Vector3d::Zero();
     for (int i = 0; i < kJointsPerLeg; ++i) {
-      JointDescription& joint = out.joints[static_cast<std::size_t>(i)];
+      JointDescription& joint = out.joints[i];
       const Eigen::Vector3d p_BJ = joint.p_PJ;
-      out.bodies[static_cast<std::size_t>(i)] =
-          SumOf(1 + kJointsPerLeg * leg + i).In(Eigen::Matrix3d::Identity(), -p_BJ);
-      for (std::array<float, 3>& p : looks_[static_cast<std::size_t>(1 + kJointsPerLeg * leg + i)].corners)
-        for (std::size_t k = 0; k < 3; ++k) p[k] -= static_cast<float>(p_BJ[static_cast<Eigen::Index>(k)]);
+      out.bodies[i] = SumOf(1 + kJointsPerLeg * leg + i).In(Eigen::Matrix3d::Identity(), -p_BJ);
+      for (std::array<float, 3>& p : looks_[1 + kJointsPerLeg * leg + i].corners)
+        for (int k = 0; k < 3; ++k) p[k] -= static_cast<float>(p_BJ[k]);
       joint.p_PJ = p_BJ - parent;
       parent = p_BJ;
     }
-    const auto at = static_cast<std::size_t>(leg);
-    out.foot_J = poses_.at(reading_.feet[at]) * reading_.foot_centres[at] - parent;
+    out.foot_J = poses_.at(reading_.feet[leg]) * reading_.foot_centres[leg] - parent;
   }
 
   /// Transforms a body on an actuated joint from B to its own frame.
@@ -581,8 +576,8 @@ class Reader {
 
   /// Returns the inertia of a body in B.
   RigidInertia SumOf(int body) {
-    const std::vector<Part>& parts = parts_[static_cast<std::size_t>(body)];
-    const std::string& names = names_[static_cast<std::size_t>(body)];
+    const std::vector<Part>& parts = parts_[body];
+    const std::string& names = names_[body];
     RigidInertia sum;
     const double extent = body > 0 && body <= kNumJoints ? leg_extent_ : 2 * trunk_extent_;
     for (const Part& part : parts) sum = sum + Believed(part, extent);
@@ -594,10 +589,7 @@ class Reader {
     return sum;
   }
 
-  JointDescription& JointOf(int j) {
-    return robot_.legs[static_cast<std::size_t>(j / kJointsPerLeg)]
-        .joints[static_cast<std::size_t>(j % kJointsPerLeg)];
-  }
+  JointDescription& JointOf(int j) { return robot_.legs[j / kJointsPerLeg].joints[j % kJointsPerLeg]; }
 
   const UrdfFile file_;
   const UrdfReading& reading_;

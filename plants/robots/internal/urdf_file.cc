@@ -237,11 +237,10 @@ class UrdfReader {
     shape.colour = ColourOf(*material);
     if (name.empty()) return shape;
     const auto known = materials_.find(name);
-    if (known != materials_.end()) {
+    if (known != materials_.end())
       shape.colour = known->second;
-    } else if (!material->children.empty()) {
+    else if (!material->children.empty())
       materials_.emplace(name, shape.colour);
-    }
     return shape;
   }
 
