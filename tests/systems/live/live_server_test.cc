@@ -4,7 +4,7 @@
 
 namespace tenon::live_server_test {
 
-using ::testing::AllOf, ::testing::HasSubstr;
+using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
 /// Runs without pacing and with commands at simulated times: nothing depends on the clock.
@@ -200,8 +200,7 @@ TEST(LiveServerAloneTest, ARunThatCannotBeSavedRunsAndSaysThatItCannotGoBack) {
     command({{"command", "take"}});
     for (const Json& json :
          {Json{{"command", "back"}, {"to_s", 0.2}}, Json{{"command", "reset"}, {"seed", 8}}})
-      EXPECT_THAT(command(json)["error"],
-                  AllOf(HasSubstr("cannot go back"), HasSubstr("'secretive.memory'")));
+      EXPECT_THAT(command(json)["error"], HasSubstrs("cannot go back", "'secretive.memory'"));
     return false;
   };
   EXPECT_EQ(server.Run(simulator, view, 1).time, 1);
