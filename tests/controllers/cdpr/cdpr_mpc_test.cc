@@ -268,12 +268,7 @@ TEST(CdprMpc, KeepsTheDistanceFromAPost) {
 }
 
 TEST(CdprMpc, RefusesNonsense) {
-  const CdprMpcParams good = Holding(test::FourCableRobot(), {0, 0, 2});
-  const auto refuses = [&](const auto& change, const char* key) {
-    CdprMpcParams params = good;
-    change(params);
-    return Refuses<CdprMpc>(params, key);
-  };
+  const auto refuses = RefusesChanged<CdprMpc>(Holding(test::FourCableRobot(), {0, 0, 2}));
   EXPECT_TRUE(refuses([](auto& p) { p.path = nullptr; }, "path"));
   EXPECT_TRUE(refuses([](auto& p) { p.num_steps = 1; }, "num_steps"));
   EXPECT_TRUE(refuses([](auto& p) { p.horizon = 0.123; }, "horizon"));

@@ -343,11 +343,7 @@ TEST(QuadrupedPlantTest, RefusesForcesOnBodiesThatAreNotThere) {
 }
 
 TEST(QuadrupedPlantTest, RefusesParametersThatMakeNoSense) {
-  const auto refuses = [](const auto& change, const auto&... parts) {
-    QuadrupedPlantParams params = Params(DogBot());
-    change(params);
-    return Throws<ParameterError>([&] { Rig rig(params); }, parts...);
-  };
+  const auto refuses = RefusesChanged<QuadrupedPlant>(Params(DogBot()));
   EXPECT_TRUE(refuses([](auto& p) { p.robot = {}; }, "robot"));
   EXPECT_TRUE(refuses([](auto& p) { p.robot.foot_radius = 0.2; }, "radius"));
   EXPECT_TRUE(refuses([](auto& p) { p.payload.com[1] = NAN; }, "payload"));

@@ -188,12 +188,9 @@ TEST(PersonTest, IsDrawnWhereItIs) {
 }
 
 TEST(PersonTest, RefusesNonsense) {
-  const auto refuses = [](const auto& change, const auto&... keys) {
-    PersonParams params = Params({{.activity = Activity::kWalk, .duration = 1, .speed = 0.1},
-                                  {.activity = Activity::kPull, .duration = 1, .force = 60}});
-    change(params);
-    return Refuses<Person>(params, keys...);
-  };
+  const auto refuses =
+      RefusesChanged<Person>(Params({{.activity = Activity::kWalk, .duration = 1, .speed = 0.1},
+                                     {.activity = Activity::kPull, .duration = 1, .force = 60}}));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[0].speed_amplitude = 0.2; }, "phases.0"));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[1].speed = 1; }, "phases.1"));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[0].force = 1; }, "phases.0"));

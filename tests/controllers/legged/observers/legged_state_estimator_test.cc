@@ -286,12 +286,7 @@ TEST(LeggedStateEstimatorTest, AFootThatSlipsIsAnchoredAnew) {
 }
 
 TEST(LeggedStateEstimatorTest, RefusesNonsense) {
-  const auto refuses = [](const auto& change, const char* key) {
-    LeggedStateEstimatorParams params;
-    params.robot = DogBot();
-    change(params);
-    return Refuses<LeggedStateEstimator>(params, key);
-  };
+  const auto refuses = RefusesChanged<LeggedStateEstimator>({.robot = DogBot()});
   EXPECT_TRUE(refuses([](auto& p) { p.robot.contact.stiffness = 0; }, "robot.contact.stiffness"));
   EXPECT_TRUE(refuses([](auto& p) { p.start.attitude = 0; }, "start.attitude"));
   EXPECT_TRUE(refuses([](auto& p) { p.initial.q_WB.setZero(); }, "initial.q_WB"));

@@ -409,11 +409,7 @@ TEST(FootSchedulerTest, ASingleGroupJumps) {
 }
 
 TEST(FootSchedulerTest, RefusesNonsense) {
-  const auto refuses = [](const auto& change, const auto&... keys) {
-    FootSchedulerParams params = Standard();
-    change(params);
-    return Refuses<FootScheduler>(params, keys...);
-  };
+  const auto refuses = RefusesChanged<FootScheduler>(Standard());
   EXPECT_TRUE(refuses([](auto& p) { p.gaits.trot.stance = -1; }, "gaits.trot", "stance_s"));
   EXPECT_TRUE(
       refuses([](auto& p) { p.gaits.crawl.swing_groups.pop_back(); }, "gaits.crawl", "'front_right'"));

@@ -90,11 +90,7 @@ TEST(WalkScheduleTest, SquatsBeginAndEndAtRest) {
 }
 
 TEST(WalkScheduleTest, RefusesNonsense) {
-  const auto refuses = [](const auto& change, const auto&... keys) {
-    WalkScheduleParams params = Example();
-    change(params);
-    return Refuses<WalkSchedule>(params, keys...);
-  };
+  const auto refuses = RefusesChanged<WalkSchedule>(Example());
   EXPECT_TRUE(refuses([](auto& p) { p.segments.clear(); }, "segments"));
   EXPECT_TRUE(refuses([](auto& p) { p.segments[1].duration = 1; }, "segments.1"));
   EXPECT_TRUE(refuses([](auto& p) { p.segments[0].duration.reset(); }, "segments.0"));
