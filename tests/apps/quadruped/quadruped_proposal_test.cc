@@ -96,8 +96,7 @@ TEST_F(QuadrupedProposalTest, TurnsLegsOutwardsThatWouldTouchTheTrunk) {
     const QuadrupedProposal proposal = Propose(narrow);
     EXPECT_THAT(proposal.yaml, HasSubstr("turned outwards"));
     const QuadrupedDescription robot = Load(proposal);
-    LeggedState rolled;
-    rolled.q = robot.stance;
+    LeggedState rolled{.q = robot.stance};
     for (int leg = 0; leg < kNumLegs; ++leg) {
       const bool left = leg == kFrontLeft || leg == kRearLeft;
       const double splay = (robot.FootPosition(leg, robot.stance) - robot.HipPosition(leg, robot.stance)).y();

@@ -25,12 +25,10 @@ CdprMpcParams Holding(const CdprDescription& robot, const Eigen::Vector3d& at) {
 /// The platform on its reference, displaced by `offset`.
 PlatformEstimate At(const CdprMpcParams& params, double time, const Eigen::Vector3d& offset) {
   const CdprReference reference = params.path->At(time);
-  PlatformEstimate estimate;
-  estimate.time = time;
-  estimate.platform.p_WB = reference.position + offset;
-  estimate.platform.q_WB = QuaternionFromRotation(RotationFromEuler(reference.euler));
-  estimate.platform.v_W = reference.velocity;
-  return estimate;
+  return {.time = time,
+          .platform = {.p_WB = reference.position + offset,
+                       .q_WB = QuaternionFromRotation(RotationFromEuler(reference.euler)),
+                       .v_W = reference.velocity}};
 }
 
 TEST(CdprMpcSteps, AreUniformOverAShortHorizon) {

@@ -355,10 +355,7 @@ TEST(QuadrupedPlantTest, RefusesParametersThatMakeNoSense) {
 }
 
 LeggedState At(const Vec<3>& p_WB, double roll = 0) {
-  LeggedState x;
-  x.p_WB = p_WB;
-  x.q_WB = QuaternionFromRotationVector({roll, 0, 0});
-  return x;
+  return {.p_WB = p_WB, .q_WB = QuaternionFromRotationVector({roll, 0, 0})};
 }
 
 TEST(FallMonitorTest, EndsTheRunWhenTheTrunkIsLow) {

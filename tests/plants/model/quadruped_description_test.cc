@@ -556,9 +556,7 @@ TEST(QuadrupedDescriptionTest, RefusesActuatedJointsThatMakeNoSense) {
 // First moment and inertia about B's origin are additive.
 TEST(WithPayloadTest, AddsMassAndInertiaAboutTheTrunksOrigin) {
   const QuadrupedDescription robot = test::DogBot();
-  RigidInertia payload;
-  payload.mass = 4;
-  payload.com = {0.1, -0.2, 0.15};
+  RigidInertia payload{.mass = 4, .com = {0.1, -0.2, 0.15}};
   payload.inertia.diagonal() << 0.02, 0.03, 0.04;
   const RigidInertia sum = WithPayload(robot, payload).trunk;
   EXPECT_DOUBLE_EQ(sum.mass, robot.trunk.mass + 4);
@@ -588,8 +586,7 @@ TEST(WithMassFactorTest, ScalesMassesAndInertias) {
 }
 
 TEST(QuadrupedDescriptionTest, RefusesImpossiblePayloadsAndMassFactors) {
-  RigidInertia payload;
-  payload.mass = -1;
+  const RigidInertia payload{.mass = -1};
   EXPECT_TRUE(Throws<ParameterError>([&] { WithPayload(test::DogBot(), payload); }, "payload"));
   EXPECT_TRUE(Throws<ParameterError>([] { WithMassFactor(test::DogBot(), 0); }, "factor"));
 }

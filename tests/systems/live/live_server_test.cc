@@ -189,8 +189,7 @@ TEST(LiveServerAloneTest, ARunThatCannotBeSavedRunsAndSaysThatItCannotGoBack) {
   DiagramBuilder builder;
   auto& secretive = builder.Add<Secretive>("secretive");
   Simulator simulator(builder.Build());
-  LiveView view;
-  view.signals = {&secretive.y};
+  const LiveView view{.signals = {&secretive.y}};
   LiveServer server({.port = 0, .rate = 0});
   const auto command = [&](const Json& json) { return Json::parse(server.Command("test", json.dump())); };
   bool asked = false;
@@ -248,8 +247,7 @@ TEST(LiveResetTest, BeginsWithWhatTheRunBeganWith) {
     EXPECT_EQ(simulator.context().Eval(cart.x), Vec<2>(1, 0));
     return false;
   };
-  LiveView view;
-  view.signals = {&cart.state};
+  const LiveView view{.signals = {&cart.state}};
   server.Run(simulator, view, 1);
   EXPECT_TRUE(reset);
   EXPECT_NEAR(simulator.context().Eval(cart.x)[0], 1 + 0.5 * 2 / CartParams().mass, 1e-9);
