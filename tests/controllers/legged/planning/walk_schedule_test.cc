@@ -67,13 +67,8 @@ TEST(WalkScheduleTest, StandsAfterTheLastSegment) {
 
 // A sine in the middle and rest at both ends; the rates are the derivatives of the height.
 TEST(WalkScheduleTest, SquatsBeginAndEndAtRest) {
-  WalkScheduleParams params;
-  params.segments.resize(1);
-  params.segments[0].duration = 8;
-  params.segments[0].squat_amplitude = 0.08;
-  params.segments[0].squat_frequency = 0.5;
-  params.rate = Hz(1000);
-  TestRig<WalkSchedule> rig(params);
+  TestRig<WalkSchedule> rig(WalkScheduleParams{
+      .segments = {{.duration = 8, .squat_amplitude = 0.08, .squat_frequency = 0.5}}, .rate = Hz(1000)});
   const auto at = [&](double t) {
     rig.RunTo(t);
     return rig[rig->command].height;
