@@ -61,7 +61,6 @@ TEST_F(TenonCdprTest, FliesARobotOfTwelveCables) {
   }
 }
 
-// The load estimator finds the weight of the arm, 12.8 N.
 // From 0.125 kg to 30 t, without gains in the scenario. Two seconds of the platform's time t = sqrt(l / g),
 // see CdprProfile.
 TEST_F(TenonCdprTest, FliesRobotsOfAllSizesWithOneSetOfGains) {
