@@ -4,8 +4,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <cmath>
-
 namespace tenon::tenon_cdpr_workspace_test {
 
 namespace fs = std::filesystem;

@@ -2,8 +2,6 @@
 
 #include <tenon/tests/apps/run_case.h>
 
-#include <cmath>
-
 namespace tenon::guide_dog_cases_test {
 
 using test::Case;

@@ -6,7 +6,6 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
 #include <numeric>
 
 namespace tenon::tenon_quadruped_test {
