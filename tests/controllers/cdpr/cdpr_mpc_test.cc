@@ -1,3 +1,4 @@
+#include <tenon/controllers/cdpr/cdpr_clearance.h>
 #include <tenon/controllers/cdpr/cdpr_mpc.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
