@@ -86,17 +86,16 @@ TEST_P(EveryAppTest, WritesSummarySignalsScenarioReportAndGraph) {
        {"case", "seed", "finished", "fell", "end_reason", "simulated_s", "wall_s", "real_time_factor"})
     EXPECT_THAT(Summary(), HasSubstr("\"" + std::string(key) + "\": "));
   for (const std::string& key : figures) EXPECT_THAT(Summary(), HasSubstr("\"" + key + "\": "));
-  EXPECT_THAT(Summary(), AllOf(HasSubstr("\"case\": \"" + scenario + "\""), HasSubstr("\"seed\": 7"),
-                               HasSubstr("\"finished\": true"), HasSubstr("\"fell\": false"),
-                               HasSubstr("\"simulated_s\": 0.3")));
-  EXPECT_THAT(Signals(), AllOf(HasSubstr("time [s],"), HasSubstr("\n0.3,")));
+  EXPECT_THAT(Summary(), HasSubstrs("\"case\": \"" + scenario + "\"", "\"seed\": 7", "\"finished\": true",
+                                    "\"fell\": false", "\"simulated_s\": 0.3"));
+  EXPECT_THAT(Signals(), HasSubstrs("time [s],", "\n0.3,"));
   for (const std::string& signal : signals) EXPECT_THAT(Signals(), HasSubstr(signal));
   for (const std::string& key : keys) EXPECT_THAT(ReadText(out / "scenario.yaml"), HasSubstr(key));
   for (const std::string& block : blocks) EXPECT_THAT(ReadText(out / "graph.dot"), HasSubstr(block));
   EXPECT_THAT(Summary(), HasSubstr(std::string("\"tenon\": \"") + Version()));
   EXPECT_THAT(ReadText(out / "scenario.yaml"), StartsWith(std::string("# Tenon ") + Version() + "\n"));
   EXPECT_THAT(ReadText(out / "report.html").substr(0, 500),
-              AllOf(HasSubstr(Version()), HasSubstr("<title>" + scenario + ": "), HasSubstr(description)));
+              HasSubstrs(Version(), "<title>" + scenario + ": ", description));
   EXPECT_LT(fs::file_size(out / "report.html"), 2e6);
   const std::size_t beside = Summary().find("\"limits\"");
   for (const auto& [figure, limit] : limits) {
@@ -116,7 +115,7 @@ TEST_P(EveryAppTest, RepeatsARunFromItsWrittenScenario) {
 TEST_P(EveryAppTest, ListsScenariosWithTheirDescriptions) {
   const test::Result list = test::RunCommand(app + " --list");
   EXPECT_EQ(list.exit_code, 0);
-  EXPECT_THAT(list.text, AllOf(HasSubstr(GetParam().scenario), HasSubstr(GetParam().description)));
+  EXPECT_THAT(list.text, HasSubstrs(GetParam().scenario, GetParam().description));
 }
 
 TEST_P(EveryAppTest, RefusesBadUsage) {
@@ -168,9 +167,8 @@ TEST_P(PathTest, ARobotThatLeavesItsPathIsNotFinished) {
   Run(run);
   EXPECT_THAT(Summary(), HasSubstr("\"followed\": true"));
   Run(run + " --set " + tolerance, 3);
-  EXPECT_THAT(Summary(),
-              AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"fell\": false"),
-                    HasSubstr("\"followed\": false"), ContainsRegex("\"end_reason\": *\"[^\"]*path")));
+  EXPECT_THAT(Summary(), AllOf(HasSubstrs("\"finished\": false", "\"fell\": false", "\"followed\": false"),
+                               ContainsRegex("\"end_reason\": *\"[^\"]*path")));
   EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("but the path was not followed"));
   if (without_path.empty()) return;
   Run(without_path);

@@ -215,8 +215,6 @@ Summary Turn(double turned, bool walks, double left = 0) {
     set("world.plant.state.q_WB.z", std::sin(yaw / 2));
     figures.Row(row);
   };
-  RunOutcome outcome;
-  outcome.status.time = 60;
   for (int k = 33000; k <= 60000; ++k) {
     const double time = 1e-3 * k;
     const GuideMode after = walks ? GuideMode::kMove : GuideMode::kStop;
@@ -228,7 +226,7 @@ Summary Turn(double turned, bool walks, double left = 0) {
          : time < 58 ? turned
                      : turned + left);
   }
-  Summary summary("case", 1, outcome);
+  Summary summary("case", 1, {.status = {.time = 60}});
   figures.AddTo(summary);
   return summary;
 }

@@ -4,7 +4,6 @@
 #include <tenon/tests/systems/report/browser.h>
 
 #include <array>
-#include <cmath>
 #include <memory>
 
 namespace tenon::report_page_test {

@@ -37,9 +37,8 @@ struct ResultsTest : test::AppTest {
 TEST_F(ResultsTest, RunsACampaignAndResumes) {
   const std::string few = "--part hardware_guide_dog --seeds 1 --duration 0.05";
   ASSERT_EQ(RunResults(few), 0) << text;
-  EXPECT_THAT(Page(),
-              AllOf(HasSubstr("cores, a trial with fewer seeds or shorter runs.*"),
-                    HasSubstr("| C3-blocks | rough | yes |"), HasSubstr("| A1 | 20 N sin(t) along x")));
+  EXPECT_THAT(Page(), HasSubstrs("cores, a trial with fewer seeds or shorter runs.*",
+                                 "| C3-blocks | rough | yes |", "| A1 | 20 N sin(t) along x"));
   const std::string runs = ReadText(out / "hardware_guide_dog/runs.csv");
   ASSERT_EQ(RunResults(few), 0) << text;
   // The wall times show that nothing ran again.
@@ -61,12 +60,11 @@ TEST_F(ResultsTest, JudgesFinishedCampaigns) {
   ASSERT_EQ(RunResults("--report-only"), 0) << text;
   EXPECT_THAT(
       Page(),
-      AllOf(HasSubstr("*Commit abcdef0, 2026-01-02, a machine.*"),
-            HasSubstr("| yes | 2.0 | 3.5 | 11.0 | 1.5 | – | – | CoM ≤ 3 mm; foot ≤ 4 mm; GRF ≤ 2 N | yes |"),
-            HasSubstr("| A1 | none | **falls at 12.3 s** | 500.0 | 250.00 | 3.5 | 1.00 |"),
-            HasSubstr("| **2 of 3** (first falls at 12.3 s) | 9.0 / 300.0 | 3.5 / 3.5 |"),
-            HasSubstr(
-                "**no**: 1 of 3 not finished; median of CoM is 9.0 mm; max of CoM is 300.0 mm (only 3 of ")));
+      HasSubstrs("*Commit abcdef0, 2026-01-02, a machine.*",
+                 "| yes | 2.0 | 3.5 | 11.0 | 1.5 | – | – | CoM ≤ 3 mm; foot ≤ 4 mm; GRF ≤ 2 N | yes |",
+                 "| A1 | none | **falls at 12.3 s** | 500.0 | 250.00 | 3.5 | 1.00 |",
+                 "| **2 of 3** (first falls at 12.3 s) | 9.0 / 300.0 | 3.5 / 3.5 |",
+                 "**no**: 1 of 3 not finished; median of CoM is 9.0 mm; max of CoM is 300.0 mm (only 3 of "));
 }
 
 // The verdict of the cable robot takes the worst seed.
@@ -87,14 +85,13 @@ TEST_F(ResultsTest, JudgesEverySeedOfTheCableRobot) {
           "command_max_N,settling_time_s,loaded_error_rms_m,loaded_swing_rms_rad",
           rows);
   ASSERT_EQ(RunResults("--report-only"), 0) << text;
-  EXPECT_THAT(
-      Page(),
-      AllOf(HasSubstr("| D2 | mpc_equilibrium | 2 of 2 | 2.0 / 2.0 | 7.0 / 7.0 | 5.0 / 5.0 | 0.200 / "
-                      "0.200 |"),
-            HasSubstr("| D2 | mpc_equilibrium | 10 to 90 | 5 to 99 | 8.0 / 8.0 | 20.0 / 20.0 | 1.50 / "
-                      "2.00 |"),
-            HasSubstr("goal MPC ≤ 3 s: met; goal PD / MPC ≥ 2: **missed** (least ratio 1.5)"),
-            HasSubstr("within 10 mm rms: met (8.0 mm at most); settling ≤ 2 s: met")));
+  EXPECT_THAT(Page(),
+              HasSubstrs("| D2 | mpc_equilibrium | 2 of 2 | 2.0 / 2.0 | 7.0 / 7.0 | 5.0 / 5.0 | 0.200 / "
+                         "0.200 |",
+                         "| D2 | mpc_equilibrium | 10 to 90 | 5 to 99 | 8.0 / 8.0 | 20.0 / 20.0 | 1.50 / "
+                         "2.00 |",
+                         "goal MPC ≤ 3 s: met; goal PD / MPC ≥ 2: **missed** (least ratio 1.5)",
+                         "within 10 mm rms: met (8.0 mm at most); settling ≤ 2 s: met"));
 }
 
 TEST_F(ResultsTest, ShowsLimitsAndSurvival) {
@@ -110,15 +107,14 @@ TEST_F(ResultsTest, ShowsLimitsAndSurvival) {
              "causes": [{"cause": "the robot fell", "runs": 5}]})";
   }
   ASSERT_EQ(RunResults("--report-only"), 0) << text;
-  EXPECT_THAT(Page(), AllOf(HasSubstr("| A1, N | 75 | – | – | > 315 |"), HasSubstr("| 8 | none random | 5 |"),
-                            HasSubstr("| B2 | 1000 | 99.5 | 98.8 to 99.8 |"),
-                            HasSubstr("- B2, 5 runs: `the robot fell`")));
+  EXPECT_THAT(Page(), HasSubstrs("| A1, N | 75 | – | – | > 315 |", "| 8 | none random | 5 |",
+                                 "| B2 | 1000 | 99.5 | 98.8 to 99.8 |", "- B2, 5 runs: `the robot fell`"));
 }
 
 TEST_F(ResultsTest, ThePageIsWellFormed) {
   const test::Result result = test::RunCommand(std::string("python3 ") + TENON_RESULTS + " --due");
   EXPECT_EQ(result.exit_code, 0) << result.text;
-  EXPECT_THAT(result.text, AllOf(HasSubstr("\nsurvival "), HasSubstr("\nlimits ")));
+  EXPECT_THAT(result.text, HasSubstrs("\nsurvival ", "\nlimits "));
 }
 
 /// A small source tree with one table, whose runs depend on controllers/gain.cc and the scenarios walk and
@@ -203,8 +199,8 @@ TEST_F(StaleResultsTest, ATableIsStaleOnceAFigureOfItsSampleChanges) {
 
   Write("figures", R"({"finished": true, "com_error_max_m": 0.0020000000000000005, "wall_s": 2})");
   EXPECT_THAT(Run("tools/results --check" + build),
-              AllOf(HasSubstr("push --replay 1: com_error_max_m was 0.002 and is 0.0020000000000000005"),
-                    HasSubstr("stale, but the page does not say so")));
+              HasSubstrs("push --replay 1: com_error_max_m was 0.002 and is 0.0020000000000000005",
+                         "stale, but the page does not say so"));
   EXPECT_EQ(exit_code, 1);
   Write("controllers/legged/gain.cc", "double gain = 4;\n");
   Run("tools/results --mark" + build);

@@ -1,8 +1,8 @@
 #pragma once
 
+#include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <gmock/gmock.h>
 #include <sys/wait.h>
 
 #include <cstdio>

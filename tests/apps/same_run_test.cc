@@ -110,8 +110,7 @@ TEST(SameRunTest, C1) {
 
 /// The robot and the path of D1.
 CdprLoopParams Circle() {
-  CdprLoopParams params;
-  params.robot = LoadCdpr(FindResource("robots", "cdpr_4"));
+  CdprLoopParams params{.robot = LoadCdpr(FindResource("robots", "cdpr_4"))};
   params.path = std::make_shared<EquilibriumPath>(params.robot, Path::Circle({0, 0, 2}, 0.5, 10, 0.5));
   return params;
 }

@@ -29,8 +29,7 @@ TEST(ThesisFiguresTest, AreAllFiguresOfResults) {
   for (const auto& figure : Figures()) {
     EXPECT_TRUE(found.insert(figure.number).second) << figure.number << " appears twice";
     EXPECT_FALSE(figure.plots.empty() && figure.pictures_s.empty()) << figure.number;
-    EXPECT_THAT(page,
-                AllOf(HasSubstr(figure.app + " --figure " + figure.number + "`"), HasSubstr(figure.thesis)));
+    EXPECT_THAT(page, HasSubstrs(figure.app + " --figure " + figure.number + "`", figure.thesis));
   }
   EXPECT_EQ(found, numbers);
 }
@@ -40,8 +39,8 @@ struct ThesisFiguresAppTest : test::AppTest {
 };
 
 TEST_F(ThesisFiguresAppTest, AreListedWithoutANumberAndForAnUnknownOne) {
-  EXPECT_THAT(Run("--figure"), AllOf(HasSubstr("2.19   A6 "), HasSubstr("2.5 "), Not(HasSubstr("2.30"))));
-  EXPECT_THAT(Run("--figure 2.99", 2), AllOf(HasSubstr("--figure 2.99"), HasSubstr("2.19   A6 ")));
+  EXPECT_THAT(Run("--figure"), AllOf(HasSubstrs("2.19   A6 ", "2.5 "), Not(HasSubstr("2.30"))));
+  EXPECT_THAT(Run("--figure 2.99", 2), HasSubstrs("--figure 2.99", "2.19   A6 "));
   EXPECT_THAT(Run("--figure 2.30", 2), HasSubstr("tenon-guide-dog --figure 2.30"));
   ExpectRefused({{"A6 --figure 2.19", "--figure"}, {"--figure 2.19 --live", "--live"}});
 }
@@ -59,8 +58,8 @@ INSTANTIATE_TEST_SUITE_P(Cases, EveryFigureTest, ::testing::ValuesIn(Figures()),
 TEST_P(EveryFigureTest, RunsForASecondAndSavesItsPlots) {
   const apps::ThesisFigure& figure = GetParam();
   const std::string printed = Run("--figure " + figure.number + " --duration 1");
-  EXPECT_THAT(printed, AllOf(HasSubstr("Figure " + figure.number + ": " + figure.title),
-                             HasSubstr(figure.thesis), HasSubstr("report.html")));
+  EXPECT_THAT(printed,
+              HasSubstrs("Figure " + figure.number + ": " + figure.title, figure.thesis, "report.html"));
   if (printed.find("install Chromium") != printed.npos) return;
   std::size_t drawings = 0;
   if (fs::exists(out / "figure"))

@@ -355,9 +355,8 @@ TEST(BlocksTest, HeadersHaveSummaries) {
   const auto declarations = ReadHeaders(kSource);
   EXPECT_EQ(declarations.at("Gain").header, "systems/primitives/gain.h");
   const std::string plant = declarations.at("QuadrupedPlant").summary;  // one sentence on two lines
-  EXPECT_THAT(plant,
-              testing::AllOf(testing::HasSubstr("quadruped_body.h"), testing::HasSubstr("foot_contact.h"),
-                             testing::EndsWith("."), testing::Not(testing::HasSubstr("\n"))));
+  EXPECT_THAT(plant, testing::AllOf(HasSubstrs("quadruped_body.h", "foot_contact.h"), testing::EndsWith("."),
+                                    testing::Not(testing::HasSubstr("\n"))));
   EXPECT_FALSE(declarations.at("LeggedState").is_block);
   for (const auto& [name, declaration] : declarations) {
     EXPECT_TRUE(!declaration.is_block || !declaration.summary.empty()) << name;

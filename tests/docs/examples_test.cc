@@ -1,8 +1,8 @@
 // The programs that pages show are those that ship in docs/examples, where they are compiled and run.
 
 #include <tenon/systems/files/input_file.h>
+#include <tenon/tests/testing/matchers.h>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -51,8 +51,8 @@ TEST(ExamplesTest, TheBlockOfForeignCodeShips) {
 
 TEST(ExamplesTest, TheFilesOfTheRobotOnRopesShip) {
   const std::string page = Read("docs/limbs.md"), directory = "docs/examples/how_do_i/";
-  EXPECT_THAT(page, ::testing::HasSubstr("```yaml\n" + Read(directory + "three_ropes.yaml") + "```"));
-  EXPECT_THAT(page, ::testing::HasSubstr("```cpp\n" + Read(directory + "own_ropes.cc") + "```"));
+  EXPECT_THAT(page, HasSubstrs("```yaml\n" + Read(directory + "three_ropes.yaml") + "```",
+                               "```cpp\n" + Read(directory + "own_ropes.cc") + "```"));
 }
 
 /// The text without the blanks at the beginning of its lines.

@@ -44,4 +44,18 @@ template <class Block, class... Keys>
   return Throws<ParameterError>([&] { Block block(params); }, keys...);
 }
 
+/// Makes a function that changes `params` and returns whether the constructor of a Block then throws a
+/// ParameterError that names all the keys.
+///
+///     const auto refuses = RefusesChanged<Pd>({.kp = 3, .kd = 1});
+///     EXPECT_TRUE(refuses([](auto& p) { p.kd = -1; }, "kd"));
+template <class Block>
+auto RefusesChanged(const internal::ParamsOf<Block>& params) {
+  return [params](const auto& change, const auto&... keys) {
+    internal::ParamsOf<Block> changed = params;
+    change(changed);
+    return Refuses<Block>(changed, keys...);
+  };
+}
+
 }  // namespace tenon

@@ -66,4 +66,12 @@ NearMatrix IsNear(const Eigen::MatrixBase<Derived>& expected, double tolerance) 
   return {expected, tolerance};
 }
 
+/// Matches a text that contains all `parts`.
+///
+///     EXPECT_THAT(error, HasSubstrs("'cart'", "mass_kg"));
+template <class... Parts>
+auto HasSubstrs(const Parts&... parts) {
+  return ::testing::AllOf(::testing::HasSubstr(parts)...);
+}
+
 }  // namespace tenon

@@ -59,8 +59,7 @@ struct TenonCampaignTest : AppTest {
 
 TEST_F(TenonCampaignTest, WritesARowForEachRunAndAReport) {
   const std::string text = Run(Walks(3) + To("c") + " --jobs 1");
-  EXPECT_THAT(text, AllOf(HasSubstr("6 of 6 survived"), HasSubstr("random_forces.0.upper_N=35: 3 of 3"),
-                          HasSubstr("--replay")));
+  EXPECT_THAT(text, HasSubstrs("6 of 6 survived", "random_forces.0.upper_N=35: 3 of 3", "--replay"));
   const std::string table = ReadText(out / "c/runs.csv");
   EXPECT_EQ(table.find("run,seed,random_forces.0.upper_N,case,finished,"), 0U);
   EXPECT_EQ(table.substr(table.find('\n') - 10, 10), "end_reason");
@@ -70,8 +69,8 @@ TEST_F(TenonCampaignTest, WritesARowForEachRunAndAReport) {
   EXPECT_EQ(rows.at(5).find("5,103,35,A4,true,false,0.05,"), 0U);
   EXPECT_THAT(table, HasSubstr(",tenon,"));
   EXPECT_THAT(rows.at(0), HasSubstr(std::string(",") + Version()));
-  EXPECT_THAT(ReadText(out / "c/summary.json"), AllOf(HasSubstr("\"runs\": 6"), HasSubstr("\"survived\": 6"),
-                                                      HasSubstr(std::string("\"tenon\": \"") + Version())));
+  EXPECT_THAT(ReadText(out / "c/summary.json"),
+              HasSubstrs("\"runs\": 6", "\"survived\": 6", std::string("\"tenon\": \"") + Version()));
   EXPECT_THAT(ReadText(out / "c/report.html"), HasSubstr("\"figures\":[\"simulated_s\""));
 }
 
@@ -87,7 +86,7 @@ TEST_F(TenonCampaignTest, ThreadsPartsAndKillsDoNotShowInTheTable) {
   for (const std::string i : {"1", "2", "3"}) Run(file + To("part" + i) + " --shard " + i + "/3");
   const std::string part = (out / "part").string();
   EXPECT_THAT(Run("--merge " + part + "1 " + part + "3" + To("some")),
-              AllOf(HasSubstr("warning: 5 of 16 runs"), HasSubstr("--resume")));
+              HasSubstrs("warning: 5 of 16 runs", "--resume"));
   Run((out / "some/campaign.yaml").string() + To("some") + " --resume");
   EXPECT_EQ(Table("some"), whole);
   Run("--merge " + part + "3 " + part + "1 " + part + "2" + To("all"));
@@ -111,12 +110,11 @@ TEST_F(TenonCampaignTest, AFailedRunIsARowWithItsReason) {
       "app: tenon-quadruped\nscenario: A1\nduration_s: 0.6\nset: {forces.0.on: trunk, forces.0.start_s: 0}\n"
       "vary:\n  forces.0.force_N: {list: [[0, 0, 0], [0, 0, 9e4]]}\n  walk.friction: {grid: [0, 0.6]}\n");
   const std::string text = Run(file + To("c"));
-  EXPECT_THAT(text, AllOf(HasSubstr("2 of 4 points"), HasSubstr("1 of 4 survived"), HasSubstr("2 failed: "),
-                          HasSubstr("walk.friction: ")));
+  EXPECT_THAT(text, HasSubstrs("2 of 4 points", "1 of 4 survived", "2 failed: ", "walk.friction: "));
   const auto rows = Rows(out / "c/runs.csv");
-  EXPECT_THAT(rows.at(0), AllOf(HasSubstr("false"), HasSubstr("walk.friction: ")));
+  EXPECT_THAT(rows.at(0), HasSubstrs("false", "walk.friction: "));
   EXPECT_THAT(rows.at(1), HasSubstr("end of the run"));
-  EXPECT_THAT(rows.at(3), AllOf(HasSubstr("false,false"), HasSubstr("left the ground")));
+  EXPECT_THAT(rows.at(3), HasSubstrs("false,false", "left the ground"));
 }
 
 TEST_F(TenonCampaignTest, ARunEndsAtItsWallLimit) {
@@ -150,8 +148,7 @@ TEST_F(TenonCampaignTest, ARunIsRepeatedWithItsFiles) {
   EXPECT_THAT(Run(file + To("c") + " --replay 3"), Not(HasSubstr("warning")));
   for (const std::string name : {"report.html", "signals.csv", "summary.json", "scenario.yaml"})
     EXPECT_TRUE(fs::exists(out / "c/run_3" / name)) << name;
-  EXPECT_THAT(ReadText(out / "c/run_3/scenario.yaml"),
-              AllOf(HasSubstr("upper_N: 35"), HasSubstr("seed: 102")));
+  EXPECT_THAT(ReadText(out / "c/run_3/scenario.yaml"), HasSubstrs("upper_N: 35", "seed: 102"));
   EXPECT_THAT(ReadText(out / "c/report.html"), HasSubstr("run_3/report.html"));
   EXPECT_THAT(Run(file + To("c") + " --replay 4", 2), HasSubstr("0 to 3"));
   const Result taken =
@@ -197,7 +194,7 @@ TEST_F(TenonCampaignTest, HalfAnEstimateIsNoResult) {
   std::size_t end = 0;
   for (int line = 0; line < 5; ++line) end = table.find('\n', end) + 1;
   std::ofstream(out / "whole/runs.csv") << table.substr(0, end);
-  EXPECT_THAT(Run(merge, 2), AllOf(HasSubstr("is not finished"), HasSubstr("--resume")));
+  EXPECT_THAT(Run(merge, 2), HasSubstrs("is not finished", "--resume"));
   Run(file + To("whole") + " --replay 2");
   EXPECT_FALSE(fs::exists(out / "whole/report.html"));
 }
@@ -211,14 +208,13 @@ TEST_F(TenonCampaignTest, JudgesQuantilesOfAllRuns) {
                                     "  - {figure: height_min_m, at_least: 0}\n"
                                     "vary: {robot: {list: [dogbot, nobody]}}\n") +
                                To("c"));
-  EXPECT_THAT(text, AllOf(HasSubstr("slip_max_m at most 1 for 50 % of the runs: open, "),
-                          HasSubstr("slip_max_m at most 0 for 50 % of the runs: missed, "),
-                          HasSubstr("warning: goals: no run has a figure 'height_min_m'")));
-  EXPECT_THAT(
-      ReadText(out / "c/summary.json"),
-      AllOf(HasSubstr("\"at_most\": 1"), HasSubstr("\"high\": null"), HasSubstr("\"verdict\": \"missed\"")));
+  EXPECT_THAT(text, HasSubstrs("slip_max_m at most 1 for 50 % of the runs: open, ",
+                               "slip_max_m at most 0 for 50 % of the runs: missed, ",
+                               "warning: goals: no run has a figure 'height_min_m'"));
+  EXPECT_THAT(ReadText(out / "c/summary.json"),
+              HasSubstrs("\"at_most\": 1", "\"high\": null", "\"verdict\": \"missed\""));
   const std::string wrong = "app: tenon-quadruped\nscenario: A4\ngoals: [{figure: slip_max_m}]\n";
-  EXPECT_THAT(Run(File(wrong) + To("d"), 2), AllOf(HasSubstr("goals"), HasSubstr("slip_max_m")));
+  EXPECT_THAT(Run(File(wrong) + To("d"), 2), HasSubstrs("goals", "slip_max_m"));
 }
 
 // A varied key that is also a figure has one column in the table.
@@ -267,8 +263,7 @@ TEST_F(TenonCampaignTest, ATableWithRunsIsNeverOverwritten) {
   Run(file + To("c") + " --replay 0");
   const std::string table = ReadText(out / "c/runs.csv");
   for (const std::string& again : {file, Walks(2)})
-    EXPECT_THAT(Run(again + To("c"), 2),
-                AllOf(HasSubstr("c/runs.csv"), HasSubstr("--resume"), HasSubstr((out / "c_2").string())));
+    EXPECT_THAT(Run(again + To("c"), 2), HasSubstrs("c/runs.csv", "--resume", (out / "c_2").string()));
   EXPECT_EQ(ReadText(out / "c/runs.csv"), table);
   EXPECT_TRUE(fs::exists(out / "c/run_0/report.html"));
   // A merge may be repeated, but loses no run.
@@ -282,8 +277,7 @@ TEST_F(TenonCampaignTest, ATableWithRunsIsNeverOverwritten) {
 
 TEST_F(TenonCampaignTest, ADryRunShowsAndRunsNothing) {
   EXPECT_THAT(Run(Walks(3) + To("c") + " --dry-run"),
-              AllOf(HasSubstr("2 points, 3 seeds each, 6 runs"),
-                    HasSubstr("run=3  seed=101  random_forces.0.upper_N=35")));
+              HasSubstrs("2 points, 3 seeds each, 6 runs", "run=3  seed=101  random_forces.0.upper_N=35"));
   EXPECT_FALSE(fs::exists(out / "c"));
 }
 
@@ -291,7 +285,7 @@ TEST_F(TenonCampaignTest, ATableThatCannotBeWrittenIsExitCode5) {
   // Files are limited to 12 blocks of 512 bytes, which hold about ten rows.
   const Result result = RunCommand("sh -c 'ulimit -f 12; exec " + kApp + " " + Walks(15) + To("c") + "'");
   EXPECT_EQ(result.exit_code, 5) << result.text;
-  EXPECT_THAT(result.text, AllOf(HasSubstr("runs.csv"), HasSubstr("File too large")));
+  EXPECT_THAT(result.text, HasSubstrs("runs.csv", "File too large"));
   // The rows that were written are complete, and --resume continues after them.
   const std::size_t rows = Rows(out / "c/runs.csv").size();
   EXPECT_GT(rows, 3U);

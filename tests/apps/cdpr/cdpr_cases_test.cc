@@ -3,7 +3,6 @@
 
 #include <tenon/tests/apps/run_case.h>
 
-#include <cmath>
 #include <map>
 
 namespace tenon::cdpr_cases_test {

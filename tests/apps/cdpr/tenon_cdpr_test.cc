@@ -6,7 +6,6 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
 #include <iomanip>
 #include <numbers>
 
@@ -61,7 +60,6 @@ TEST_F(TenonCdprTest, FliesARobotOfTwelveCables) {
   }
 }
 
-// The load estimator finds the weight of the arm, 12.8 N.
 // From 0.125 kg to 30 t, without gains in the scenario. Two seconds of the platform's time t = sqrt(l / g),
 // see CdprProfile.
 TEST_F(TenonCdprTest, FliesRobotsOfAllSizesWithOneSetOfGains) {
@@ -88,7 +86,7 @@ TEST_F(TenonCdprTest, SaysThatWinchesCannotPayOutFastEnough) {
       Run("circle --duration 8 --set 'robot={file: robocrane, mass_kg: 1, inertia_kg_m2: [1, 1, 1]}' --set "
           "'path.center_m=[0, 0, 1.5]' --set path.radius_m=0.3 --set forbid_slack=false",
           3),
-      AllOf(HasSubstr("warning: robot.winch.reel_damping_N_s_per_m = 180 "), HasSubstr("cable ")));
+      HasSubstrs("warning: robot.winch.reel_damping_N_s_per_m = 180 ", "cable "));
   EXPECT_THAT(Summary(), HasSubstr("the path was not followed"));
 }
 
@@ -169,14 +167,14 @@ TEST_F(TenonCdprTest, FliesWithTheHardwareOfARobot) {
 
 TEST_F(TenonCdprTest, BrokenLimitIsExitCode3) {
   Run("D1 --controller pd --duration 5 --set pd.stiffness_N_per_m=60000 --set pd.damping_N_s_per_m=1", 3);
-  EXPECT_THAT(Summary(), AllOf(HasSubstr("\"finished\": false"), HasSubstr("is slack")));
+  EXPECT_THAT(Summary(), HasSubstrs("\"finished\": false", "is slack"));
 }
 
 TEST_F(TenonCdprTest, NumericalFailureIsExitCode4AndKeepsWhatWasWritten) {
   Run("D1 --controller pd --duration 5 --set pd.stiffness_N_per_m=1e300 --set forbid_slack=false --set "
       "integrator.rtol=1e-14 --set integrator.atol=1e-300 --set max_tension_ratio=2",
       4);
-  EXPECT_THAT(Summary(), AllOf(HasSubstr("\"finished\": false"), HasSubstr("the integrator fails")));
+  EXPECT_THAT(Summary(), HasSubstrs("\"finished\": false", "the integrator fails"));
   EXPECT_THAT(Signals(), HasSubstr("\n0,"));
 }
 
@@ -240,7 +238,7 @@ TEST_F(TenonCdprTest, ARunThatNoRobotPerformsIsNotFinished) {
             "the robot ran into an obstacle: the platform by "},
        }) {
     Run(flight, 3);
-    EXPECT_THAT(Summary(), AllOf(HasSubstr("\"finished\": false"), HasSubstr(reason)));
+    EXPECT_THAT(Summary(), HasSubstrs("\"finished\": false", reason));
     EXPECT_NE(ReadText(out / "report.html").find("but " + reason), std::string::npos);
   }
 }
@@ -346,8 +344,7 @@ TEST(TenonCdprKeysTest, ListsKeysWithTheirMeanings) {
   EXPECT_THAT(RunCommand(TENON_CDPR " D1 --keys --set robot=mine.yaml").text,
               HasSubstr("--set robot=mine.yaml: robot: "));
   EXPECT_EQ(RunCommand(TENON_CDPR " --version").text, std::string("tenon-cdpr ") + Version() + "\n");
-  EXPECT_THAT(RunCommand(TENON_CDPR " --help").text,
-              AllOf(HasSubstr("--controller"), HasSubstr("Exit codes")));
+  EXPECT_THAT(RunCommand(TENON_CDPR " --help").text, HasSubstrs("--controller", "Exit codes"));
 }
 
 TEST(TenonCdprCompletionTest, BashCompletesScenariosOptionsAndKeys) {
@@ -376,10 +373,9 @@ TEST(TenonCdprCompletionTest, ZshCompletesScenariosOptionsAndKeys) {
                words + "'")
         .text;
   };
-  EXPECT_THAT(offered("circle_"), AllOf(HasSubstr(" circle_6 circle_8 "), HasSubstr("files -g *.yaml")));
+  EXPECT_THAT(offered("circle_"), HasSubstrs(" circle_6 circle_8 ", "files -g *.yaml"));
   EXPECT_THAT(offered("--dur"), AllOf(HasSubstr("--duration"), Not(HasSubstr("circle_6"))));
-  EXPECT_THAT(offered("D1 --set path.ra"),
-              AllOf(HasSubstr("-S = -- "), HasSubstr(" path.radius_m "), HasSubstr(" faults.0.at ")));
+  EXPECT_THAT(offered("D1 --set path.ra"), HasSubstrs("-S = -- ", " path.radius_m ", " faults.0.at "));
   EXPECT_THAT(offered("D1 --set robot=cog"), HasSubstr(" robot=cogiro "));
   EXPECT_THAT(offered("D1 --controller p"), HasSubstr(" pd_feedforward "));
   EXPECT_EQ(offered("D1 --out x"), "files\n");

@@ -4,12 +4,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include <cmath>
-
 namespace tenon::tenon_cdpr_workspace_test {
 
 namespace fs = std::filesystem;
-using ::testing::AllOf, ::testing::HasSubstr;
+using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
 class TenonCdprWorkspaceTest : public test::AppTest {
@@ -20,7 +18,7 @@ class TenonCdprWorkspaceTest : public test::AppTest {
 
 TEST_F(TenonCdprWorkspaceTest, WritesFiguresCellsAndReport) {
   EXPECT_THAT(Run("cogiro --load 100 --acceleration 0.5 --cell 1 --turn 0.4"),
-              AllOf(HasSubstr("static_volume_proven_m3"), HasSubstr("any_axis_turn_proven_rad")));
+              HasSubstrs("static_volume_proven_m3", "any_axis_turn_proven_rad"));
   const Json summary = Figures();
   EXPECT_EQ(summary["robot"], "cogiro");
   EXPECT_EQ(summary["load_kg"], 100);
@@ -74,8 +72,7 @@ TEST_F(TenonCdprWorkspaceTest, HasEquilibriaOfFourCablesAndWrenchClosureOfEight)
   EXPECT_GT(four["equilibrium_share"].get<double>(), 0.4);
   EXPECT_LT(four["equilibrium_share"].get<double>(), 1);
   EXPECT_GT(four["equilibrium_stiffness_min_N_per_m"].get<double>(), 0);
-  EXPECT_THAT(ReadText(out / "cells.csv"),
-              AllOf(HasSubstr("tilt [rad]"), HasSubstr("holds,"), HasSubstr("fails,")));
+  EXPECT_THAT(ReadText(out / "cells.csv"), HasSubstrs("tilt [rad]", "holds,", "fails,"));
   Run("cogiro --low -1 -1 1 --high 1 1 2 --cell 0.5 --turn 0.2");
   EXPECT_EQ(Figures()["closure_volume_possible_m3"], 0);  // all its cables come from above
   Run("ipanema_3 --cell 2 --turn 0.2");

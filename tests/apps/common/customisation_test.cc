@@ -100,7 +100,7 @@ TEST_F(CustomisationTest, HasKeysSignalsPlotsAndFiguresOfItsOwn) {
   EXPECT_NEAR(SummaryOf("run")["guess_late_min_N"], 2, 1e-9);
   EXPECT_NEAR(test::Column(out / "run", "guess.output [N]").back(), 4, 1e-9);
   EXPECT_THAT(ReadText(out / "run/report.html"),
-              AllOf(HasSubstr("\"title\":\"the guess\""), HasSubstr("\"name\":\"the guess\"")));
+              HasSubstrs("\"title\":\"the guess\"", "\"name\":\"the guess\""));
   EXPECT_THAT(ReadText(out / "run/scenario.yaml"), HasSubstr("gain_per_s: 40"));
   // The written scenario repeats the run, and has the defaults of the customisation filled in.
   ASSERT_EQ(RunIn("again", AppOfGain(), {(out / "run/scenario.yaml").string(), "--duration", "0.1"}), 0);
@@ -111,9 +111,9 @@ TEST_F(CustomisationTest, HasKeysSignalsPlotsAndFiguresOfItsOwn) {
 
 TEST_F(CustomisationTest, ListsAndChecksItsKeys) {
   ASSERT_EQ(RunIn("keys", AppOfGain(), {"--keys"}), 0);
-  EXPECT_THAT(text_, AllOf(HasSubstr("custom.gain_per_s"), HasSubstr("1/s"), HasSubstr("profile")));
+  EXPECT_THAT(text_, HasSubstrs("custom.gain_per_s", "1/s", "profile"));
   EXPECT_EQ(RunIn("no", AppOfGain(), With(kShort, {"--set", "custom.gain=1"})), 2);
-  EXPECT_THAT(text_, AllOf(HasSubstr("my_app: "), HasSubstr("custom.gain"), HasSubstr("gain_per_s")));
+  EXPECT_THAT(text_, HasSubstrs("my_app: ", "custom.gain", "gain_per_s"));
   EXPECT_EQ(RunIn("no", AppOfGain(), With(kShort, {"--set", "custom.gain_per_s=-1"})), 2);
   EXPECT_THAT(text_, HasSubstr("--set custom.gain_per_s=-1: custom.gain_per_s: "));
   const std::string file = Write("a.yaml", "extends: A1\ncase: a\ncustom:\n  gain_per_s: 3\n  gein: 4\n");
@@ -271,15 +271,13 @@ TEST_P(ExampleTest, IsComparedByACampaign) {
   if (example.main == observer::Main) {
     const test::Result refused = run("observer: {list: [legs, none]}");
     EXPECT_EQ(refused.exit_code, 2) << refused.text;
-    EXPECT_THAT(refused.text, AllOf(HasSubstr("observer"), HasSubstr("custom.blocks")));
+    EXPECT_THAT(refused.text, HasSubstrs("observer", "custom.blocks"));
   }
   const test::Result result = run("custom.blocks: {list: [shipped, mine]}");
   ASSERT_EQ(result.exit_code, 0) << result.text;
   const std::string table = ReadText(out / "runs/runs.csv");
-  EXPECT_THAT(table,
-              AllOf(HasSubstr("custom.blocks"), HasSubstr("\n0,1,shipped,"), HasSubstr("\n1,1,mine,")));
-  if (example.main == observer::Main)
-    EXPECT_THAT(table, AllOf(HasSubstr(",dogbot,hybrid,"), HasSubstr(",dogbot,mine,")));
+  EXPECT_THAT(table, HasSubstrs("custom.blocks", "\n0,1,shipped,", "\n1,1,mine,"));
+  if (example.main == observer::Main) EXPECT_THAT(table, HasSubstrs(",dogbot,hybrid,", ",dogbot,mine,"));
 }
 
 class LongExampleTest : public ExampleTest {};
@@ -308,8 +306,7 @@ TEST_F(CustomisationTest, AFaultThatNoBlockReadsNamesThePortAndTheRemedy) {
     EXPECT_EQ(CallIn("no", observer::Main,
                      {"A1", "--set", std::string("faults=[{at: ") + place + ", kind: stuck}]"}),
               2);
-    EXPECT_THAT(text_, AllOf(HasSubstr("faults.0.at: "), HasSubstr(port), HasSubstr("input of your block")))
-        << place;
+    EXPECT_THAT(text_, HasSubstrs("faults.0.at: ", port, "input of your block")) << place;
   }
 }
 
@@ -320,7 +317,7 @@ TEST_F(CustomisationTest, InputsThatTheBlockLacksAreNamedOnce) {
   EXPECT_EQ(result.exit_code, 0) << result.text;
   const std::size_t first = result.text.find("'loop.observer' has no input");
   ASSERT_NE(first, std::string::npos) << result.text;
-  EXPECT_THAT(result.text.substr(first), AllOf(HasSubstr("'imu' (ImuMeasurement)"), HasSubstr("'torque'")));
+  EXPECT_THAT(result.text.substr(first), HasSubstrs("'imu' (ImuMeasurement)", "'torque'"));
   EXPECT_EQ(result.text.find("has no input", first + 20), std::string::npos);
 }
 
@@ -328,8 +325,7 @@ TEST_F(CustomisationTest, AnObserverThatActsNoLongerIsRefused) {
   for (const std::vector<std::string>& chosen :
        {std::vector<std::string>{"--observer", "legs"}, {"--set", "observer=none"}}) {
     EXPECT_EQ(CallIn("no", observer::Main, With({"A1"}, chosen)), 2);
-    EXPECT_THAT(text_, AllOf(HasSubstr("observer"), HasSubstr("'loop.observer'"), HasSubstr("custom.blocks")))
-        << chosen[1];
+    EXPECT_THAT(text_, HasSubstrs("observer", "'loop.observer'", "custom.blocks")) << chosen[1];
     EXPECT_EQ(CallIn("yes", observer::Main, With(With(kShort, chosen), {"--set", "custom.blocks=shipped"})),
               0)
         << text_;
@@ -367,7 +363,7 @@ TEST_F(CustomisationTest, LimitsOfAPlantWithUnknownParametersAreNotJudged) {
     builder.Replace<OtherRobot>(walk.world.plant, QuadrupedPlantParams(walk.world.plant.params));
   });
   ASSERT_EQ(RunIn("run", app, kShort), 0) << text_;
-  EXPECT_THAT(text_, AllOf(HasSubstr("limits of your block 'loop.world.plant'"), HasSubstr("not judged")));
+  EXPECT_THAT(text_, HasSubstrs("limits of your block 'loop.world.plant'", "not judged"));
   EXPECT_FALSE(SummaryOf("run").contains("torque_max_N_m"));
   EXPECT_TRUE(SummaryOf("run")["com_error_max_m"].is_number());
   ASSERT_EQ(RunIn("again", app, kShort), 0);
@@ -429,21 +425,19 @@ TEST_F(CustomisationTest, ABodyThatEntersTheGroundEndsTheVerdict) {
   const char* low =
       "attached=[{name: anvil, joint: weld, position_m: [0, 0, -0.6], mass_kg: 0.1, radius_m: 0.1}]";
   EXPECT_EQ(RunIn("run", QuadrupedApp(), With(kShort, {"--set", low})), 3);
-  EXPECT_THAT(SummaryOf("run")["end_reason"].get<std::string>(),
-              AllOf(HasSubstr("ground"), HasSubstr("anvil")));
+  EXPECT_THAT(SummaryOf("run")["end_reason"].get<std::string>(), HasSubstrs("ground", "anvil"));
   EXPECT_LT(SummaryOf("run")["added_clearance_min_m"], -0.005);
   const char* deep =
       "attached=[{name: anvil, joint: weld, position_m: [0, 0, -5], mass_kg: 0.1, radius_m: 0.1}]";
   EXPECT_EQ(RunIn("run", CdprApp(), {"D1", "--duration", "0.02", "--set", deep}), 3);
-  EXPECT_THAT(SummaryOf("run")["end_reason"].get<std::string>(),
-              AllOf(HasSubstr("floor"), HasSubstr("anvil")));
+  EXPECT_THAT(SummaryOf("run")["end_reason"].get<std::string>(), HasSubstrs("floor", "anvil"));
 }
 
 TEST_F(CustomisationTest, RopesThatCannotHoldTheRobotAreRefused) {
   const std::vector<std::string> weak{"E1", "--set", "ropes.0.tension_max_N=30", "--set",
                                       "ropes.1.tension_max_N=30"};
   EXPECT_EQ(RunIn("no", QuadrupedApp(), weak), 2);
-  EXPECT_THAT(text_, AllOf(HasSubstr("ropes: "), HasSubstr("tension_max_N")));
+  EXPECT_THAT(text_, HasSubstrs("ropes: ", "tension_max_N"));
   EXPECT_EQ(RunIn("no", QuadrupedApp(), With(weak, {"--set", "start_height_m=0.1"})), 2);
   EXPECT_THAT(text_, HasSubstr("hangs"));
 }
@@ -465,7 +459,7 @@ TEST_F(CustomisationTest, ACaseWhosePointDidNotHappenIsNotFinished) {
     EXPECT_EQ(run("0.05"), 3) << text_;
     const nlohmann::json summary = SummaryOf("dog");
     EXPECT_FALSE(summary["finished"].get<bool>());
-    EXPECT_THAT(summary["end_reason"].get<std::string>(), AllOf(HasSubstr(missed.why), HasSubstr("0.03 s")));
+    EXPECT_THAT(summary["end_reason"].get<std::string>(), HasSubstrs(missed.why, "0.03 s"));
     EXPECT_TRUE(summary[missed.key].is_null());
   }
 }

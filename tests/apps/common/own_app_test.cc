@@ -15,10 +15,9 @@ struct OwnAppTest : test::AppTest {
 
 TEST_F(OwnAppTest, WritesTheFilesOfAllApps) {
   EXPECT_THAT(Run(kExample + "/step.yaml --set mass_kg=3 --seed 5"),
-              AllOf(HasSubstr("error_end_m"), HasSubstr((out / "report.html").string() + "\n")));
-  EXPECT_THAT(Summary(), AllOf(HasSubstr("\"case\": \"step\""), HasSubstr("\"seed\": 5"),
-                               HasSubstr("\"error_end_m\": ")));
-  EXPECT_THAT(ReadText(out / "scenario.yaml"), AllOf(HasSubstr("mass_kg: 3"), HasSubstr("goal_m: 0.2")));
+              HasSubstrs("error_end_m", (out / "report.html").string() + "\n"));
+  EXPECT_THAT(Summary(), HasSubstrs("\"case\": \"step\"", "\"seed\": 5", "\"error_end_m\": "));
+  EXPECT_THAT(ReadText(out / "scenario.yaml"), HasSubstrs("mass_kg: 3", "goal_m: 0.2"));
   EXPECT_THAT(ReadText(out / "report.html").substr(0, 500), HasSubstr("<title>step: a step of 0.2 m"));
   // m x'' + d x' + k x = k 0.2 with m 3, d 6, k 10 from 1 s on is at 10 s within exp(-9) of its goal.
   EXPECT_NEAR(test::Column(out, "cart.x.position [m]").back(), 0.2, 2e-4);
@@ -27,8 +26,7 @@ TEST_F(OwnAppTest, WritesTheFilesOfAllApps) {
 TEST_F(OwnAppTest, ListsItsKeys) {
   const Result result = RunCommand(app + " --keys");
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.text,
-              AllOf(HasSubstr("damping_N_s_per_m"), HasSubstr("N s/m"), HasSubstr("log_rate_hz")));
+  EXPECT_THAT(result.text, HasSubstrs("damping_N_s_per_m", "N s/m", "log_rate_hz"));
   EXPECT_EQ(RunCommand(app + " --version").text.find("cart-app "), 0U);
 }
 
@@ -43,8 +41,7 @@ TEST_F(OwnAppTest, LogsThePortsThatAScenarioNames) {
   EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("\"pd.ref\""));
   const std::string wrong =
       Write("wrong.yaml", "extends: log.yaml\nreport:\n  plots:\n    - title: a\n      signals: [pd.reff]\n");
-  EXPECT_THAT(Run(wrong, 2),
-              AllOf(HasSubstr("wrong.yaml:5:17: report.plots.0.signals.0: "), HasSubstr("'pd.ref'")));
+  EXPECT_THAT(Run(wrong, 2), HasSubstrs("wrong.yaml:5:17: report.plots.0.signals.0: ", "'pd.ref'"));
   ExpectRefused(
       {{file + " --set log.signals=[cart.x.velocty]",
         "--set log.signals=[cart.x.velocty]: log.signals.0: the diagram has no port 'cart.x.velocty'"}});
@@ -62,13 +59,13 @@ TEST_F(OwnAppTest, IsRunByCampaigns) {
   ASSERT_EQ(result.exit_code, 0) << result.text;
   EXPECT_THAT(result.text, HasSubstr("2 of 2 survived"));
   const std::string table = ReadText(out / "runs/runs.csv");
-  EXPECT_THAT(table, AllOf(HasSubstr("run,seed,mass_kg,case,finished"), HasSubstr("error_end_m"),
-                           HasSubstr("\n1,1,4,step,true,false,2,")));
+  EXPECT_THAT(table,
+              HasSubstrs("run,seed,mass_kg,case,finished", "error_end_m", "\n1,1,4,step,true,false,2,"));
   // The copy of the campaign has absolute paths.
   EXPECT_THAT(ReadText(out / "runs/campaign.yaml"), HasSubstr((out / "step.yaml").string()));
   const Result refused = campaign("vary: {mass_kg: {list: [heavy]}}\n");
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.text, AllOf(HasSubstr("masses.yaml: "), HasSubstr("mass_kg: ")));
+  EXPECT_THAT(refused.text, HasSubstrs("masses.yaml: ", "mass_kg: "));
   const Result slow = campaign("duration_s: 1e6\nwall_limit_s: 0.5\n");
   EXPECT_THAT(slow.text, HasSubstr("0 of 1 survived"));
   EXPECT_THAT(ReadText(out / "runs/runs.csv"), HasSubstr("took longer than 0.5 s"));
@@ -123,7 +120,7 @@ TEST_F(ScriptAppTest, ARunThatFailsAfterItsFiguresDoesNotSurvive) {
       "echo '{\"case\": \"a\", \"finished\": true}' >$3/summary.json\n"
       "echo and then; exit 139\n";
   EXPECT_THAT(Campaign(script).text, HasSubstr("0 of 1 survived"));
-  EXPECT_THAT(Table(), AllOf(HasSubstr("false"), HasSubstr("app.sh ended with 139: and then")));
+  EXPECT_THAT(Table(), HasSubstrs("false", "app.sh ended with 139: and then"));
   EXPECT_THAT(Campaign(script, "", " --replay 0").text, HasSubstr("ended with 139"));
   Write("app.sh.gone", "");
   EXPECT_THAT(Campaign(script, "", " --replay 0").text, HasSubstr("app.sh ended with 9: no more"));
@@ -156,7 +153,7 @@ TEST_F(ScriptAppTest, FailuresOfTheMachineAreNotResults) {
     const std::string script = "grep -q seed.:.2 $1 && [ ! -e $0.mended ] && " + end + "\n" + run;
     const Result result = Campaign(script, two);
     EXPECT_EQ(result.exit_code, 5) << end << result.text;
-    EXPECT_THAT(result.text, AllOf(HasSubstr("1 of 1 survived"), HasSubstr("--resume"))) << end;
+    EXPECT_THAT(result.text, HasSubstrs("1 of 1 survived", "--resume")) << end;
     EXPECT_THAT(Table(), Not(HasSubstr("\n1,"))) << end;
     Write("app.sh.mended", "");
     const Result again = Campaign(script, two, " --resume");
@@ -192,7 +189,7 @@ TEST_F(ScriptAppTest, AFullTemporaryDirectoryIsNoResult) {
   const Result full = RunCommand(mounted + " " + kCampaign + " " + (out / "c.yaml").string() +
                                  " --jobs 1 --out " + (out / "runs").string() + "'");
   EXPECT_EQ(full.exit_code, 5) << full.text;
-  EXPECT_THAT(full.text, AllOf(HasSubstr("1 of 1 survived"), HasSubstr("TMPDIR"), HasSubstr("--resume")));
+  EXPECT_THAT(full.text, HasSubstrs("1 of 1 survived", "TMPDIR", "--resume"));
   EXPECT_THAT(Table(), Not(HasSubstr("\n1,")));
   Write("app.sh.mended", "");
   const Result again = Campaign(script, two, " --resume");
@@ -208,12 +205,10 @@ TEST_F(ScriptAppTest, FiguresWithoutANumberAreCounted) {
       "echo \"{\\\"case\\\": \\\"a\\\", \\\"finished\\\": true, \\\"x\\\": $x}\" >$3/summary.json\n",
       "seeds: {count: 4}\n");
   EXPECT_THAT(result.text, HasSubstr("x has no number in 2 of 4 runs (1 null, 1 NaN)"));
-  EXPECT_THAT(Table(), AllOf(HasSubstr("\n0,1,a,true,null\n"), HasSubstr("\n1,2,a,true,NaN\n")));
+  EXPECT_THAT(Table(), HasSubstrs("\n0,1,a,true,null\n", "\n1,2,a,true,NaN\n"));
   const std::string summary = ReadText(out / "runs/summary.json");
-  EXPECT_THAT(summary.substr(summary.find("without_number")),
-              AllOf(HasSubstr("\"null\": 1"), HasSubstr("\"nan\": 1")));
-  EXPECT_THAT(ReadText(out / "runs/report.html"),
-              AllOf(HasSubstr("\"missing\":[2]"), HasSubstr("\"medians\":[3.5]")));
+  EXPECT_THAT(summary.substr(summary.find("without_number")), HasSubstrs("\"null\": 1", "\"nan\": 1"));
+  EXPECT_THAT(ReadText(out / "runs/report.html"), HasSubstrs("\"missing\":[2]", "\"medians\":[3.5]"));
 }
 
 TEST_F(ScriptAppTest, ReasonsHaveNoTemporaryPaths) {
@@ -235,7 +230,7 @@ TEST_F(ScriptAppTest, ATableThatWasEditedIsRefusedWithItsLine) {
     Write("runs/runs.csv", table.substr(0, table.rfind("1,2,a")) + row + "\n");
     const Result result = Campaign(script, two, " --resume");
     EXPECT_EQ(result.exit_code, 2) << row;
-    EXPECT_THAT(result.text, AllOf(HasSubstr("runs.csv:3: "), HasSubstr(why))) << row;
+    EXPECT_THAT(result.text, HasSubstrs("runs.csv:3: ", why)) << row;
   }
   std::string spreadsheet = "\xEF\xBB\xBF" + table;  // a byte-order mark and carriage returns
   for (std::size_t at = 0; (at = spreadsheet.find('\n', at)) != spreadsheet.npos; at += 2)
@@ -274,8 +269,7 @@ TEST_F(OwnAppTest, MessagesDoNotReachTheSignalsIfDescriptorsAreClosed) {
 // The help shows the option with several values.
 TEST_F(OwnAppTest, OneOptionMaySetSeveralKeys) {
   Run("--set mass_kg=3 goal_m=0.1 " + kExample + "/step.yaml --set seed=5 --duration 0.1");
-  EXPECT_THAT(ReadText(out / "scenario.yaml"),
-              AllOf(HasSubstr("mass_kg: 3"), HasSubstr("goal_m: 0.1"), HasSubstr("seed: 5")));
+  EXPECT_THAT(ReadText(out / "scenario.yaml"), HasSubstrs("mass_kg: 3", "goal_m: 0.1", "seed: 5"));
 }
 
 TEST_F(OwnAppTest, HelpToAFullDiskIsExitCode5) {

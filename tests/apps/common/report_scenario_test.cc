@@ -64,7 +64,7 @@ TEST_F(LogScenarioTest, AddsWhatIsNotLogged) {
 
 TEST_F(LogScenarioTest, NamesTheNearestPortsAndElements) {
   EXPECT_THAT(Refusal({}, {.signals = {"pair.front.force", "pair.frnt.force"}}, "log.signals.1"),
-              AllOf(HasSubstr("'pair.frnt.force'"), HasSubstr("'pair.front.force'")));
+              HasSubstrs("'pair.frnt.force'", "'pair.front.force'"));
   EXPECT_THAT(Refusal({}, {.signals = {"pair.rear.x.velocty"}}, "log.signals.0"),
               AllOf(HasSubstr("did you mean 'pair.rear.x.velocity'")));
   ReportScenario report;
@@ -82,7 +82,7 @@ TEST_F(LogScenarioTest, NamesTheNearestPortsAndElements) {
 
 TEST_F(LogScenarioTest, RefusesPortsWithoutNumbers) {
   EXPECT_THAT(Refusal({}, {.signals = {"pair.rear.label"}}, "log.signals.0"),
-              AllOf(HasSubstr("'pair.rear.label'"), HasSubstr("std::string")));
+              HasSubstrs("'pair.rear.label'", "std::string"));
   EXPECT_THAT(Refusal({}, {.signals = {"pair.rear.opaque"}}, "log.signals.0"), HasSubstr("Opaque"));
 }
 

@@ -132,7 +132,7 @@ TEST_F(ScenarioFileTest, RobotsOfOneKindAreSuggested) {
     LoadCdpr(YamlFile{"dogbot"});
     FAIL();
   } catch (const ParameterError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("'dogbot'"), HasSubstr("cdpr_4"), Not(HasSubstr("a1,"))));
+    EXPECT_THAT(error.what(), AllOf(HasSubstrs("'dogbot'", "cdpr_4"), Not(HasSubstr("a1,"))));
   }
   EXPECT_TRUE(Throws<ParameterError>([&] { LoadQuadruped(YamlFile{"cdpr_5"}); }, "'cdpr_5'"));
   EXPECT_TRUE(
@@ -154,8 +154,8 @@ TEST_F(ScenarioFileTest, ARunsScenarioStartsFromAnywhere) {
   EXPECT_EQ(again.profile.text, "standard");
   EXPECT_EQ(LoadQuadruped(again.others[1]).name, "dogbot");
   EXPECT_THAT(ReadText(home / "moved/scenario.yaml"),
-              AllOf(HasSubstr("format: 1\n"), HasSubstr("files/robot.yaml"), HasSubstr("files/robot.urdf"),
-                    HasSubstr("files/others.1.urdf"), Not(HasSubstr(home.string()))));
+              AllOf(HasSubstrs("format: 1\n", "files/robot.yaml", "files/robot.urdf", "files/others.1.urdf"),
+                    Not(HasSubstr(home.string()))));
   EXPECT_EQ(std::distance(fs::directory_iterator(home / "moved/files"), {}),
             3 + 1);  // and the list of these files
 }

@@ -227,9 +227,7 @@ TEST(BesideTest, EqualOnesAreShort) {
 }
 
 Summary SummaryOf(const PathVerdict& verdict) {
-  RunOutcome outcome;
-  outcome.status.time = 10;
-  Summary summary("case", 1, outcome);
+  Summary summary("case", 1, {.status = {.time = 10}});
   verdict.AddTo(summary);
   return summary;
 }

@@ -6,7 +6,7 @@
 namespace tenon::tenon_report_test {
 
 namespace fs = std::filesystem;
-using test::Result, test::RunCommand, ::testing::AllOf, ::testing::HasSubstr;
+using test::Result, test::RunCommand, ::testing::HasSubstr;
 using Json = nlohmann::json;
 
 Result RunApp(const std::string& arguments) {
@@ -92,8 +92,7 @@ TEST_F(TenonReportTest, DrawsPicturesOfTwoSeconds) {
   const Result drawn = RunApp(run + " --svg " + plots.string());
   ASSERT_EQ(drawn.exit_code, 0) << drawn.text;
   const std::string plot = ReadText(plots / "01_position_of_the_platform.svg");
-  EXPECT_THAT(plot, AllOf(HasSubstr("position of the platform [m]"), HasSubstr("time [s]"),
-                          HasSubstr("width=\"600\"")));
+  EXPECT_THAT(plot, HasSubstrs("position of the platform [m]", "time [s]", "width=\"600\""));
   EXPECT_EQ(std::distance(fs::directory_iterator(plots), {}), 5) << "D1 has five plots";
   browser.Open(plots / "01_position_of_the_platform.svg");
   EXPECT_EQ(browser.Evaluate("document.documentElement.tagName"), "svg");
@@ -144,7 +143,7 @@ TEST_F(TenonReportTest, RefusesOptionsOfPictures) {
 
 TEST_F(TenonReportTest, RefusesBadUsage) {
   Fly();
-  EXPECT_THAT(RunApp("--help").text, AllOf(HasSubstr("DIR"), HasSubstr("--out"), HasSubstr("Exit codes")));
+  EXPECT_THAT(RunApp("--help").text, HasSubstrs("DIR", "--out", "Exit codes"));
   const std::string circle = Directory("circle"), hang = Directory("hang");
   std::string nine;
   for (int i = 0; i < 9; ++i) nine += circle + " ";

@@ -4,7 +4,7 @@
 
 namespace tenon::tenon_guide_dog_test {
 
-using ::testing::AllOf, ::testing::HasSubstr;
+using ::testing::HasSubstr;
 
 class TenonGuideDogTest : public test::AppTest {
  protected:
@@ -13,15 +13,14 @@ class TenonGuideDogTest : public test::AppTest {
 
 TEST_F(TenonGuideDogTest, FiguresCountFromWhenTheWalkIsJudged) {
   Run("C3 --duration 0.3 --set walk.judged_from_s=0.5");
-  EXPECT_THAT(Summary(),
-              AllOf(HasSubstr("\"com_error_max_m\": null"), HasSubstr("\"heading_error_deg\": null")));
+  EXPECT_THAT(Summary(), HasSubstrs("\"com_error_max_m\": null", "\"heading_error_deg\": null"));
 }
 
 // The mean counts from the time at which the leash has the desired tension, which for this robot is 104 N
 // instead of 30 N. Counted from 30 N it would be 102 N.
 TEST_F(TenonGuideDogTest, FiguresAreOfTheTensionsThatAreScaled) {
   Run("C1 --set robot=b2 --set scale_forces=true --duration 5");
-  EXPECT_THAT(Summary(), AllOf(HasSubstr("\"tension_mean_N\": 11"), HasSubstr("\"tension_max_N\": 1")));
+  EXPECT_THAT(Summary(), HasSubstrs("\"tension_mean_N\": 11", "\"tension_max_N\": 1"));
 }
 
 TEST_F(TenonGuideDogTest, WarnsOfAMeshThatIsMissing) {
@@ -31,13 +30,12 @@ TEST_F(TenonGuideDogTest, WarnsOfAMeshThatIsMissing) {
               "<visual><geometry><mesh filename=\"no.stl\"/></geometry></visual>");
   Write("a1.urdf", urdf);
   const std::string robot = Write("a1.yaml", ReadText(TENON_ROBOTS_DIR "/a1.yaml"));
-  EXPECT_THAT(Run("C1 --duration 0.1 --set robot=" + robot),
-              AllOf(HasSubstr("warning: "), HasSubstr("'no.stl'")));
+  EXPECT_THAT(Run("C1 --duration 0.1 --set robot=" + robot), HasSubstrs("warning: ", "'no.stl'"));
 }
 
 TEST_F(TenonGuideDogTest, ReportShowsPersonAndObstacles) {
   Run("C3 --duration 0.1");
-  EXPECT_THAT(ReadText(out / "report.html"), AllOf(HasSubstr("path of the person"), HasSubstr("obstacle 0")));
+  EXPECT_THAT(ReadText(out / "report.html"), HasSubstrs("path of the person", "obstacle 0"));
 }
 
 TEST_F(TenonGuideDogTest, WalksByTheEstimatedState) {
@@ -59,7 +57,7 @@ TEST_F(TenonGuideDogTest, ACollisionFailsTheRunFromItsFirstInstant) {
            {"person.start_m=[0.8,0] --set person.hand_height_m=0.1", "the leash and the trunk collided: "},
        }) {
     Run(run + settings, 3);
-    EXPECT_THAT(Summary(), AllOf(HasSubstr("\"finished\": false"), HasSubstr(names))) << settings;
+    EXPECT_THAT(Summary(), HasSubstrs("\"finished\": false", names)) << settings;
   }
 }
 

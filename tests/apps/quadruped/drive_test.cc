@@ -29,8 +29,7 @@ std::thread Robot(std::atomic<bool>& ends, Hear hear) {
     TestRig<DdsPublisher<UnitreeState>> states({.topic = "rt/lowstate", .link = kOwnLink});
     TestRig<DdsInput<UnitreeCommand>> commands({.topic = "rt/lowcmd", .link = kOwnLink});
     TestRig<MotionSwitcher> switcher({.link = kOwnLink});
-    UnitreeState state;
-    state.joints.q = LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/go2.yaml").stance;
+    UnitreeState state{.joints = {.q = LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/go2.yaml").stance}};
     state.inertial.specific_force_B[2] = kGravity;
     std::uint64_t last = 0;
     for (bool on = true; on && !ends;) {

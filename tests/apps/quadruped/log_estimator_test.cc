@@ -14,7 +14,7 @@
 namespace tenon::apps_log_estimator_test {
 
 using namespace ros2;
-using test::Column, ::testing::AllOf, ::testing::HasSubstr;
+using test::Column, ::testing::HasSubstr;
 
 constexpr double kTilt = 0.1;  // of the standing robot about y [rad]
 
@@ -131,8 +131,7 @@ TEST_F(LogEstimatorTest, ARobotWithoutOdometryStandsAtTheOriginWithItsTilt) {
 
 TEST_F(LogEstimatorTest, GapsAndMessagesThatAreNoSamplesAreTold) {
   WriteStanding({.gap = 0.1});
-  EXPECT_THAT(Estimate("flat"),
-              AllOf(HasSubstr("/imu: 1 gaps"), HasSubstr("0.1 s"), HasSubstr("t = 0.500 s")));
+  EXPECT_THAT(Estimate("flat"), HasSubstrs("/imu: 1 gaps", "0.1 s", "t = 0.500 s"));
   EXPECT_EQ(Figures()["gaps"], 6);
   EXPECT_NEAR(Figures()["longest_gap_s"], 0.1, 1e-6);
   std::filesystem::resize_file(mcap(), std::filesystem::file_size(mcap()) * 3 / 4);
@@ -142,24 +141,22 @@ TEST_F(LogEstimatorTest, GapsAndMessagesThatAreNoSamplesAreTold) {
 TEST_F(LogEstimatorTest, RefusesLogsThatDoNotFit) {
   for (const std::string topic : {"/joint_states", "/imu", "/foot_force/rear_left"}) {
     WriteStanding({.without = topic});
-    EXPECT_THAT(Estimate("flat", 2), AllOf(HasSubstr(topic), HasSubstr("record it")));
+    EXPECT_THAT(Estimate("flat", 2), HasSubstrs(topic, "record it"));
   }
   Estimate("flat --set sensors.foot_force.mounted=none");  // needs no such topic
   WriteStanding({.imu_frame = "elsewhere"});
-  EXPECT_THAT(Estimate("flat", 2),
-              AllOf(HasSubstr("/imu"), HasSubstr("'elsewhere'"), HasSubstr("base_link")));
+  EXPECT_THAT(Estimate("flat", 2), HasSubstrs("/imu", "'elsewhere'", "base_link"));
   WriteStanding({.foot_frame = "elsewhere"});
-  EXPECT_THAT(Estimate("flat", 2), AllOf(HasSubstr("/foot_force/front_left"), HasSubstr("'elsewhere'")));
+  EXPECT_THAT(Estimate("flat", 2), HasSubstrs("/foot_force/front_left", "'elsewhere'"));
   WriteStanding({.effort = false});
-  EXPECT_THAT(Estimate("flat", 2), AllOf(HasSubstr("/joint_states"), HasSubstr("effort")));
+  EXPECT_THAT(Estimate("flat", 2), HasSubstrs("/joint_states", "effort"));
   WriteStanding({});
-  EXPECT_THAT(Estimate("flat --set robot=a1", 2), AllOf(HasSubstr("FL_hip_joint"), HasSubstr("--set robot")));
+  EXPECT_THAT(Estimate("flat --set robot=a1", 2), HasSubstrs("FL_hip_joint", "--set robot"));
   EXPECT_THAT(Estimate("stand", 2), HasSubstr("'stand'"));
   EXPECT_THAT(Estimate("", 2), HasSubstr("no scenario"));
   EXPECT_THAT(Estimate("flat --gait trot", 2), HasSubstr("--estimate"));
   std::filesystem::resize_file(mcap(), 3000);
-  EXPECT_THAT(Estimate("flat", 2),
-              AllOf(HasSubstr("message of the topic /joint_states"), HasSubstr("of 3000")));
+  EXPECT_THAT(Estimate("flat", 2), HasSubstrs("message of the topic /joint_states", "of 3000"));
   std::filesystem::resize_file(mcap(), 4);
   EXPECT_THAT(Estimate("flat", 2), HasSubstr("no MCAP"));
 }

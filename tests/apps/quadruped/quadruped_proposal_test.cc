@@ -10,7 +10,7 @@
 
 namespace tenon::quadruped_proposal_test {
 
-using internal::LinkAxis, ::testing::AllOf, ::testing::Contains, ::testing::HasSubstr, ::testing::Not;
+using internal::LinkAxis, ::testing::Contains, ::testing::HasSubstr, ::testing::Not;
 
 namespace fs = std::filesystem;
 
@@ -96,8 +96,7 @@ TEST_F(QuadrupedProposalTest, TurnsLegsOutwardsThatWouldTouchTheTrunk) {
     const QuadrupedProposal proposal = Propose(narrow);
     EXPECT_THAT(proposal.yaml, HasSubstr("turned outwards"));
     const QuadrupedDescription robot = Load(proposal);
-    LeggedState rolled;
-    rolled.q = robot.stance;
+    LeggedState rolled{.q = robot.stance};
     for (int leg = 0; leg < kNumLegs; ++leg) {
       const bool left = leg == kFrontLeft || leg == kRearLeft;
       const double splay = (robot.FootPosition(leg, robot.stance) - robot.HipPosition(leg, robot.stance)).y();
@@ -267,14 +266,14 @@ TEST_F(QuadrupedProposalTest, NotesNamesThatContradictTheirPlaces) {
 
 TEST_F(QuadrupedProposalTest, TreatsPlaceholdersAsMissing) {
   const QuadrupedProposal slow = Propose(Replaced(ReadUrdf("a1"), "velocity=\"21\"", "velocity=\"1.5\""));
-  EXPECT_THAT(slow.notes, Contains(AllOf(HasSubstr("knee"), HasSubstr("1.5 rad/s"))));
+  EXPECT_THAT(slow.notes, Contains(HasSubstrs("knee", "1.5 rad/s")));
   EXPECT_EQ(Load(slow).joint(2).torque_limit, 33.5);
   EXPECT_GT(Load(slow).joint(2).speed_limit, 10);
   const QuadrupedProposal strong = Propose(Replaced(ReadUrdf("a1"), "effort=\"33.5\"", "effort=\"1000\""));
-  EXPECT_THAT(strong.notes, Contains(AllOf(HasSubstr("hip_pitch"), HasSubstr("1000 N m"))));
+  EXPECT_THAT(strong.notes, Contains(HasSubstrs("hip_pitch", "1000 N m")));
   EXPECT_LT(Load(strong).joint(1).torque_limit, 30);
   const std::string round = Replaced(ReadUrdf("a1"), "i([xyz])\\1=\"[^\"]*\"", "i$1$1=\"1\"");
-  EXPECT_THAT(Propose(round).notes, Contains(AllOf(HasSubstr("'trunk'"), HasSubstr("gyration"))));
+  EXPECT_THAT(Propose(round).notes, Contains(HasSubstrs("'trunk'", "gyration")));
   EXPECT_LT(Load(Propose(round)).legs[0].bodies[1].inertia.trace(), 0.03);
   const std::string none = Replaced(ReadUrdf("a1"), "i[xyz]{2}=\"[^\"]*\"", "");
   EXPECT_TRUE(Throws<ParameterError>([&] { Propose(none); }, "robot.urdf", "ixx"));
@@ -367,7 +366,7 @@ TEST_F(QuadrupedProposalTest, LocksSpinesAndGrippers) {
 
 TEST_F(QuadrupedProposalTest, NotesATrunkBelowTheHips) {
   EXPECT_THAT(Propose(Replaced(ReadUrdf("a1"), "0 0.0041 -0.0005", "0 0.0041 -0.5")).notes,
-              Contains(AllOf(HasSubstr("'trunk'"), HasSubstr("0.5 m below the hips"))));
+              Contains(HasSubstrs("'trunk'", "0.5 m below the hips")));
 }
 
 TEST_F(QuadrupedProposalTest, ChecksTheAxesThatAreGiven) {

@@ -11,7 +11,7 @@
 namespace tenon::apps_ros2_test {
 
 using namespace ros2;
-using test::kOwnLink, ::testing::AllOf, ::testing::HasSubstr;
+using test::kOwnLink, ::testing::HasSubstr;
 
 class AppsRos2Test : public test::AppTest {
  protected:
@@ -43,8 +43,7 @@ TEST_F(AppsRos2Test, AListenerHearsTheRunAndCommandsItsVelocity) {
   ends = true;
   listener.join();
   EXPECT_THAT(text, HasSubstr("publishing in ROS 2"));
-  EXPECT_THAT(Summary(),
-              AllOf(HasSubstr("\"messages_unsent\": 0.0"), HasSubstr("\"velocities_refused\": 0.0")));
+  EXPECT_THAT(Summary(), HasSubstrs("\"messages_unsent\": 0.0", "\"velocities_refused\": 0.0"));
   const std::vector<double> times = test::Column(out, "time [s]"),
                             x = test::Column(out, "loop.world.plant.state.p_WB.x [m]");
   EXPECT_LT(x.back(), -0.1) << "walks backward, not forward as its scenario";
@@ -102,7 +101,7 @@ TEST_F(AppsRos2Test, AReportOfARecordingHasItsNumbers) {
   const auto report = [&] { return test::RunCommand(TENON_REPORT + (" " + mcap) + to); };
   const test::Result whole = report();
   EXPECT_EQ(whole.exit_code, 0) << whole.text;
-  EXPECT_THAT(whole.text, AllOf(HasSubstr("report.html"), HasSubstr("'/tf' is not shown")));
+  EXPECT_THAT(whole.text, HasSubstrs("report.html", "'/tf' is not shown"));
   const std::vector<double> read = test::Column(out / "log", "odom.message.pose.pose.position.z");
   ASSERT_EQ(read.size(), 51u);
   for (std::size_t i = 0; i < read.size(); ++i) EXPECT_NEAR(read[i], z[2 * i], 1e-8);
@@ -110,13 +109,13 @@ TEST_F(AppsRos2Test, AReportOfARecordingHasItsNumbers) {
   std::filesystem::resize_file(mcap, 100'000);
   const test::Result cut = report();
   EXPECT_EQ(cut.exit_code, 0);
-  EXPECT_THAT(cut.text, AllOf(HasSubstr("of 100000"), HasSubstr("ends within a chunk")));
+  EXPECT_THAT(cut.text, HasSubstrs("of 100000", "ends within a chunk"));
   std::filesystem::resize_file(mcap, 4);
   EXPECT_EQ(report().exit_code, 2);
 }
 
 TEST_F(AppsRos2Test, RefusesAnInvalidPlace) {
-  EXPECT_THAT(Run("flat --duration 0.1 --ros2=lo,x", 2), AllOf(HasSubstr("--ros2"), HasSubstr("DOMAIN")));
+  EXPECT_THAT(Run("flat --duration 0.1 --ros2=lo,x", 2), HasSubstrs("--ros2", "DOMAIN"));
   EXPECT_THAT(Run("flat --duration 0.1 --ros2=no_such", 2), HasSubstr("'no_such'"));
   const test::Result foreign = test::RunCommand(std::string("ROS_DOMAIN_ID=999 ") + TENON_QUADRUPED +
                                                 " flat --duration 0.1 --ros2" + Out());

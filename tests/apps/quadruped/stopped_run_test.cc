@@ -6,7 +6,7 @@
 namespace tenon::stopped_run_test {
 
 namespace fs = std::filesystem;
-using test::Result, test::RunCommand, ::testing::AllOf, ::testing::HasSubstr, ::testing::Not;
+using test::Result, test::RunCommand, ::testing::HasSubstr, ::testing::Not;
 
 class TenonStoppedRunTest : public test::AppTest {
  protected:
@@ -41,8 +41,8 @@ TEST_F(TenonStoppedRunTest, ASignalEndsItInGoodOrder) {
     const Result result = WhileRunning("kill -" + std::string(signal) + " $run; wait $run");
     EXPECT_EQ(result.exit_code, code) << result.text;
     EXPECT_THAT(result.text, HasSubstr("com_error_max_m"));
-    EXPECT_THAT(Summary(), AllOf(HasSubstr("\"end_reason\": \"interrupted\""),
-                                 HasSubstr("\"finished\": false"), HasSubstr("\"fell\": false")));
+    EXPECT_THAT(Summary(),
+                HasSubstrs("\"end_reason\": \"interrupted\"", "\"finished\": false", "\"fell\": false"));
     EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("interrupted"));
     ExpectWholeRows();
   }
@@ -70,8 +70,8 @@ TEST_F(TenonStoppedRunTest, ADirectoryBelongsToOneRunAtATime) {
   const Result result =
       WhileRunning(app + " stand --duration 0.1" + Out() + "; echo second $?; kill -KILL $run; wait $run; " +
                    app + " stand --duration 0.1" + Out());
-  EXPECT_THAT(result.text, AllOf(HasSubstr("another run writes into the output directory"),
-                                 HasSubstr("choose another --out"), HasSubstr("second 2")));
+  EXPECT_THAT(result.text,
+              HasSubstrs("another run writes into the output directory", "choose another --out", "second 2"));
   EXPECT_EQ(result.exit_code, 0) << "the lock dies with its process; " << result.text;
 }
 
@@ -79,8 +79,8 @@ TEST_F(TenonStoppedRunTest, ADirectoryBelongsToOneRunAtATime) {
 TEST_F(TenonStoppedRunTest, AFullDiskEndsItWithItsFigures) {
   const Result result = RunCommand("sh -c 'ulimit -f 200; " + app + " flat --duration 100000" + Out() + "'");
   EXPECT_EQ(result.exit_code, 5) << result.text;
-  EXPECT_THAT(result.text, AllOf(HasSubstr("com_error_max_m"), HasSubstr("signals.csv': File too large"),
-                                 HasSubstr("report.html': File too large")));
+  EXPECT_THAT(result.text,
+              HasSubstrs("com_error_max_m", "signals.csv': File too large", "report.html': File too large"));
   EXPECT_THAT(Summary(), HasSubstr("signals.csv': File too large"));
   ExpectWholeRows();
   for (const auto& entry : fs::directory_iterator(out))
@@ -141,7 +141,7 @@ TEST_F(TenonStoppedRunTest, AGraphThatCannotBeWrittenLeavesTheOneBefore) {
       RunCommand("PATH=" + (out / "bin").string() + ":$PATH " + app + " stand --duration 0.1" + Out() +
                  " --graph " + (out / "graph.svg").string());
   EXPECT_EQ(result.exit_code, 5);
-  EXPECT_THAT(result.text, AllOf(HasSubstr("graph.svg'"), HasSubstr("`dot`"), HasSubstr("disk")));
+  EXPECT_THAT(result.text, HasSubstrs("graph.svg'", "`dot`", "disk"));
   EXPECT_EQ(ReadText(out / "graph.svg"), "of before");
   for (const auto& entry : fs::directory_iterator(out))
     EXPECT_THAT(entry.path().string(), Not(HasSubstr(".part")));

@@ -2,8 +2,6 @@
 
 #include <tenon/tests/apps/run_app.h>
 
-#include <cmath>
-
 namespace tenon::tenon_gait_stability_test {
 
 using test::Result, test::RunCommand;

@@ -6,7 +6,6 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
 #include <numeric>
 
 namespace tenon::tenon_quadruped_test {
@@ -37,8 +36,8 @@ TEST_F(TenonQuadrupedTest, WalksWithAllFigures) {
         "force_estimate_error_rms_N", "qp_time_median_us", "qp_time_p99_us", "qp_failures"})
     EXPECT_THAT(Summary(), HasSubstr("\"" + key + "\": "));
   EXPECT_THAT(Summary(), HasSubstr("\"observer\": \"hybrid\""));
-  EXPECT_THAT(text, AllOf(HasSubstr("front_left  front_right   rear_left  rear_right\n"),
-                          HasSubstr(" N m   (at most "), EndsWith((out / "report.html").string() + "\n")))
+  EXPECT_THAT(text, AllOf(HasSubstrs("front_left  front_right   rear_left  rear_right\n", " N m   (at most "),
+                          EndsWith((out / "report.html").string() + "\n")))
       << "the figures of the legs form a table";
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100) << line;
@@ -110,7 +109,7 @@ TEST_F(TenonQuadrupedTest, ComparesObservers) {
   Run("A2 --compare --duration 0.6");
   for (const char* name : {"hybrid", "focchi", "ndo_m", "ndo_inverse"})
     EXPECT_TRUE(fs::exists(out / name / "summary.json")) << name;
-  EXPECT_THAT(Summary(), AllOf(HasSubstr("\"focchi\": {"), HasSubstr("\"ndo_m\": {")));
+  EXPECT_THAT(Summary(), HasSubstrs("\"focchi\": {", "\"ndo_m\": {"));
   Run("A2 --duration 0.1");
   EXPECT_FALSE(fs::exists(out / "focchi")) << "left by the earlier run";
   EXPECT_TRUE(fs::exists(out / "report.html"));
@@ -147,7 +146,7 @@ TEST_F(TenonQuadrupedTest, ATerminalShowsWhichOfSeveralRunsIsGoing) {
 TEST_F(TenonQuadrupedTest, TakesGaitSpeedAndObserver) {
   Run("flat --gait pace --speed 0.1 --observer none --duration 0.1");
   EXPECT_THAT(ReadText(out / "scenario.yaml"),
-              AllOf(HasSubstr("gait: pace\n        forward_m_per_s: 0.1"), HasSubstr("observer: none")));
+              HasSubstrs("gait: pace\n        forward_m_per_s: 0.1", "observer: none"));
   ExpectRefused({{"stand --gait trot", "--gait"}, {"flat --gait canter", "gallop"}});
 }
 
@@ -178,11 +177,11 @@ TEST_F(TenonQuadrupedTest, ADrivenRunIsRepeatedWithEqualChecksums) {
   if (!TENON_WITH_UNITREE) return;
   const int domain = 100 + getpid() % 100;
   EXPECT_THAT(Run(fmt::format("pushed --duration 0.3 --set robot.link.unitree=lo,{}", domain)),
-              AllOf(HasSubstr("driving the robot"), HasSubstr("built-in mode")));
+              HasSubstrs("driving the robot", "built-in mode"));
   EXPECT_THAT(Run(fmt::format("pushed --duration 0.3 --drive unitree:lo,{}", domain)),
               HasSubstr("driving the robot"));
   EXPECT_THAT(ReadText(out / "scenario.yaml"),
-              AllOf(HasSubstr(fmt::format("unitree: \"lo,{}\"", domain)), HasSubstr("hardware: standard")));
+              HasSubstrs(fmt::format("unitree: \"lo,{}\"", domain), "hardware: standard"));
   const nlohmann::json same = Replayed();
   EXPECT_EQ(same.at("messages_equal"), 151);
   EXPECT_EQ(same.at("messages_different"), 0);
@@ -195,7 +194,7 @@ TEST_F(TenonQuadrupedTest, ADrivenRunIsRepeatedWithEqualChecksums) {
   Write("wire.bin", "tenon wire 1: time\n");
   const test::Result refused = test::RunCommand(app + " --replay " + out.string());
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.text, AllOf(HasSubstr("wire.bin"), HasSubstr("1 columns")));
+  EXPECT_THAT(refused.text, HasSubstrs("wire.bin", "1 columns"));
 }
 
 TEST_F(TenonQuadrupedTest, ADrivenRunThatIsKilledIsRepeatedAsFarAsItWent) {
@@ -257,7 +256,7 @@ TEST_F(TenonQuadrupedTest, FiguresWithoutDataAreNull) {
   EXPECT_THAT(Summary(), HasSubstr("\"com_error_max_m\": 0."));
   ExpectNull({"front_left"});
   EXPECT_THAT(Run("A1 --duration 0.2 --set walk.judged_from_s=2"),
-              AllOf(HasSubstr("warning: "), HasSubstr("walk.judged_from_s = 2 s")));
+              HasSubstrs("warning: ", "walk.judged_from_s = 2 s"));
   ExpectNull({"com_error_max_m", "com_error_rms_m", "grf_error_mean_N", "force_estimate_error_rms_N",
               "qp_time_median_us", "qp_failures", "distance_m"});
   Run("flat --duration 0.2 --set start_height_m=2");  // all feet search for the ground, none swings
@@ -278,7 +277,7 @@ TEST_F(TenonQuadrupedTest, LandsOnItsFeetAndWalks) {
 TEST_F(TenonQuadrupedTest, WalksByPredictiveControl) {
   Run("pushed --duration 1");
   EXPECT_THAT(ReadText(out / "signals.csv"), HasSubstr("loop.locomotion.body"));
-  EXPECT_THAT(Summary(), AllOf(HasSubstr("\"mpc_time_median_us\": "), HasSubstr("\"mpc_failures\": 0")));
+  EXPECT_THAT(Summary(), HasSubstrs("\"mpc_time_median_us\": ", "\"mpc_failures\": 0"));
   const std::string slow = " --set 'hardware={file: ideal, calculation: {time_s: 0.004}}' --duration 0.1";
   Run("pushed" + slow);
   EXPECT_THAT(test::Column(out, "loop.locomotion.mpc.age [s]"), Each(Lt(0.015)));
@@ -295,8 +294,7 @@ TEST_F(TenonQuadrupedTest, RefusesMoreThan100Faults) {
 
 TEST_F(TenonQuadrupedTest, ScenariosExtendEachOther) {
   Run(Write("own.yaml", "extends: A4-noisy\ncase: own\nseed: 9\n") + " --duration 0.1");
-  EXPECT_THAT(ReadText(out / "scenario.yaml"),
-              AllOf(HasSubstr("case: own"), HasSubstr("noise_ratio: 0.1"), HasSubstr("upper_N: 35")));
+  EXPECT_THAT(ReadText(out / "scenario.yaml"), HasSubstrs("case: own", "noise_ratio: 0.1", "upper_N: 35"));
 }
 
 // The URDF lies in another directory than the robot's YAML. The run copies both, so that its directory can be
@@ -309,7 +307,7 @@ TEST_F(TenonQuadrupedTest, WrittenScenarioHasTheRobotsUrdf) {
   Run(Write("own.yaml", "extends: stand\nrobot: robots/dog.yaml\nduration_s: 0.05\n") +
       " --set robot.foot_radius_m=0.03");
   EXPECT_THAT(ReadText(out / "scenario.yaml"),
-              AllOf(HasSubstr("files/robot.yaml"), HasSubstr("foot_radius_m: 0.03"), HasSubstr("format: 1")));
+              HasSubstrs("files/robot.yaml", "foot_radius_m: 0.03", "format: 1"));
   EXPECT_THAT(Summary(), HasSubstr("dog.yaml, changed"));
   const std::string first = Signals();
   fs::rename(out, home);
@@ -335,7 +333,7 @@ TEST_F(TenonQuadrupedTest, PushesAreDrawnBySeed) {
 TEST_F(TenonQuadrupedTest, WalksWithTheHardwareOfARobot) {
   for (const std::string hardware : {"standard", "rough"}) {
     Run("A4 --duration 0.3 --set walk.state=estimated --set hardware=" + hardware);
-    EXPECT_THAT(Summary(), AllOf(HasSubstr("\"path_error_max_m\": 0.0"), HasSubstr("\"drift_m\": 0.0")));
+    EXPECT_THAT(Summary(), HasSubstrs("\"path_error_max_m\": 0.0", "\"drift_m\": 0.0"));
   }
 }
 
@@ -363,7 +361,7 @@ TEST_F(TenonQuadrupedTest, SensorsHaveBiasNoiseAndRateOfTheirOwn) {
 
 TEST_F(TenonQuadrupedTest, AFallIsExitCode3AndSaysWhy) {
   Run("stand --duration 4 --set 'forces=[{force_N: [0, 400, 0], duration_s: 2}]'", 3);
-  EXPECT_THAT(Summary(), AllOf(HasSubstr("\"fell\": true"), HasSubstr("the robot fell: its trunk is")));
+  EXPECT_THAT(Summary(), HasSubstrs("\"fell\": true", "the robot fell: its trunk is"));
   EXPECT_THAT(ReadText(out / "report.html"), HasSubstr("the robot fell: its trunk is"));
 }
 
@@ -380,8 +378,7 @@ TEST_F(TenonQuadrupedTest, ARunThatNoRobotPerformsIsNotFinished) {
             "trunk, hip or knee went into the ground: "},
        }) {
     Run(run, 3);
-    EXPECT_THAT(Summary(),
-                AllOf(HasSubstr("\"finished\": false"), HasSubstr("\"fell\": false"), HasSubstr(reason)));
+    EXPECT_THAT(Summary(), HasSubstrs("\"finished\": false", "\"fell\": false", reason));
     EXPECT_NE(ReadText(out / "report.html").find("but " + reason), std::string::npos);
   }
 }
@@ -394,8 +391,8 @@ TEST_F(TenonQuadrupedTest, StandsOnASlopeUnderAPayloadAndASine) {
 
 TEST_F(TenonQuadrupedTest, WalksByTheStateEstimator) {
   Run("flat --duration 1 --set walk.state=estimated");
-  EXPECT_THAT(Summary(), AllOf(HasSubstr("\"velocity_estimate_error_rms_m_per_s\": 0.00"),
-                               HasSubstr("\"tilt_estimate_error_max_rad\": 0.00")));
+  EXPECT_THAT(Summary(), HasSubstrs("\"velocity_estimate_error_rms_m_per_s\": 0.00",
+                                    "\"tilt_estimate_error_max_rad\": 0.00"));
   Run("flat --duration 0.1");
   EXPECT_THAT(Summary(), Not(HasSubstr("velocity_estimate")));
 }

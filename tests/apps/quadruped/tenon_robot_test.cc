@@ -3,7 +3,7 @@
 
 namespace tenon::test::tenon_robot_test {
 
-using ::testing::AllOf, ::testing::HasSubstr;
+using ::testing::HasSubstr;
 
 namespace fs = std::filesystem;
 
@@ -14,12 +14,11 @@ class TenonRobotTest : public AppTest {
 
 // From a URDF to a robot that trots; all files are in one directory.
 TEST_F(TenonRobotTest, MakesARobotWalk) {
-  EXPECT_THAT(
-      Run(TENON_ROBOTS_DIR "/a1.urdf"),
-      AllOf(HasSubstr("mass_kg                      12.78"), HasSubstr("trots                        yes"),
-            HasSubstr("foot_radius_m is guessed"), HasSubstr((out / "stand/report.html").string() + "\n"),
-            HasSubstr((out / "trot/report.html").string() + "\n")));
-  EXPECT_THAT(ReadText(out / "a1.yaml"), AllOf(HasSubstr("urdf: a1.urdf"), HasSubstr("front_left: FL_foot")));
+  EXPECT_THAT(Run(TENON_ROBOTS_DIR "/a1.urdf"),
+              HasSubstrs("mass_kg                      12.78", "trots                        yes",
+                         "foot_radius_m is guessed", (out / "stand/report.html").string() + "\n",
+                         (out / "trot/report.html").string() + "\n"));
+  EXPECT_THAT(ReadText(out / "a1.yaml"), HasSubstrs("urdf: a1.urdf", "front_left: FL_foot"));
   EXPECT_EQ(ReadText(out / "a1.urdf"), ReadText(TENON_ROBOTS_DIR "/a1.urdf"));
   EXPECT_THAT(ReadText(out / "a1.svg"), HasSubstr("<svg"));
   EXPECT_TRUE(fs::exists(out / "stand/report.html"));
@@ -51,8 +50,8 @@ TEST_F(TenonRobotTest, OneOptionMayLockSeveralJoints) {
   EXPECT_THAT(RunCommand(TENON_ROBOT " --help").text, HasSubstr("--lock JOINT=ANGLE ..."));
   for (const std::string& arguments :
        {TENON_ROBOTS_DIR "/a1.urdf" + locks, locks + " " TENON_ROBOTS_DIR "/a1.urdf"})
-    EXPECT_THAT(Run(arguments, 2), AllOf(HasSubstr("FL_thigh_joint - FL_calf_joint (2)"),
-                                         HasSubstr("FR_thigh_joint - FR_calf_joint (2)")));
+    EXPECT_THAT(Run(arguments, 2),
+                HasSubstrs("FL_thigh_joint - FL_calf_joint (2)", "FR_thigh_joint - FR_calf_joint (2)"));
 }
 
 // A limit of the file size stands for a full disk. After the trial that it stops there is no other one.
@@ -88,7 +87,7 @@ TEST_F(TenonRobotTest, ExpandsXacroWhereItIsInstalled) {
   for (const char* name : {"dog.xacro", "dog.urdf"}) {
     const std::string run =
         TENON_ROBOT " " + (home / name).string() + " --strict --up x --out " + home.string();
-    EXPECT_THAT(RunCommand(run).text, AllOf(HasSubstr("xacro file"), HasSubstr("dog_2.urdf")));
+    EXPECT_THAT(RunCommand(run).text, HasSubstrs("xacro file", "dog_2.urdf"));
     EXPECT_THAT(RunCommand("env PATH=" + home.string() + ":$PATH " + run).text,
                 HasSubstr("dog_expanded.urdf:"));
     EXPECT_EQ(ReadText(home / "dog.urdf"), xacro);

@@ -49,10 +49,9 @@ TEST(CablePdLimitsTest, EveryCableHasLimitsOfItsOwn) {
   params.robot.cables[1].tension_max = 200;
   params.robot.cables[2].tension_min = 30;
   TestRig<CablePd> rig(params);
-  CdprReference reference;
-  reference.length = reference.length_rate = CableVector::Zero(4);
-  reference.tension = CableVector{{300, 300, 10, 10}};
-  rig.Fix(rig->cables, CableSignals::Zero(4)).Fix(rig->reference, reference).Tick();
+  const CableVector zero = CableVector::Zero(4), tension{{300, 300, 10, 10}};
+  rig.Fix(rig->reference, {.length = zero, .length_rate = zero, .tension = tension});
+  rig.Fix(rig->cables, CableSignals::Zero(4)).Tick();
   EXPECT_EQ(rig[rig->command], (CableVector{{300, 200, 30, 10}}));
 }
 

@@ -15,13 +15,11 @@ struct Motion {
 };
 Motion At(double t) {
   const double w = 4 * M_PI, r = 0.05, tilt = 0.1;
-  Motion motion;
-  motion.platform.p_WB = {r * (1 - std::cos(w * t)), 0.3, 2};
-  motion.platform.v_W = {r * w * std::sin(w * t), 0, 0};
-  motion.a_W = {r * w * w * std::cos(w * t), 0, 0};
-  motion.platform.q_WB = QuaternionFromRotationVector({0, tilt * (1 - std::cos(w * t)), 0});
-  motion.platform.w_W = {0, tilt * w * std::sin(w * t), 0};
-  return motion;
+  return {.platform = {.p_WB = {r * (1 - std::cos(w * t)), 0.3, 2},
+                       .q_WB = QuaternionFromRotationVector({0, tilt * (1 - std::cos(w * t)), 0}),
+                       .v_W = {r * w * std::sin(w * t), 0, 0},
+                       .w_W = {0, tilt * w * std::sin(w * t), 0}},
+          .a_W = {r * w * w * std::cos(w * t), 0, 0}};
 }
 
 PoseMeasurement Pose(const Motion& motion) {

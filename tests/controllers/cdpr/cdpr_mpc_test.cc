@@ -1,3 +1,4 @@
+#include <tenon/controllers/cdpr/cdpr_clearance.h>
 #include <tenon/controllers/cdpr/cdpr_mpc.h>
 #include <tenon/plants/signals/euler.h>
 #include <tenon/tests/plants/model/cdpr_test_robots.h>
@@ -25,12 +26,10 @@ CdprMpcParams Holding(const CdprDescription& robot, const Eigen::Vector3d& at) {
 /// The platform on its reference, displaced by `offset`.
 PlatformEstimate At(const CdprMpcParams& params, double time, const Eigen::Vector3d& offset) {
   const CdprReference reference = params.path->At(time);
-  PlatformEstimate estimate;
-  estimate.time = time;
-  estimate.platform.p_WB = reference.position + offset;
-  estimate.platform.q_WB = QuaternionFromRotation(RotationFromEuler(reference.euler));
-  estimate.platform.v_W = reference.velocity;
-  return estimate;
+  return {.time = time,
+          .platform = {.p_WB = reference.position + offset,
+                       .q_WB = QuaternionFromRotation(RotationFromEuler(reference.euler)),
+                       .v_W = reference.velocity}};
 }
 
 TEST(CdprMpcSteps, AreUniformOverAShortHorizon) {
@@ -268,12 +267,7 @@ TEST(CdprMpc, KeepsTheDistanceFromAPost) {
 }
 
 TEST(CdprMpc, RefusesNonsense) {
-  const CdprMpcParams good = Holding(test::FourCableRobot(), {0, 0, 2});
-  const auto refuses = [&](const auto& change, const char* key) {
-    CdprMpcParams params = good;
-    change(params);
-    return Refuses<CdprMpc>(params, key);
-  };
+  const auto refuses = RefusesChanged<CdprMpc>(Holding(test::FourCableRobot(), {0, 0, 2}));
   EXPECT_TRUE(refuses([](auto& p) { p.path = nullptr; }, "path"));
   EXPECT_TRUE(refuses([](auto& p) { p.num_steps = 1; }, "num_steps"));
   EXPECT_TRUE(refuses([](auto& p) { p.horizon = 0.123; }, "horizon"));

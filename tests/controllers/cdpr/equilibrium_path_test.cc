@@ -228,8 +228,7 @@ TEST(EquilibriumPath, HoldIsOneEquilibrium) {
 }
 
 TEST(EquilibriumPath, PrescribedAttitudeIsKept) {
-  StaticsOptions options;
-  options.attitude = Vector3d(0.02, 0, 0.1);
+  const StaticsOptions options{.attitude = Vector3d(0.02, 0, 0.1)};
   const EquilibriumPath equilibria(test::EightCableRobot(), Path::Circle({0, 0, 2}, 0.5, 6, 1), options);
   ExpectGoodReference(equilibria, 0, 3);
   EXPECT_LT((equilibria.At(2.7).euler - *options.attitude).norm(), 1e-14);
@@ -310,8 +309,7 @@ TEST(EquilibriumPath, APathOutOfTheWorkspaceIsRefusedWithTimeAndPlace) {
 TEST(EquilibriumPath, EndOfTheBranchIsRefused) {
   CdprDescription robot = test::FourCableRobot();
   for (CableDescription& cable : robot.cables) cable.attachment_B.z() = 0.6;
-  StaticsOptions options;
-  options.warm_start = SolveInverseGeometricoStatic(robot, {0, 0.14, 2});
+  StaticsOptions options{.warm_start = SolveInverseGeometricoStatic(robot, {0, 0.14, 2})};
   options.warm_start->euler = {0, 0, std::numbers::pi};
   const EquilibriumPath turned(robot, Path::Line({0, 0.14, 2}, {0, 0.14, 2.1}, 2), options);
   EXPECT_NEAR(turned.At(1).euler[2], std::numbers::pi, 0.1);

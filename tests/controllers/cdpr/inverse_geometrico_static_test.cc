@@ -129,8 +129,7 @@ TEST(InverseGeometricoStatic, FifthCableLowersTheNorm) {
 TEST(InverseGeometricoStatic, SixAndEightCablesHoldAPrescribedAttitude) {
   for (CdprDescription robot : {test::SixCableRobot(), test::EightCableRobot()}) {
     SCOPED_TRACE(robot.name);
-    StaticsOptions options;
-    options.attitude = Vector3d(0.02, -0.03, 0.05);
+    StaticsOptions options{.attitude = Vector3d(0.02, -0.03, 0.05)};
     const StaticEquilibrium found = SolveInverseGeometricoStatic(robot, {0.1, 0.2, 2}, options);
     EXPECT_EQ(found.euler, *options.attitude);
     EXPECT_LT(RelativeResidual(robot, found), 1e-12);
@@ -346,8 +345,7 @@ TEST(InverseGeometricoStatic, RefusesNonsense) {
   EXPECT_TRUE(refuses([](auto& robot) { robot.inertia_B.setZero(); }, "inertia"));
   EXPECT_TRUE(refuses([](auto& robot) { robot.cable.tension_min = 900; }, "[900, 800] N"));
   EXPECT_TRUE(RefusesPlace(test::FourCableRobot(), {0, INFINITY, 2}, {}, "position"));
-  StaticsOptions options;
-  options.warm_start = SolveInverseGeometricoStatic(test::FiveCableRobot(), {0, 0, 2});
+  const StaticsOptions options{.warm_start = SolveInverseGeometricoStatic(test::FiveCableRobot(), {0, 0, 2})};
   EXPECT_TRUE(RefusesPlace(test::FourCableRobot(), {0, 0, 2}, options, "warm start", "5", "4 cables"));
 }
 

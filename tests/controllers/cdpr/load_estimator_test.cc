@@ -118,11 +118,7 @@ TEST(LoadEstimatorTest, AddsAKnownWrench) {
 // The integrated error of two low-pass filters in series after a step is the sum of their time constants.
 TEST(LoadEstimatorTest, FollowsAStepWithItsTimeConstants) {
   Motion motion;
-  LoadEstimatorParams params;
-  params.robot = motion.robot;
-  params.bandwidth = 5;
-  params.rest_bandwidth = 10;
-  TestRig<LoadEstimator> rig(params);
+  TestRig<LoadEstimator> rig({.robot = motion.robot, .bandwidth = 5, .rest_bandwidth = 10});
   motion.At(0);
   double lack = 0, last = 0;  // [N s], [N]
   for (int k = 0; k <= 600; ++k) {

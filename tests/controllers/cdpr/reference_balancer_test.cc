@@ -47,9 +47,7 @@ TEST(ReferenceBalancerTest, CarriesAPayloadAndARest) {
     robot.cable.tension_min = 0;
     CdprReference reference = Hold(robot, {0.2, 0.4, 2});
     reference.acceleration = {0.3, -0.2, 0.1};
-    LoadEstimate load;
-    load.payload = {3, {0.05, 0.3, -0.1}};
-    load.rest = {{2, -1, 3}, {0.1, 0, 0}};
+    const LoadEstimate load{.payload = {3, {0.05, 0.3, -0.1}}, .rest = {{2, -1, 3}, {0.1, 0, 0}}};
     TestRig<ReferenceBalancer> rig(ReferenceBalancerParams{robot});
     rig.Fix(rig->reference, reference).Fix(rig->load, load);
     for (int k = 0; k < 20; ++k) rig.Tick();
@@ -66,8 +64,7 @@ TEST(ReferenceBalancerTest, CarriesAPayloadAndARest) {
 TEST(ReferenceBalancerTest, TensionsStayWithinTheBounds) {
   const CdprDescription robot = test::EightCableRobot();
   const CdprReference reference = Hold(robot, {0.2, 0.4, 2});
-  LoadEstimate load;
-  load.payload = {3, {0.05, 0.3, -0.1}};
+  const LoadEstimate load{.payload = {3, {0.05, 0.3, -0.1}}};
   ReferenceShift shift;
   BalancedReference balanced(robot);
   for (int k = 0; k < 20; ++k) balanced.Calc(reference, load, {}, shift);
@@ -84,9 +81,7 @@ TEST(ReferenceBalancerTest, APlanarRobotRemainsInItsPlane) {
   for (const int cables : {2, 4}) {
     const CdprDescription robot = test::PlanarRobot(cables);
     const CdprReference reference = Hold(robot, {0.3, 0, 2.2});
-    LoadEstimate load;
-    load.payload = {3, {0.05, 0.2, -0.1}};
-    load.rest = {{4, 7, 0}, {1, 0.5, 2}};
+    const LoadEstimate load{.payload = {3, {0.05, 0.2, -0.1}}, .rest = {{4, 7, 0}, {1, 0.5, 2}}};
     ReferenceShift shift;
     BalancedReference balanced(robot);
     for (int k = 0; k < 30; ++k) balanced.Calc(reference, load, {}, shift);
@@ -154,16 +149,12 @@ TEST(BalancedReferenceTest, ReportsWhenTheOthersCannotHoldThePlatform) {
 TEST(BalancedReferenceTest, IsAnEquilibriumOfTheModelWithPayload) {
   const CdprDescription robot = test::FourCableRobot();
   const CdprReference reference = Hold(robot, {0.2, 0.4, 2});
-  LoadEstimate load;
-  load.payload = {4, {0.1, 0.3, -0.1}};
-  load.rest = {{3, -2, 1}, {0.2, 0.1, -0.1}};
+  const LoadEstimate load{.payload = {4, {0.1, 0.3, -0.1}}, .rest = {{3, -2, 1}, {0.2, 0.1, -0.1}}};
   ReferenceShift shift;
   BalancedReference balanced(robot);
   for (int k = 0; k < 20; ++k) balanced.Calc(reference, load, {}, shift);
 
-  PlatformState platform;
-  platform.p_WB = reference.position;
-  platform.q_WB = QuaternionFromRotation(balanced.R_WB());
+  const PlatformState platform{.p_WB = reference.position, .q_WB = QuaternionFromRotation(balanced.R_WB())};
   const CentroidalState x = CentroidalStateOf(robot, platform, load.payload);
   KinoCentroidalModel<4> model(robot);
   model.SetPayload(robot, {robot, load.payload});
@@ -179,9 +170,7 @@ TEST(ReferenceBalancerTest, ForgetsALoadThatIsGone) {
   const CdprDescription robot = test::FourCableRobot();
   const CdprReference reference = Hold(robot, {0, 0.5, 2});
   TestRig<ReferenceBalancer> rig(ReferenceBalancerParams{robot});
-  LoadEstimate load;
-  load.payload = {5, {0, 0.4, 0}};
-  rig.Fix(rig->reference, reference).Fix(rig->load, load).Tick();
+  rig.Fix(rig->reference, reference).Fix(rig->load, {.payload = {5, {0, 0.4, 0}}}).Tick();
   EXPECT_GT((rig[rig->balanced].tension - reference.tension).norm(), 5);
   rig.Fix(rig->load, LoadEstimate{}).Tick();
   EXPECT_THAT(rig[rig->balanced].tension, IsNear(reference.tension, 1e-6));

@@ -9,10 +9,7 @@ constexpr double kForward = 0.12;
 const WalkCommand kTrot{.gait = Gait::kTrot, .forward = kForward, .left = 0, .yaw_rate = 0.1};
 
 AdmittanceGains Unlimited() {
-  AdmittanceGains params;
-  params.min_forward = 0;
-  params.max_forward = params.max_left = params.acceleration = 1e9;
-  return params;
+  return {.min_forward = 0, .max_forward = 1e9, .max_left = 1e9, .acceleration = 1e9};
 }
 
 class Filter {
@@ -24,11 +21,8 @@ class Filter {
   void Command(const WalkCommand& command) { rig_.Fix(rig_->command, command); }
   /// On the robot, in the frame of the heading.
   void Force(const Vec<3>& force, double yaw = 0) {
-    LeggedState state;
-    state.q_WB = QuaternionFromRotation(RotationFromEuler({0.02, -0.05, yaw}));
-    WrenchEstimate wrench;
-    wrench.force_W = RotationFromEuler({0, 0, yaw}) * force;
-    rig_.Fix(rig_->state, state).Fix(rig_->wrench, wrench);
+    rig_.Fix(rig_->state, {.q_WB = QuaternionFromRotation(RotationFromEuler({0.02, -0.05, yaw}))})
+        .Fix(rig_->wrench, {.force_W = RotationFromEuler({0, 0, yaw}) * force});
   }
   const AdmittanceMotion& Tick() { return rig_.Tick()[rig_->motion]; }
   const AdmittanceMotion& Run(int ticks) {
@@ -230,8 +224,7 @@ TEST(AdmittanceFilterTest, AdaptsToThePersonsSpeed) {
 }
 
 TEST(AdmittanceFilterTest, DoesNotAdaptAtTheLimits) {
-  AdmittanceGains gains;
-  gains.adaptation_rate = 2;
+  const AdmittanceGains gains{.adaptation_rate = 2};
   Filter filter(gains);
   filter.Force({-0.0, 0, 0});
   filter.Run(1000);
@@ -241,8 +234,7 @@ TEST(AdmittanceFilterTest, DoesNotAdaptAtTheLimits) {
 }
 
 TEST(AdmittanceFilterTest, KeepsTheLimitsWhateverItHasAdapted) {
-  AdmittanceGains gains;
-  gains.adaptation_rate = 1;
+  const AdmittanceGains gains{.adaptation_rate = 1};
   Filter filter(gains);
   filter.Force({-29, 0, 0});
   filter.Run(300);
@@ -271,8 +263,7 @@ TEST(AdmittanceFilterTest, ForgetsWhatItHasAdaptedWhenItYields) {
 }
 
 TEST(AdmittanceFilterTest, YieldsToAPullThatWouldTipAStandingRobot) {
-  AdmittanceGains gains;
-  gains.yield_tension = 45;
+  const AdmittanceGains gains{.yield_tension = 45};
   Filter filter(gains);
   filter.Run(100);
   filter.Command({});
@@ -301,10 +292,7 @@ TEST(AdmittanceFilterTest, YieldsToAPullThatWouldTipAStandingRobot) {
 }
 
 TEST(AdmittanceFilterTest, YieldsToAPullThatLastsNotToNoise) {
-  AdmittanceGains gains;
-  gains.yield_tension = 45;
-  gains.yield_time = 0.1;
-  Filter filter(gains);
+  Filter filter({.yield_tension = 45, .yield_time = 0.1});
   const auto keeps = [&](Gait gait, double other_pull) {
     for (int n = 0; n < 200; ++n) {
       filter.Force({n % 3 ? -40.0 : -other_pull, 0, 0});
@@ -351,12 +339,7 @@ class ReferenceAdmittanceTest : public ::testing::Test {
   }
   const double yaw_ = 0.7;
   const Vec<3> forward_{std::cos(yaw_), std::sin(yaw_), 0};
-  BodyReference body_ = [this] {
-    BodyReference body;
-    body.com_W << 1, 2, 0.5;
-    body.q_WB = QuaternionFromEuler({0, 0, yaw_});
-    return body;
-  }();
+  BodyReference body_{.com_W = {1, 2, 0.5}, .q_WB = QuaternionFromEuler({0, 0, yaw_})};
   TestRig<ReferenceAdmittance> rig_{Gains()};
   const ReferenceAdmittance& block_ = rig_.system();
 };

@@ -27,10 +27,8 @@ class Dog {
     Feel(force_);
   }
   void Head(double yaw, double speed = 0) {
-    LeggedState state;
-    state.q_WB = QuaternionFromRotationVector({0, 0, yaw});
-    state.v_W = speed * Vec<3>(std::cos(yaw), std::sin(yaw), 0);
-    rig_.Fix(rig_->state, state);
+    rig_.Fix(rig_->state, {.q_WB = QuaternionFromRotationVector({0, 0, yaw}),
+                           .v_W = speed * Vec<3>(std::cos(yaw), std::sin(yaw), 0)});
   }
   void Obstacle(bool there) { rig_.Fix(rig_->obstacle, there); }
   GuideMode Tick() { return rig_.Tick()[rig_->status].mode; }

@@ -56,12 +56,11 @@ TEST(CdprLoopTest, PlantRestsAtTheEquilibriumOfTheSolver) {
   const CdprDescription robot = test::ShippedFourCableRobot();
   for (const Eigen::Vector3d& p : {Eigen::Vector3d(0, 0, 2), Eigen::Vector3d(0.8, -1.1, 1.6)}) {
     const StaticEquilibrium rest = SolveInverseGeometricoStatic(robot, p);
-    CdprPlantParams params;
-    params.robot = robot;
-    params.p_WB = rest.p_WB;
-    params.euler = rest.euler;
-    params.initial_tension = rest.tension;
-    params.lock_winches = true;
+    const CdprPlantParams params{.robot = robot,
+                                 .p_WB = rest.p_WB,
+                                 .euler = rest.euler,
+                                 .initial_tension = rest.tension,
+                                 .lock_winches = true};
     DiagramBuilder builder;
     auto& plant = builder.Add<CdprPlant>("plant", params);
     const CableVector tension = rest.tension;

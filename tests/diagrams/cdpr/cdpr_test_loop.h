@@ -12,19 +12,12 @@ inline CdprDescription ShippedFourCableRobot() {
 
 /// A loop along a path, with a PD controller.
 inline CdprLoopParams WithPd(const CdprDescription& robot, std::shared_ptr<const EquilibriumPath> path) {
-  CdprLoopParams params;
-  params.robot = robot;
-  params.path = path;
-  params.pd_stiffness_N_per_m = 2000;
-  params.pd_damping_N_s_per_m = 200;
-  return params;
+  return {.robot = robot, .path = path, .pd_stiffness_N_per_m = 2000, .pd_damping_N_s_per_m = 200};
 }
 
 /// A loop along a path, with an MPC that has no estimate of the load. Cables may be slack.
 inline CdprLoopParams WithMpc(const CdprDescription& robot, std::shared_ptr<const EquilibriumPath> path) {
-  CdprLoopParams params;
-  params.robot = robot;
-  params.path = path;
+  CdprLoopParams params{.robot = robot, .path = path};
   params.mpc.emplace();
   params.mpc->path = path;
   params.mpc->horizon = 1.2;

@@ -49,8 +49,7 @@ TEST_F(LegErrorsTest, FindsAForceOnTheShank) {
   ExternalForces external;
   external[1] = PointOnLeg(robot_, kRearLeft, 0.2);
   external[1].force_W << 12, -7, 9;
-  LegForceEstimate estimate;
-  estimate.joint_torque = 1.1 * TorqueOf(external[1]);
+  const LegForceEstimate estimate{.joint_torque = 1.1 * TorqueOf(external[1])};
   rig_.Fix(block_.external, external).Fix(block_.external_torque, TorqueOf(external[1]));
   const ForcesAtPoints at = rig_.Fix(block_.leg_forces, estimate)[block_.forces];
   EXPECT_THAT(at.force[kRearLeft], IsNear(external[1].force_W, 1e-6));
@@ -135,8 +134,7 @@ class TrackingErrorTest : public ::testing::Test {
 
 TEST_F(TrackingErrorTest, IsTheDifferenceOfPlanAndState) {
   auto& block = rig_.system();
-  BodyReference body;
-  body.com_W = dynamics_.com_W - Vec<3>(0.01, 0.02, -0.03);
+  const BodyReference body{.com_W = dynamics_.com_W - Vec<3>(0.01, 0.02, -0.03)};
   FeetReference feet;
   feet[kRearLeft].p_W = dynamics_.feet[kRearLeft].p_W + Vec<3>(0.003, 0, 0.004);
   ContactSchedule schedule;
@@ -164,13 +162,14 @@ TEST_F(TrackingErrorTest, DriftIsNoPathError) {
   told.p_WB = shift + turn * state_.p_WB;
   const Eigen::Quaterniond q = turn * Eigen::Quaterniond(state_.R_WB());
   told.q_WB = {q.w(), q.x(), q.y(), q.z()};
-  BodyReference body;
-  body.com_W = shift + turn * dynamics_.com_W;
   FeetReference feet;
   feet[kRearLeft].p_W = shift + turn * dynamics_.feet[kRearLeft].p_W + Vec<3>(0, 0.003, 0.004);
   ContactSchedule schedule;
   schedule.legs[kRearLeft].state = ContactState::kSwing;
-  rig_.Fix(block.told, told).Fix(block.body, body).Fix(block.feet, feet).Fix(block.schedule, schedule);
+  rig_.Fix(block.told, told)
+      .Fix(block.body, {.com_W = shift + turn * dynamics_.com_W})
+      .Fix(block.feet, feet)
+      .Fix(block.schedule, schedule);
   const PathErrors path = rig_[block.path];
   EXPECT_THAT(path.com, IsNear(Vec<3>(0, 0, 0), 1e-12));
   EXPECT_THAT(path.foot, IsNear(Vec<4>(0, 0, 0.005, 0), 1e-12));
@@ -210,8 +209,7 @@ TEST(WalkViewTest, ArrowsStartAtCentreAndFeet) {
   const LeggedState x = test::RandomState(random);
   QuadrupedDynamics dynamics;
   QuadrupedModel(test::DogBot()).Calc(x, &dynamics);
-  BodyReference body;
-  body.com_W << 1, 2, 3;
+  const BodyReference body{.com_W = {1, 2, 3}};
   LegForceEstimate legs;
   legs.foot_force[kRearLeft] << 4, 5, 6;
   rig.Fix(view.state, x)

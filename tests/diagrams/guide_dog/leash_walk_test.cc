@@ -36,10 +36,9 @@ class KinematicRobot final : public LeafSystem<void> {
   }
   LeggedState CalcState(const Vec<3>& pose, const WalkCommand& taken) const {
     const Vec<3> velocity = Velocity(pose, taken);
-    LeggedState x;
-    x.p_WB << pose[0], pose[1], 0.43;
-    x.q_WB = QuaternionFromRotationVector({0, 0, pose[2]});
-    x.v_W << velocity[0], velocity[1], 0;
+    LeggedState x{.p_WB = {pose[0], pose[1], 0.43},
+                  .q_WB = QuaternionFromRotationVector({0, 0, pose[2]}),
+                  .v_W = {velocity[0], velocity[1], 0}};
     x.w_W[2] = velocity[2];
     return x;
   }

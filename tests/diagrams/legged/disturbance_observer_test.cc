@@ -57,8 +57,7 @@ struct Cell {
 // A force on the trunk is in the estimated wrench, and not in the forces of the legs.
 TEST(DisturbanceObserverTest, ForceOnTheTrunk) {
   const Vec<3> force(15, -10, -40);
-  ExternalForce where;
-  where.p_B = {0.1, 0.05, 0};
+  const ExternalForce where{.p_B = {0.1, 0.05, 0}};
   Cell cell(ObserverKind::kHybrid, Push(where, force));
   cell.simulator->RunTo(0.29);
   EXPECT_LT(cell.wrench().force_W.norm(), 0.5);

@@ -23,13 +23,11 @@ Eigen::Quaterniond Of(const geometry_msgs::Quaternion& q) {
 
 /// A robot somewhere, turned, in motion and with bent legs.
 LeggedState SomeState(const QuadrupedDescription& robot) {
-  LeggedState x;
-  x.p_WB << 1, -2, 0.5;
-  x.q_WB = QuaternionFromEuler({0.1, -0.2, 2.5});
-  x.q = robot.stance + Vec<12>::LinSpaced(-0.3, 0.4);
-  x.v_W << 0.3, 0.1, -0.2;
-  x.w_W << 0.4, -0.5, 0.6;
-  return x;
+  return {.p_WB = {1, -2, 0.5},
+          .q_WB = QuaternionFromEuler({0.1, -0.2, 2.5}),
+          .q = robot.stance + Vec<12>::LinSpaced(-0.3, 0.4),
+          .v_W = {0.3, 0.1, -0.2},
+          .w_W = {0.4, -0.5, 0.6}};
 }
 
 QuadrupedMessagesParams Go2() {
@@ -139,14 +137,10 @@ TEST_F(QuadrupedMessagesTest, FootForcesAreInTheFramesOfTheFeet) {
 TEST(CdprMessagesTest, AreThoseOfTheSignals) {
   TestRig<CdprMessages> rig({.num_cables = 2});
   const CableVector two = Eigen::Vector2d(2, 3);
-  PlatformState x;
-  x.p_WB << 1, 2, 3;
-  x.q_WB = QuaternionFromEuler({0, 0, 1});
-  x.v_W << 0.5, 0, 0;
-  rig.Fix(rig->platform, x).Fix(rig->cables, {two, -two, 100 * two, two}).Fix(rig->inertial, {});
-  LoadEstimate load;
-  load.rest.force_W << 0, 0, -7;
-  rig.Fix(rig->load, load).Tick();
+  rig.Fix(rig->platform, {.p_WB = {1, 2, 3}, .q_WB = QuaternionFromEuler({0, 0, 1}), .v_W = {0.5, 0, 0}})
+      .Fix(rig->cables, {two, -two, 100 * two, two})
+      .Fix(rig->inertial, {});
+  rig.Fix(rig->load, {.rest = {.force_W = {0, 0, -7}}}).Tick();
   EXPECT_THAT(rig[rig->joint_states].name, testing::ElementsAre("cable_1", "cable_2"));
   EXPECT_THAT(rig[rig->joint_states].position, testing::ElementsAre(2, 3));
   EXPECT_THAT(rig[rig->joint_states].velocity, testing::ElementsAre(-2, -3));

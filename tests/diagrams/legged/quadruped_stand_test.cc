@@ -60,11 +60,7 @@ TEST(QuadrupedStandTest, LandsFromADropAndStands) {
 
 TEST(QuadrupedStandTest, FallsWhenPushedOver) {
   QuadrupedStandParams params = Params(DogBot());
-  PulseForceParams push;
-  push.push.force_W = {0, 400, 0};
-  push.start = 0.5;
-  push.duration = 1;
-  params.world.pulses = {push};
+  params.world.pulses = {{.push = {.force_W = {0, 400, 0}}, .start = 0.5, .duration = 1}};
   Cell cell(params);
   const RunStatus status = cell.simulator.AdvanceTo(4);
   EXPECT_TRUE(status.ended);
@@ -77,14 +73,8 @@ TEST(QuadrupedStandTest, FeetCarryPayloadAndDisturbances) {
   QuadrupedStandParams params = Params(DogBot());
   params.world.plant.payload.mass = 10;
   params.world.plant.payload.com = {0, 0, 0.1};
-  PulseForceParams push;
-  push.push.force_W = {0, 0, -30};
-  push.duration = 10;
-  SineForceParams sine;
-  sine.amplitude.force_W = {0, 0, -20};
-  sine.end = 1;
-  params.world.pulses = {push};
-  params.world.sines = {sine};
+  params.world.pulses = {{.push = {.force_W = {0, 0, -30}}, .duration = 10}};
+  params.world.sines = {{.amplitude = {.force_W = {0, 0, -20}}, .end = 1}};
   params.world.random = {{DogBot(), true, 0, 1e-9}};
   Cell cell(params);
   EXPECT_FALSE(cell.simulator.AdvanceTo(3).ended);

@@ -163,10 +163,7 @@ TEST(QuadrupedWalkTest, ChangesGaitsAndTurnsWhileItWalks) {
 TEST(QuadrupedWalkTest, CompensatesWhatItEstimates) {
   QuadrupedWalkParams params = MakeQuadrupedWalk(test::DogBot());
   params.walk.segments = {Segment(Gait::kTrot, 0.12, 3)};
-  PulseForceParams pull;
-  pull.push.force_W << -20, 0, 0;
-  pull.duration = 10;
-  params.world.pulses = {pull};
+  params.world.pulses = {{.push = {.force_W = {-20, 0, 0}}, .duration = 10}};
   const Findings with = Walk(params, 2.5);
   EXPECT_NEAR(with.wrench[0], -20, 1);
   params.observer.kind = ObserverKind::kNone;

@@ -141,8 +141,7 @@ TEST(UnitreeMessagesTest, DamagedCommandsAreCountedAndNamed) {
 
 // The fields are read as a client does that knows nothing of Tenon.
 TEST(UnitreeMessagesTest, AStateIsWrittenAsTheRobotsDo) {
-  UnitreeState state;
-  state.time = 1.234;
+  UnitreeState state{.time = 1.234};
   for (int j = 0; j < kNumJoints; ++j) state.joints.q[j] = j, state.torque[j] = -j;
   state.q_WB = Vec<4>(std::cos(0.1), 0, 0, std::sin(0.1));
   state.inertial.specific_force_B = Vec<3>(1, 2, 9.5);
@@ -238,9 +237,7 @@ bool Damps(const JointCommand& command, const JointMotion& joints, const Quadrup
 struct Watched {
   Watched() {
     DiagramBuilder builder;
-    LeggedState initial;
-    initial.q = robot.stance;
-    world = &builder.Add<UnitreeWorld>("world", {.link = kOwnLink, .initial = initial});
+    world = &builder.Add<UnitreeWorld>("world", {.link = kOwnLink, .initial = {.q = robot.stance}});
     deployment = &builder.Add<Deployment>("deployment", {.robot = robot, .initial = DeploymentMode::kWalk});
     builder.Connect(world->joints, deployment->joints);
     builder.Connect(world->state, deployment->state);

@@ -6,7 +6,7 @@
 
 namespace tenon::cdpr_monitor_test {
 
-using test::FourCableRobot, test::Hanging, ::testing::AllOf, ::testing::HasSubstr;
+using test::FourCableRobot, test::Hanging, ::testing::HasSubstr;
 using Kind = CableFaultKind;
 
 /// Holds four cables, 800 N at most, with 100 N each, 2 m above the floor.
@@ -59,7 +59,7 @@ TEST(CdprMonitorTest, ACableHasALimitOfItsOwn) {
   rig.SetTension(329);
   EXPECT_FALSE(rig.RunOn().ended);
   rig.SetTension(331);
-  EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("cable 2"), HasSubstr("330 N")));
+  EXPECT_THAT(rig.RunOn().reason, HasSubstrs("cable 2", "330 N"));
 }
 
 TEST(CdprMonitorTest, SlackMayBeAllowed) {
@@ -76,7 +76,7 @@ TEST(CdprMonitorTest, EndsTheRunWhenAWinchIsOverpowered) {
   rig.SetTension(879);
   EXPECT_FALSE(rig.RunOn().ended);
   rig.SetTension(881);
-  EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("cable 2"), HasSubstr("881 N")));
+  EXPECT_THAT(rig.RunOn().reason, HasSubstrs("cable 2", "881 N"));
 }
 
 // The platform's box is drawn with half edges of 0.075, 0.075 and 0.093 m.
@@ -85,7 +85,7 @@ TEST(CdprMonitorTest, EndsTheRunWhenTheBoxReachesBelowTheFloor) {
   rig.SetPlatform(0.094);
   EXPECT_FALSE(rig.RunOn().ended);
   rig.SetPlatform(0.083);
-  EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("block.place"), HasSubstr("0.01 m")));
+  EXPECT_THAT(rig.RunOn().reason, HasSubstrs("block.place", "0.01 m"));
   const double on_edge = (0.075 + 0.093) / std::sqrt(2);
   Rig tilted;
   tilted.SetPlatform(on_edge + 0.001, M_PI / 4);
@@ -107,7 +107,7 @@ TEST(CdprMonitorTest, EndsTheRunFarFromTheAnchors) {
   rig.SetPlatform(15.4);
   EXPECT_FALSE(rig.RunOn().ended);
   rig.SetPlatform(1e30);
-  EXPECT_THAT(rig.RunOn().reason, AllOf(HasSubstr("block.place"), HasSubstr("11.4 m")));
+  EXPECT_THAT(rig.RunOn().reason, HasSubstrs("block.place", "11.4 m"));
 }
 
 TEST(CableFaultTest, OutputsTheFaultsOfItsSchedule) {

@@ -14,12 +14,7 @@ using test::Hanging, test::RandomPlatform, test::RandomVector;
 using Rig = TestRig<CdprPlant>;
 
 AttachedBody Ball(const std::string& name, AttachedJoint joint, double radius = 0.05) {
-  AttachedBody body;
-  body.name = name;
-  body.joint = joint;
-  body.mass = 2;
-  body.radius = radius;
-  return body;
+  return {.name = name, .joint = joint, .mass = 2, .radius = radius};
 }
 
 /// An arm of two links under springs.

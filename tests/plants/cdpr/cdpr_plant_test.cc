@@ -432,11 +432,7 @@ TEST(CdprPlantTest, LengthsAtTheStartAreThoseOfHoming) {
 }
 
 TEST(CdprPlantTest, RefusesParametersThatMakeNoSense) {
-  const auto refuses = [](const auto& change, const auto&... keys) {
-    CdprPlantParams params = Hanging();
-    change(params);
-    return Refuses<CdprPlant>(params, keys...);
-  };
+  const auto refuses = RefusesChanged<CdprPlant>(Hanging());
   EXPECT_TRUE(Refuses<CdprPlant>({}, "mass"));
   EXPECT_TRUE(refuses([](auto& p) { p.initial_tension = Same(60, 3); }, "initial_tension", "four"));
   EXPECT_TRUE(refuses([](auto& p) { p.initial_tension[2] = -1; }, "initial_tension", "cable 2"));

@@ -8,9 +8,7 @@ namespace tenon::test {
 /// At rest 1.5 m above the floor in the middle, where by symmetry all cables carry
 /// m g / (4 s) with s the sine of their angle above the horizontal.
 inline CdprPlantParams Hanging(CdprDescription robot = FourCableRobot()) {
-  CdprPlantParams params;
-  params.robot = robot;
-  params.p_WB = {0, 0, 1.5};
+  CdprPlantParams params{.robot = robot, .p_WB = {0, 0, 1.5}};
   const Vec<3> span = robot.cables[0].anchor_W - params.p_WB - robot.cables[0].attachment_B;
   const double tension = robot.mass * params.gravity / (4 * span.normalized()[2]);
   params.initial_tension = CableVector::Constant(robot.num_cables(), tension);

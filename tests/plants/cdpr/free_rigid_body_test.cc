@@ -94,8 +94,7 @@ TEST(FreeRigidBodyTest, CopiesBeforeItIsABody) {
     copy = body;
     body = none;
   }
-  PlatformState x;
-  x.v_W = {2, 0, 0};
+  const PlatformState x{.v_W = {2, 0, 0}};
   copy.Calc(x, {{30, 0, 0}, {0, 0, 0}}, {}, 9.81);
   EXPECT_THAT(copy.acceleration().a_W, IsNear(Vec<3>(2, 0, -9.81), 1e-14));
   EXPECT_NEAR(copy.kinetic_energy(), 30, 1e-12);

@@ -23,11 +23,7 @@ TEST(GustsTest, RiseToTheirPeaksAndFallAndAddUp) {
 }
 
 TEST(PayloadScheduleTest, HangsThePayloadFromAttachToRelease) {
-  PayloadScheduleParams params;
-  params.payload.mass = 5;
-  params.attach_s = 1;
-  params.release_s = 2;
-  TestRig<PayloadSchedule> rig(params);
+  TestRig<PayloadSchedule> rig({.payload = {.mass = 5}, .attach_s = 1, .release_s = 2});
   const auto mass_at = [&](double time) { return rig.RunTo(time)[rig->payload].mass; };
   EXPECT_EQ(mass_at(0.999), 0);
   EXPECT_EQ(mass_at(1), 5);
@@ -36,9 +32,7 @@ TEST(PayloadScheduleTest, HangsThePayloadFromAttachToRelease) {
 }
 
 TEST(PayloadScheduleTest, RefusesNonsense) {
-  PayloadScheduleParams params;
-  params.attach_s = 3;
-  EXPECT_TRUE(Refuses<PayloadSchedule>(params, "release_s", "attach_s"));
+  EXPECT_TRUE(Refuses<PayloadSchedule>({.attach_s = 3}, "release_s", "attach_s"));
 }
 
 TEST(PayloadScheduleTest, LoadAndTimesAreSetInARun) {
@@ -55,11 +49,9 @@ TEST(PayloadScheduleTest, LoadAndTimesAreSetInARun) {
 // Turned by 90 degrees about z, x_B points along y_W; the point at x_B = 0.2 m moves by w = 1 rad/s.
 TEST(PlatformPullTest, PullsAtItsPointBesideOthers) {
   TestRig<PlatformPull> rig(PlatformPullParams{.stiffness = 100, .damping = 10, .max_force = 50});
-  PlatformState platform;
-  platform.p_WB = {1, 2, 3};
-  platform.q_WB = {std::numbers::sqrt2 / 2, 0, 0, std::numbers::sqrt2 / 2};
-  platform.w_W = {0, 0, 1};
-  rig.Fix(rig->platform, platform);
+  rig.Fix(rig->platform, {.p_WB = {1, 2, 3},
+                          .q_WB = {std::numbers::sqrt2 / 2, 0, 0, std::numbers::sqrt2 / 2},
+                          .w_W = {0, 0, 1}});
   rig.Fix(rig->others, {{1, 0, 0}, {0, 0, 0.5}});
   EXPECT_THAT(rig[rig->wrench].force_W, IsNear(Vec<3>(1, 0, 0), 0));
   rig.Set(rig->grip, {true, {0.2, 0, 0}, {1, 2.2, 3.3}});
@@ -78,9 +70,7 @@ TEST(HangingLoadTest, HangsWithItsWeightAndTurnsThePlatform) {
   const double stretch = 3 * kGravity * 2 / params.axial_stiffness;
   params.p_W = {1.2, 0, 3.1 - 2 - stretch};
   TestRig<HangingLoad> rig(params);
-  PlatformState platform;
-  platform.p_WB = {1, 0, 3};
-  rig.Fix(rig->platform, platform).Fix(rig->others, PlatformWrench{{1, 2, 3}, {4, 5, 6}});
+  rig.Fix(rig->platform, {.p_WB = {1, 0, 3}}).Fix(rig->others, PlatformWrench{{1, 2, 3}, {4, 5, 6}});
   EXPECT_NEAR(rig[rig->tension], 3 * kGravity, 1e-9);
   EXPECT_THAT(rig[rig->wrench].force_W, IsNear(Vec<3>(1, 2, 3 - 3 * kGravity), 1e-9));
   EXPECT_THAT(rig[rig->wrench].torque_W, IsNear(Vec<3>(4, 5 + 0.2 * 3 * kGravity, 6), 1e-9));

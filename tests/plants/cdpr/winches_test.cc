@@ -9,12 +9,7 @@
 namespace tenon::winches_test {
 
 WinchProperties Properties(WinchMode mode) {
-  WinchProperties winch;
-  winch.mode = mode;
-  winch.time_constant = 0.02;
-  winch.reel_damping = 90;
-  winch.effective_mass = 8;
-  return winch;
+  return {.mode = mode, .time_constant = 0.02, .reel_damping = 90, .effective_mass = 8};
 }
 
 TEST(WinchTest, TensionAndRateSolveBothLaws) {

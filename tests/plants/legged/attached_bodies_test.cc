@@ -20,12 +20,7 @@ using test::DogBot, test::Standing;
 using Rig = TestRig<QuadrupedPlant>;
 
 AttachedBody Ball(const std::string& name, AttachedJoint joint) {
-  AttachedBody body;
-  body.name = name;
-  body.joint = joint;
-  body.mass = 2;
-  body.radius = 0.05;
-  return body;
+  return {.name = name, .joint = joint, .mass = 2, .radius = 0.05};
 }
 
 QuadrupedPlantParams With(const std::vector<AttachedBody>& bodies) {

@@ -16,16 +16,11 @@ namespace tenon::disturbances_test {
 using test::A1, test::DogBot, test::RandomState;
 
 ExternalForce OnKnee() {
-  ExternalForce force;
-  force.body = 3;
-  force.force_W = {20, 0, -5};
-  force.torque_W = {0, 1, 0};
-  return force;
+  return {.body = 3, .force_W = {20, 0, -5}, .torque_W = {0, 1, 0}};
 }
 
 TEST(PointOnLegTest, RunsFromTheFootOverTheKneeToTheHip) {
-  QuadrupedPlantParams params;
-  params.robot = A1();
+  const QuadrupedPlantParams params{.robot = A1()};
   TestRig<QuadrupedPlant> rig(params);
   RandomStream random(2);
   rig.Set(rig->motion, RandomState(random));
@@ -130,9 +125,7 @@ TEST(ForceBundleTest, PutsForcesSideBySide) {
 
 // In free fall without gravity the change of angular momentum is the torque, that of momentum the force.
 TEST(ExternalForceTest, TorqueOnTheTrunkTurnsTheRobot) {
-  QuadrupedPlantParams params;
-  params.robot = DogBot();
-  params.gravity = 0;
+  QuadrupedPlantParams params{.robot = DogBot(), .gravity = 0};
   params.initial = test::Standing(params.robot);
   params.initial.p_WB[2] = 2;
   TestRig<QuadrupedPlant> rig(params);
@@ -211,10 +204,7 @@ TEST(SpringPullTest, ComputesPositionsAndVelocitiesOfPoints) {
 TEST(SpringPullTest, PullsByHooksLawUpToItsLargestForce) {
   TestRig<SpringPull> rig(
       SpringPullParams{.robot = test::DogBot(), .stiffness = 100, .damping = 10, .max_force = 50});
-  LeggedState x;
-  x.p_WB = {1, 2, 0.5};
-  x.v_W = {0, 0.5, 0};
-  rig.Fix(rig->state, x);
+  rig.Fix(rig->state, {.p_WB = {1, 2, 0.5}, .v_W = {0, 0.5, 0}});
   EXPECT_TRUE(rig[rig->force].force_W.isZero(0));
   rig.Set(rig->grip, {true, 0, {0.1, 0, 0}, {1.1, 2, 0.8}});
   EXPECT_EQ(rig[rig->force].body, 0);

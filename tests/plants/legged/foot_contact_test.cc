@@ -9,23 +9,18 @@ namespace tenon::foot_contact_test {
 constexpr double kRadius = 0.03, kGravity = 9.81;
 
 ContactProperties Properties() {
-  ContactProperties contact;
-  contact.stiffness = 5e4;
-  contact.dissipation = 5;
-  contact.blend = 2e-4;
-  contact.bristle_stiffness = 1000;
-  contact.bristle_damping = 1;
-  contact.bristle_friction = 0.2;
-  contact.full_friction = 5;
-  contact.release_time = 5e-3;
-  return contact;
+  return {.stiffness = 5e4,
+          .dissipation = 5,
+          .blend = 2e-4,
+          .bristle_stiffness = 1000,
+          .bristle_damping = 1,
+          .bristle_friction = 0.2,
+          .full_friction = 5,
+          .release_time = 5e-3};
 }
 
 Terrain Ground(double friction, double grade = 0) {
-  TerrainParams params;
-  params.friction = friction;
-  params.grade = {grade, 0};
-  return Terrain(params);
+  return Terrain({.grade = {grade, 0}, .friction = friction});
 }
 
 FootContact At(double depth, const Vec<3>& v, const Vec<2>& z = Vec<2>::Zero(),
@@ -132,9 +127,7 @@ TEST(FootContactTest, TheBristleIsNoStifferThanThatOfTheLeastCoefficient) {
 // The friction of a foot that slides in several contacts is the sum over the contacts.
 TEST(FootContactTest, SlidesAlongFloorAndWallOfDifferentFriction) {
   for (const auto& [floor, wall] : {std::pair{10.0, 0.0}, {0.0, 10.0}, {1e-3, 0.6}, {5e-324, 5e-324}}) {
-    TerrainParams params;
-    params.boxes = {{{1, 0}, {0.4, 0.4}, 0.2, wall}};
-    params.friction = floor;
+    const TerrainParams params{.friction = floor, .boxes = {{{1, 0}, {0.4, 0.4}, 0.2, wall}}};
     const FootContact foot = CalcFootContact(
         Terrain(params), Properties(), kRadius,
         {Vec<3>(0.8 - kRadius + 5e-4, 0, kRadius - 1e-3), Vec<3>(0, 50, 0), Vec<3>::Zero()}, Vec<2>::Zero());
@@ -214,9 +207,7 @@ TEST(FootContactTest, ABlockIsBrakedByMuG) {
 // force.
 TEST(FootContactTest, ABlockSlidesAcrossASeamOfFriction) {
   for (const double mu : {0.0, 1e-9, 1e-3, 0.1, 1.0}) {
-    TerrainParams params;
-    params.boxes = {{{-0.5, 0}, {1, 1}, 0.1, 10}, {{0.5, 0}, {1, 1}, 0.1, mu}};
-    const Terrain terrain(params);
+    const Terrain terrain({.boxes = {{{-0.5, 0}, {1, 1}, 0.1, 10}, {{0.5, 0}, {1, 1}, 0.1, mu}}});
     const double h = 1e-5;
     Block x = Sliding(-0.1, 0.1, 6);
     while (x.p[0] < 0.04 && x.v[0] > 0) x = Slide(terrain, x, 1, h);

@@ -65,8 +65,7 @@ TEST(MujocoQuadrupedTest, StandsOnASlopeWithItsWeightOnTheFeet) {
 TEST(MujocoQuadrupedTest, ALimpRobotFallsAndLiesAsThePlant) {
   const auto tilt = [](const LeggedState& x) { return std::acos(x.R_WB()(2, 2)); };
   for (const char* name : {"go2", "b2"}) {
-    QuadrupedPlantParams params;
-    params.robot = LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/" + name + ".yaml");
+    QuadrupedPlantParams params{.robot = LoadQuadruped(std::string(TENON_ROBOTS_DIR) + "/" + name + ".yaml")};
     params.initial = StandingOn(params.robot, {});
     params.initial.p_WB[2] += 0.05;
     params.initial.q_WB = QuaternionFromRotationVector({0.05, 0.02, 0});

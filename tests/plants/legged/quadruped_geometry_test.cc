@@ -151,9 +151,8 @@ TEST(QuadrupedGeometryTest, ForcesActAtTheirPoints) {
 
 // The corners of every drawn box lie on the surface that the terrain reports.
 TEST(QuadrupedGeometryTest, TerrainIsDrawnWhereFeetTouchIt) {
-  TerrainParams params;
-  params.grade = {0.3, -0.1};
-  params.boxes = {{{1, 0.5}, {0.3, 0.4}, 0.04, 1}, {{-1, 2}, {0.5, 0.2}, 0.02, 1}};
+  const TerrainParams params{.grade = {0.3, -0.1},
+                             .boxes = {{{1, 0.5}, {0.3, 0.4}, 0.04, 1}, {{-1, 2}, {0.5, 0.2}, 0.02, 1}}};
   const Terrain terrain(params);
   const Geometry geometry = MakeQuadrupedGeometry(DogBot(), {}, params);
   for (const char* name : {"slope", "box 0", "box 1"}) {
@@ -337,8 +336,7 @@ TEST_F(QuadrupedClearanceTest, FindsKneesInTheGround) {
   EXPECT_NEAR(on_box.ground.distance, standing - 0.06, 1e-12);
   EXPECT_EQ(on_box.ground.leg, kFrontLeft);
 
-  TerrainParams slope;
-  slope.grade = {0.2, 0};
+  const TerrainParams slope{.grade = {0.2, 0}};
   const double radius = LinkRadius(robot), x_knee = 0.2875 - 0.315 * std::sin(0.886);
   EXPECT_NEAR(QuadrupedClearance(robot, slope).At(Standing()).ground.distance,
               (standing + radius - 0.2 * x_knee) / std::sqrt(1.04) - radius, 1e-9);

@@ -343,11 +343,7 @@ TEST(QuadrupedPlantTest, RefusesForcesOnBodiesThatAreNotThere) {
 }
 
 TEST(QuadrupedPlantTest, RefusesParametersThatMakeNoSense) {
-  const auto refuses = [](const auto& change, const auto&... parts) {
-    QuadrupedPlantParams params = Params(DogBot());
-    change(params);
-    return Throws<ParameterError>([&] { Rig rig(params); }, parts...);
-  };
+  const auto refuses = RefusesChanged<QuadrupedPlant>(Params(DogBot()));
   EXPECT_TRUE(refuses([](auto& p) { p.robot = {}; }, "robot"));
   EXPECT_TRUE(refuses([](auto& p) { p.robot.foot_radius = 0.2; }, "radius"));
   EXPECT_TRUE(refuses([](auto& p) { p.payload.com[1] = NAN; }, "payload"));
@@ -358,13 +354,8 @@ TEST(QuadrupedPlantTest, RefusesParametersThatMakeNoSense) {
   EXPECT_TRUE(refuses([](auto& p) { p.terrain.friction = -1; }, "friction"));
 }
 
-using ::testing::AllOf, ::testing::HasSubstr;
-
 LeggedState At(const Vec<3>& p_WB, double roll = 0) {
-  LeggedState x;
-  x.p_WB = p_WB;
-  x.q_WB = QuaternionFromRotationVector({roll, 0, 0});
-  return x;
+  return {.p_WB = p_WB, .q_WB = QuaternionFromRotationVector({roll, 0, 0})};
 }
 
 TEST(FallMonitorTest, EndsTheRunWhenTheTrunkIsLow) {
@@ -375,8 +366,7 @@ TEST(FallMonitorTest, EndsTheRunWhenTheTrunkIsLow) {
   const RunStatus status = rig.simulator().AdvanceTo(1);
   EXPECT_TRUE(status.ended);
   // Rounded numbers may be equal, so the message does not compare them.
-  EXPECT_THAT(status.reason,
-              AllOf(HasSubstr("block.fall"), HasSubstr("is 0.200 m above the ground; the limit is 0.200 m")));
+  EXPECT_THAT(status.reason, HasSubstrs("block.fall", "is 0.200 m above the ground; the limit is 0.200 m"));
 }
 
 TEST(FallMonitorTest, HeightCountsFromTheGroundBelow) {
@@ -396,7 +386,7 @@ TEST(FallMonitorTest, EndsTheRunWhenTheTrunkTilts) {
   rig.Fix(rig->state, At({0, 0, 1}, -0.81));
   const RunStatus status = rig.simulator().AdvanceTo(1);
   EXPECT_TRUE(status.ended);
-  EXPECT_THAT(status.reason, AllOf(HasSubstr("block.fall"), HasSubstr("0.810 rad"), HasSubstr("0.800 rad")));
+  EXPECT_THAT(status.reason, HasSubstrs("block.fall", "0.810 rad", "0.800 rad"));
 }
 
 TEST(FallMonitorTest, EndsTheRunWhenTheRobotFlies) {
@@ -404,7 +394,7 @@ TEST(FallMonitorTest, EndsTheRunWhenTheRobotFlies) {
   rig.Fix(rig->state, At({0, 0, 9.9}));
   EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
   rig.Fix(rig->state, At({0, 0, 21e3}));
-  EXPECT_THAT(rig.simulator().AdvanceTo(1).reason, AllOf(HasSubstr("block.flight"), HasSubstr("10.000 m")));
+  EXPECT_THAT(rig.simulator().AdvanceTo(1).reason, HasSubstrs("block.flight", "10.000 m"));
 }
 
 TEST(FallMonitorTest, RefusesLimitsThatMakeNoSense) {
@@ -416,7 +406,7 @@ TEST(FallMonitorTest, LimitsAreSetInARun) {
   rig.Fix(rig->state, At({0, 0, 0.15}, 0.9)).Set(rig->min_height, 0.1).Set(rig->max_tilt, 1);
   EXPECT_FALSE(rig.simulator().AdvanceTo(0.5).ended);
   rig.Set(rig->max_tilt, 0.85);
-  EXPECT_THAT(rig.simulator().AdvanceTo(1).reason, AllOf(HasSubstr("0.900 rad"), HasSubstr("0.850 rad")));
+  EXPECT_THAT(rig.simulator().AdvanceTo(1).reason, HasSubstrs("0.900 rad", "0.850 rad"));
 }
 
 }  // namespace tenon::quadruped_plant_test

@@ -101,11 +101,10 @@ LeggedState RunMuJoCo(const QuadrupedPlantParams& params, const std::vector<Rope
   Eigen::Map<Eigen::VectorXd>(data->qvel, 18) << x.v_W, x.R_WB().transpose() * x.w_W, x.qd;
   Eigen::Map<Eigen::VectorXd>(data->ctrl, 4) = kTension;
   for (int n = 0; n < 3000; ++n) mj_step(model.get(), data.get());
-  LeggedState end;
-  end.p_WB = Eigen::Map<Eigen::Vector3d>(data->qpos);
-  end.q_WB = Eigen::Map<Eigen::Vector4d>(data->qpos + 3);
-  end.q = Eigen::Map<Eigen::VectorXd>(data->qpos + 7, 12);
-  end.v_W = Eigen::Map<Eigen::Vector3d>(data->qvel);
+  LeggedState end{.p_WB = Eigen::Map<Eigen::Vector3d>(data->qpos),
+                  .q_WB = Eigen::Map<Eigen::Vector4d>(data->qpos + 3),
+                  .q = Eigen::Map<Eigen::VectorXd>(data->qpos + 7, 12),
+                  .v_W = Eigen::Map<Eigen::Vector3d>(data->qvel)};
   end.w_W = end.R_WB() * Eigen::Map<Eigen::Vector3d>(data->qvel + 3);
   end.qd = Eigen::Map<Eigen::VectorXd>(data->qvel + 6, 12);
   return end;

@@ -7,10 +7,7 @@
 namespace tenon::sliding_load_test {
 
 LeggedState Trunk(double pitch = 0) {
-  LeggedState x;
-  x.p_WB = {0.3, -0.2, 0.5};
-  x.q_WB = QuaternionFromRotationVector({0, pitch, 0});
-  return x;
+  return {.p_WB = {0.3, -0.2, 0.5}, .q_WB = QuaternionFromRotationVector({0, pitch, 0})};
 }
 
 SlidingLoadParams Load(double pitch = 0) {
@@ -112,10 +109,7 @@ const Rope kLeft{"left", {3, 1, 2}, {0.1, 0.2, 0.05}, 0, 100};
 const Rope kRight{"right", {3, -1, 2}, {0.1, -0.2, 0.05}, 0, 100};
 
 LeggedState Robot() {
-  LeggedState x;
-  x.p_WB = {0.3, 0.2, 0.5};
-  x.q_WB = QuaternionFromRotationVector({0.1, -0.4, 0.3});
-  return x;
+  return {.p_WB = {0.3, 0.2, 0.5}, .q_WB = QuaternionFromRotationVector({0.1, -0.4, 0.3})};
 }
 
 // The resultant at B's origin has the force and the moment of the single pulls; winches do not push.

@@ -9,16 +9,14 @@ namespace tenon::test {
 /// [m].
 inline AttachedBody SpringLink(const std::string& name, const Vec<3>& position, const Vec<3>& axis,
                                double reach) {
-  AttachedBody link;
-  link.name = name;
-  link.position = position;
-  link.axis = axis;
-  link.mass = 2;
-  link.centre = {0.02, 0, reach / 2};
-  link.edges = {0.06, 0.08, std::abs(reach)};
-  link.stiffness = 25;
-  link.damping = 0.3;
-  return link;
+  return {.name = name,
+          .position = position,
+          .axis = axis,
+          .mass = 2,
+          .centre = {0.02, 0, reach / 2},
+          .edges = {0.06, 0.08, std::abs(reach)},
+          .stiffness = 25,
+          .damping = 0.3};
 }
 
 /// The box of an attached body on a pin, without its end tag.

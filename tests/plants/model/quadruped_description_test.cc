@@ -12,7 +12,7 @@
 namespace tenon::quadruped_description_test {
 
 namespace fs = std::filesystem;
-using ::testing::AllOf, ::testing::Contains, ::testing::ElementsAre, ::testing::HasSubstr;
+using ::testing::Contains, ::testing::ElementsAre, ::testing::HasSubstr;
 const std::string kRobots = TENON_ROBOTS_DIR;
 
 /// A new directory, for as long as it lives.
@@ -269,9 +269,8 @@ TEST(QuadrupedDescriptionTest, ListsElementsThatAreNotRead) {
   files.Change(&RobotFiles::urdf, "<axis xyz=\"1 0 0\"/>",
                "<axis xyz=\"1 0 0\"/><dynamics rotor_inertia=\"1\"/>");
   EXPECT_THAT(files.Warnings(),
-              ElementsAre(AllOf(HasSubstr("a1.urdf:"), HasSubstr("inertial/density")),
-                          AllOf(HasSubstr("a1.urdf:"), HasSubstr("link/inertial")),
-                          AllOf(HasSubstr("a1.urdf:" + std::to_string(line)), HasSubstr("robot/frame"))));
+              ElementsAre(HasSubstrs("a1.urdf:", "inertial/density"), HasSubstrs("a1.urdf:", "link/inertial"),
+                          HasSubstrs("a1.urdf:" + std::to_string(line), "robot/frame")));
 }
 
 // A shape that is not read does not hide those after it.
@@ -331,13 +330,11 @@ TEST(QuadrupedDescriptionTest, WarnsOnceAboutMissingMeshes) {
   }
   const std::vector<std::string> warnings = files.Warnings();
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_THAT(warnings[0], AllOf(HasSubstr("a1.urdf:"), HasSubstr("link 'trunk'"),
-                                 HasSubstr("package://a1/no.stl"), HasSubstr("1 other")));
+  EXPECT_THAT(warnings[0], HasSubstrs("a1.urdf:", "link 'trunk'", "package://a1/no.stl", "1 other"));
   EXPECT_EQ(files.Load().meshes[0], nullptr);
   files.Change(&RobotFiles::urdf, "<visual><geometry><mesh", "<collision><geometry><mesh");
   files.Change(&RobotFiles::urdf, "</visual>", "</collision>");
-  EXPECT_THAT(files.Warnings(),
-              Contains(AllOf(HasSubstr("link 'trunk'"), HasSubstr("contact of the trunk"))));
+  EXPECT_THAT(files.Warnings(), Contains(HasSubstrs("link 'trunk'", "contact of the trunk")));
 }
 
 // The mesh of a camera alone would hide the trunk, but a trunk without its camera is still one.
@@ -452,7 +449,7 @@ TEST(QuadrupedDescriptionTest, CorrectsTheInertiaOfFrames) {
       "izz=\"0\"/></inertial>");
   EXPECT_NEAR(negative.Load().trunk.inertia(0, 0), trunk, 1e-6);
   ASSERT_EQ(negative.Warnings().size(), 1u);
-  EXPECT_THAT(negative.Warnings()[0], AllOf(HasSubstr("a1.urdf:"), HasSubstr("link 'imu'")));
+  EXPECT_THAT(negative.Warnings()[0], HasSubstrs("a1.urdf:", "link 'imu'"));
   const RobotFiles massless = with_frame(
       "<inertial><mass value=\"0\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
       "izz=\"1\"/></inertial>");
@@ -476,7 +473,7 @@ TEST(QuadrupedDescriptionTest, CorrectsTheInertiaOfBodies) {
   EXPECT_GT(zero.Load().legs[0].bodies[2].inertia(0, 0), 0);
   RobotFiles wrong("dogbot");
   wrong.Change(&RobotFiles::urdf, "ixx=\"0.091\"", "ixx=\"1.91\"");
-  EXPECT_THAT(wrong.Warnings()[0], AllOf(HasSubstr("dogbot.urdf:"), HasSubstr("link 'body'")));
+  EXPECT_THAT(wrong.Warnings()[0], HasSubstrs("dogbot.urdf:", "link 'body'"));
   CheckInertia(wrong.Load().trunk.inertia);
 }
 
@@ -559,9 +556,7 @@ TEST(QuadrupedDescriptionTest, RefusesActuatedJointsThatMakeNoSense) {
 // First moment and inertia about B's origin are additive.
 TEST(WithPayloadTest, AddsMassAndInertiaAboutTheTrunksOrigin) {
   const QuadrupedDescription robot = test::DogBot();
-  RigidInertia payload;
-  payload.mass = 4;
-  payload.com = {0.1, -0.2, 0.15};
+  RigidInertia payload{.mass = 4, .com = {0.1, -0.2, 0.15}};
   payload.inertia.diagonal() << 0.02, 0.03, 0.04;
   const RigidInertia sum = WithPayload(robot, payload).trunk;
   EXPECT_DOUBLE_EQ(sum.mass, robot.trunk.mass + 4);
@@ -591,8 +586,7 @@ TEST(WithMassFactorTest, ScalesMassesAndInertias) {
 }
 
 TEST(QuadrupedDescriptionTest, RefusesImpossiblePayloadsAndMassFactors) {
-  RigidInertia payload;
-  payload.mass = -1;
+  const RigidInertia payload{.mass = -1};
   EXPECT_TRUE(Throws<ParameterError>([&] { WithPayload(test::DogBot(), payload); }, "payload"));
   EXPECT_TRUE(Throws<ParameterError>([] { WithMassFactor(test::DogBot(), 0); }, "factor"));
 }

@@ -30,14 +30,12 @@ inline QuadrupedDescription SkewDogBot() {
 
 /// A random state, with joint angles up to 1 rad.
 inline LeggedState RandomState(RandomStream& random) {
-  LeggedState x;
-  x.p_WB = RandomVector<3>(random, 2);
-  x.q_WB = QuaternionFromRotationVector(RandomVector<3>(random, 2));
-  x.q = RandomVector<12>(random, 1);
-  x.v_W = RandomVector<3>(random, 2);
-  x.w_W = RandomVector<3>(random, 3);
-  x.qd = RandomVector<12>(random, 6);
-  return x;
+  return {.p_WB = RandomVector<3>(random, 2),
+          .q_WB = QuaternionFromRotationVector(RandomVector<3>(random, 2)),
+          .q = RandomVector<12>(random, 1),
+          .v_W = RandomVector<3>(random, 2),
+          .w_W = RandomVector<3>(random, 3),
+          .qd = RandomVector<12>(random, 6)};
 }
 
 /// Velocities and accelerations in the order of QuadrupedDynamics::M.
@@ -60,10 +58,7 @@ inline QuadrupedDynamics DynamicsOf(const QuadrupedModel& model, const LeggedSta
 
 /// At rest in the nominal stance, with the feet just touching the plane z = 0.
 inline LeggedState Standing(const QuadrupedDescription& robot) {
-  LeggedState x;
-  x.p_WB[2] = robot.StanceHeight();
-  x.q = robot.stance;
-  return x;
+  return {.p_WB = {0, 0, robot.StanceHeight()}, .q = robot.stance};
 }
 
 }  // namespace tenon::test

@@ -14,10 +14,7 @@ using Rig = TestRig<Imu>;
 using PoseRig = TestRig<PoseSensor>;
 
 ImuParams Noiseless() {
-  ImuParams params;
-  params.angular_velocity_noise.setZero();
-  params.specific_force_noise.setZero();
-  return params;
+  return {.angular_velocity_noise = Vec<3>::Zero(), .specific_force_noise = Vec<3>::Zero()};
 }
 
 PlatformState Tilted() {
@@ -64,10 +61,9 @@ TEST(ImuTest, MeasuresAtItsPosition) {
 }
 
 TEST(ImuTest, NoiseHasTheGivenDeviationsAndBiases) {
-  ImuParams params;
-  params.angular_velocity_noise = {0.005, 0.01, 0.002};
-  params.angular_velocity_bias = {0.1, 0, -0.2};
-  params.specific_force_bias = {0, 0.3, -0.4};
+  const ImuParams params{.angular_velocity_noise = {0.005, 0.01, 0.002},
+                         .angular_velocity_bias = {0.1, 0, -0.2},
+                         .specific_force_bias = {0, 0.3, -0.4}};
   Rig rig(params);
   rig.Fix(rig->body, PlatformState{}).Fix(rig->acceleration, PlatformAcceleration{});
   Vec<6> expected, deviation;

@@ -145,8 +145,7 @@ ElevationMap MapOf(const TerrainMapperParams& params, const LeggedState& state, 
 }
 
 TEST(TerrainMapperTest, ShowsTheKerbWhereItIs) {
-  LeggedState state;
-  state.p_WB << 0.9, 0.2, 0.5;
+  const LeggedState state{.p_WB = {0.9, 0.2, 0.5}};
   const ElevationMap map = MapOf(Params(0), state, state);
   EXPECT_EQ(map.HeightAt({0.97, 0}), 0);
   EXPECT_NEAR(map.HeightAt({1.03, 0}), 0.1, 1e-12);
@@ -165,8 +164,7 @@ TEST(TerrainMapperTest, MovesWithTheErrorOfTheState) {
 }
 
 TEST(TerrainMapperTest, NoiseBelongsToThePlace) {
-  LeggedState state;
-  state.p_WB << -5, 3, 0.5;
+  LeggedState state{.p_WB = {-5, 3, 0.5}};
   const ElevationMap before = MapOf(Params(0.01), state, state);
   state.p_WB[0] += 0.3;
   const ElevationMap after = MapOf(Params(0.01), state, state);

@@ -159,8 +159,7 @@ TEST(PersonTest, OscillatesOnTheLeash) {
   const LeashParams spring{
       .nominal_length = 1, .stiffness = 2000, .dissipation = 0, .attachment_B = {0, 0, 0}};
   auto& leash = builder.Add<Leash>("leash", spring);
-  LeggedState state;
-  state.p_WB = {1.1, 0, params.hand_height};
+  const LeggedState state{.p_WB = {1.1, 0, params.hand_height}};
   auto& robot = builder.Add<ConstantSource<LeggedState>>("robot", ConstantParams<LeggedState>{state});
   builder.Connect(robot.y, leash.robot);
   builder.Connect(person.person, leash.person);
@@ -188,12 +187,9 @@ TEST(PersonTest, IsDrawnWhereItIs) {
 }
 
 TEST(PersonTest, RefusesNonsense) {
-  const auto refuses = [](const auto& change, const auto&... keys) {
-    PersonParams params = Params({{.activity = Activity::kWalk, .duration = 1, .speed = 0.1},
-                                  {.activity = Activity::kPull, .duration = 1, .force = 60}});
-    change(params);
-    return Refuses<Person>(params, keys...);
-  };
+  const auto refuses =
+      RefusesChanged<Person>(Params({{.activity = Activity::kWalk, .duration = 1, .speed = 0.1},
+                                     {.activity = Activity::kPull, .duration = 1, .force = 60}}));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[0].speed_amplitude = 0.2; }, "phases.0"));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[1].speed = 1; }, "phases.1"));
   EXPECT_TRUE(refuses([](auto& p) { p.phases[0].force = 1; }, "phases.0"));
@@ -203,16 +199,11 @@ const LeashParams kParams{
     .nominal_length = 1.5, .stiffness = 120, .dissipation = 0.5, .attachment_B = {-0.3, 0.1, 0.2}};
 
 LeggedState Robot(const Vec<3>& p_WB, const Vec<3>& rotation = Vec<3>::Zero()) {
-  LeggedState x;
-  x.p_WB = p_WB;
-  x.q_WB = QuaternionFromRotationVector(rotation);
-  return x;
+  return {.p_WB = p_WB, .q_WB = QuaternionFromRotationVector(rotation)};
 }
 
 PersonState HandAt(const Vec<3>& hand_W) {
-  PersonState person;
-  person.hand_W = hand_W;
-  return person;
+  return {.hand_W = hand_W};
 }
 
 TEST(LeashTest, IsASpringThatPullsOnly) {

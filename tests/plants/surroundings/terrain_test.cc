@@ -218,10 +218,7 @@ const ObstacleDetectorParams kParams{
 
 bool Sees(double x, double y, double yaw) {
   TestRig<ObstacleDetector> rig(kParams);
-  LeggedState state;
-  state.p_WB = {x, y, 0.4};
-  state.q_WB = QuaternionFromRotationVector({0, 0, yaw});
-  rig.Fix(rig->state, state);
+  rig.Fix(rig->state, {.p_WB = {x, y, 0.4}, .q_WB = QuaternionFromRotationVector({0, 0, yaw})});
   return rig[rig->obstacle];
 }
 
@@ -245,9 +242,7 @@ TEST(ObstacleDetectorTest, TheBoundsOfItsViewAreExcluded) {
   TestRig<ObstacleDetector> rig(
       ObstacleDetectorParams{.obstacles = {{{3, 0}, 0.25}}, .range = 1, .half_width = 0.5});
   const auto sees = [&](double x, double y) {
-    LeggedState state;
-    state.p_WB = {x, y, 0.5};
-    rig.Fix(rig->state, state);
+    rig.Fix(rig->state, {.p_WB = {x, y, 0.5}});
     return rig[rig->obstacle];
   };
   EXPECT_FALSE(sees(2.5, 0.75));
@@ -266,9 +261,7 @@ TEST(ObstacleDetectorTest, TurnsWithTheRobotAndSeesAllObstacles) {
 TEST(ObstacleDetectorTest, KeepsAnObstacleInSightThatTheRobotSwaysAwayFrom) {
   TestRig<ObstacleDetector> rig(kParams);
   const auto in_sight = [&](double x) {
-    LeggedState state;
-    state.p_WB = {x, 0, 0.4};
-    rig.Fix(rig->state, state);
+    rig.Fix(rig->state, {.p_WB = {x, 0, 0.4}});
     return rig.Tick()[rig->in_sight];
   };
   EXPECT_FALSE(in_sight(1.79));
@@ -295,9 +288,7 @@ TEST(ObstacleDetectorTest, RefusesNonsense) {
 
 TEST(ObstacleDetectorTest, LooksFartherInARun) {
   TestRig<ObstacleDetector> rig(kParams);
-  LeggedState state;
-  state.p_WB = {1, 0.7, 0.4};
-  rig.Fix(rig->state, state);
+  rig.Fix(rig->state, {.p_WB = {1, 0.7, 0.4}});
   EXPECT_FALSE(rig[rig->obstacle]);
   rig.Set(rig->range, 2);
   EXPECT_FALSE(rig[rig->obstacle]);

@@ -80,8 +80,7 @@ TEST(DdsInputTest, CountsAndNamesWhatItDoesNotTrust) {
     peer.Send(&message, time);
     rig.Tick();
     EXPECT_EQ(rig[rig->refused].count, ++count);
-    EXPECT_THAT(rig[rig->refused].reason,
-                testing::AllOf(testing::HasSubstr(kTopic), testing::HasSubstr(reason)));
+    EXPECT_THAT(rig[rig->refused].reason, HasSubstrs(kTopic, reason));
     EXPECT_EQ(rig[rig->y], (CartSignal{1, 2})) << reason;
   };
   const tenon_test_Cart_ good{1, 2};

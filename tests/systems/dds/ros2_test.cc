@@ -209,7 +209,7 @@ TEST(Ros2Test, RefusesAndNamesWhatDoesNotFit) {
     sender.Fix(sender->u, message).Tick();
     EXPECT_EQ(Contents(rig.Tick()[rig->y]), Contents(initial));
     EXPECT_EQ(rig[rig->refused].count, ++count);
-    EXPECT_THAT(rig[rig->refused].reason, testing::AllOf(HasSubstr(topic), HasSubstr(reason)));
+    EXPECT_THAT(rig[rig->refused].reason, HasSubstrs(topic, reason));
   };
   sensor_msgs::JointState nan = initial, longer = initial, shorter = initial, unnamed = initial;
   nan.velocity[1] = test::kNan;

@@ -2,7 +2,7 @@
 
 namespace tenon::diagram_builder_test {
 
-using ::testing::AllOf, ::testing::ElementsAre, ::testing::HasSubstr, ::testing::ThrowsMessage;
+using ::testing::ElementsAre, ::testing::ThrowsMessage;
 
 const auto kSame = [](double u) { return u; };
 
@@ -105,7 +105,7 @@ TEST_F(DiagramBuilderTest, PortsOfAnotherBuilderAreRefused) {
   auto& here = builder.Add<Map>("here", kSame);
   auto& there = other.Add<Map>("there", kSame);
   const auto refused = [](const char* port, const char* role) {
-    return ThrowsMessage<BuildError>(AllOf(HasSubstr(port), HasSubstr(role), HasSubstr("another builder")));
+    return ThrowsMessage<BuildError>(HasSubstrs(port, role, "another builder"));
   };
   EXPECT_THAT([&] { builder.Connect(there.y, here.u); }, refused("'there.y'", "source"));
   EXPECT_THAT([&] { builder.Connect(here.y, there.u); }, refused("'there.u'", "target"));

@@ -30,28 +30,25 @@ std::string Draw() {
 
 TEST(GraphvizTest, ShowsBlocksPortsAndConnections) {
   const std::string dot = Draw();
-  EXPECT_THAT(dot, HasSubstr("\"cart\" [label=<"));
-  EXPECT_THAT(dot, HasSubstr("<b>cart</b>"));
-  EXPECT_THAT(dot, HasSubstr("port=\"force\""));
-  EXPECT_THAT(dot, HasSubstr("\"controller.pd\":\"u\":e -> \"controller.limit\":\"u\":w;"));
+  EXPECT_THAT(dot, HasSubstrs("\"cart\" [label=<", "<b>cart</b>", "port=\"force\"",
+                              "\"controller.pd\":\"u\":e -> \"controller.limit\":\"u\":w;"));
 }
 
 TEST(GraphvizTest, NestedDiagramsAreClustersWithTheirPorts) {
   const std::string dot = Draw();
-  EXPECT_THAT(dot, HasSubstr("subgraph \"cluster_controller\""));
-  EXPECT_THAT(dot, HasSubstr("\"controller.state\" [shape=cds, label=\"state\""));
-  EXPECT_THAT(dot, HasSubstr("\"cart\":\"x\":e -> \"controller.state\";"));
-  EXPECT_THAT(dot, HasSubstr("\"controller.state\" -> \"controller.pd\":\"x\":w;"));
-  EXPECT_THAT(dot, HasSubstr("\"controller.limit\":\"y\":e -> \"controller.force\";"));
-  EXPECT_THAT(dot, HasSubstr("\"controller.force\" -> \"cart\":\"force\":w;"));
+  EXPECT_THAT(
+      dot, HasSubstrs("subgraph \"cluster_controller\"", "\"controller.state\" [shape=cds, label=\"state\"",
+                      "\"cart\":\"x\":e -> \"controller.state\";",
+                      "\"controller.state\" -> \"controller.pd\":\"x\":w;",
+                      "\"controller.limit\":\"y\":e -> \"controller.force\";",
+                      "\"controller.force\" -> \"cart\":\"force\":w;"));
 }
 
 TEST(GraphvizTest, SampleTimesHaveColoursAndALegend) {
   const std::string dot = Draw();
   EXPECT_THAT(dot, HasSubstr("<td port=\"y\" align=\"right\" bgcolor=\"#f4b6b6\">"));  // 1 ms, the fastest
   EXPECT_THAT(dot, HasSubstr("<td port=\"u\" align=\"right\" bgcolor=\"#f7d9a8\">"));  // 10 ms
-  EXPECT_THAT(dot, HasSubstr("<td bgcolor=\"#f4b6b6\">1 ms</td>"));
-  EXPECT_THAT(dot, HasSubstr("<td bgcolor=\"#f7d9a8\">10 ms</td>"));
+  EXPECT_THAT(dot, HasSubstrs("<td bgcolor=\"#f4b6b6\">1 ms</td>", "<td bgcolor=\"#f7d9a8\">10 ms</td>"));
   DiagramBuilder builder;
   builder.Add<Oscillator>("plant");
   EXPECT_THAT(builder.Build()->Graphviz(), Not(HasSubstr("legend")));

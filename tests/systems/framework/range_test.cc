@@ -109,7 +109,7 @@ TEST(RangeTest, BlocksAreRefusedWithBlockAndKey) {
     ADD_FAILURE();
   } catch (const ParameterError& error) {
     EXPECT_EQ(error.block(), "trailer.axle");
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("'axle'"), HasSubstr("spare.limit_N = -1")));
+    EXPECT_THAT(error.what(), HasSubstrs("'axle'", "spare.limit_N = -1"));
   }
   EXPECT_TRUE(Throws<ParameterError>([&] { CheckRanges(suspension, "rear"); }, "rear.spare.limit_N"));
 }

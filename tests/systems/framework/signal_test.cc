@@ -12,7 +12,7 @@ void PrintTo(const Element& element, std::ostream* out) {
 
 namespace {
 
-using internal::Archive, internal::Finiteness, internal::kBitwise, internal::TypeInfoOf, ::testing::AllOf,
+using internal::Archive, internal::Finiteness, internal::kBitwise, internal::TypeInfoOf,
     ::testing::ElementsAre, ::testing::HasSubstr, ::testing::IsEmpty;
 
 enum class Phase { kStance = 1, kSwing = 2 };
@@ -195,8 +195,7 @@ TEST(SignalTest, EnumeratorsHaveTheirNamesInTheProgram) {
 TEST(SignalTest, RefusesDoublesThatNoElementCanHold) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(DoublesError<Step>({0.5, 0, 1, 1, -128}), "no error");
-  EXPECT_THAT(DoublesError<Step>({0.5, 0, 9, 1, 0}),
-              AllOf(HasSubstr("'sides.1'"), HasSubstr("0 (left), 1 (right)")));
+  EXPECT_THAT(DoublesError<Step>({0.5, 0, 9, 1, 0}), HasSubstrs("'sides.1'", "0 (left), 1 (right)"));
   EXPECT_THAT(DoublesError<Step>({0.5, 0, 0.5, 1, 0}), HasSubstr("'sides.1'"));
   EXPECT_THAT(DoublesError<Step>({0.5, 0, 1, 2, 0}), HasSubstr("'stands'"));
   EXPECT_THAT(DoublesError<Step>({0.5, 0, 1, 1, 2.7}), HasSubstr("'count'"));

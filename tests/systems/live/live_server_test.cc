@@ -4,7 +4,7 @@
 
 namespace tenon::live_server_test {
 
-using ::testing::AllOf, ::testing::HasSubstr;
+using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
 /// Runs without pacing and with commands at simulated times: nothing depends on the clock.
@@ -189,8 +189,7 @@ TEST(LiveServerAloneTest, ARunThatCannotBeSavedRunsAndSaysThatItCannotGoBack) {
   DiagramBuilder builder;
   auto& secretive = builder.Add<Secretive>("secretive");
   Simulator simulator(builder.Build());
-  LiveView view;
-  view.signals = {&secretive.y};
+  const LiveView view{.signals = {&secretive.y}};
   LiveServer server({.port = 0, .rate = 0});
   const auto command = [&](const Json& json) { return Json::parse(server.Command("test", json.dump())); };
   bool asked = false;
@@ -200,8 +199,7 @@ TEST(LiveServerAloneTest, ARunThatCannotBeSavedRunsAndSaysThatItCannotGoBack) {
     command({{"command", "take"}});
     for (const Json& json :
          {Json{{"command", "back"}, {"to_s", 0.2}}, Json{{"command", "reset"}, {"seed", 8}}})
-      EXPECT_THAT(command(json)["error"],
-                  AllOf(HasSubstr("cannot go back"), HasSubstr("'secretive.memory'")));
+      EXPECT_THAT(command(json)["error"], HasSubstrs("cannot go back", "'secretive.memory'"));
     return false;
   };
   EXPECT_EQ(server.Run(simulator, view, 1).time, 1);
@@ -249,8 +247,7 @@ TEST(LiveResetTest, BeginsWithWhatTheRunBeganWith) {
     EXPECT_EQ(simulator.context().Eval(cart.x), Vec<2>(1, 0));
     return false;
   };
-  LiveView view;
-  view.signals = {&cart.state};
+  const LiveView view{.signals = {&cart.state}};
   server.Run(simulator, view, 1);
   EXPECT_TRUE(reset);
   EXPECT_NEAR(simulator.context().Eval(cart.x)[0], 1 + 0.5 * 2 / CartParams().mass, 1e-9);

@@ -199,11 +199,7 @@ TEST(StateSpaceTest, RefusesInARunWhatDoesNotFit) {
 }
 
 TEST(StateSpaceTest, RefusesMatricesThatDoNotFit) {
-  const auto refuses = [](auto change, const char* matrix) {
-    StateSpaceParams params = Oscillator();
-    change(params);
-    return Refuses<StateSpace>(params, matrix);
-  };
+  const auto refuses = RefusesChanged<StateSpace>(Oscillator());
   EXPECT_TRUE(Refuses<StateSpace>({}, "A must be square"));
   EXPECT_TRUE(refuses([](auto& p) { p.A.resize(2, 3); }, "A must be square"));
   EXPECT_TRUE(refuses([](auto& p) { p.B.resize(3, 1); }, "B must"));

@@ -174,14 +174,12 @@ TEST(SignalFaultTest, DoesNotAllocate) {
 }
 
 TEST(SignalFaultTest, RefusesNonsense) {
-  const auto refuses = [](SignalFaultParams<Reading> params, const char* message) {
-    return Throws<ParameterError>([&] { SignalFault<Reading> block(params); }, message);
-  };
-  EXPECT_TRUE(refuses({.period = 1e-4}, "period"));
-  EXPECT_TRUE(refuses({.samples = 0}, "samples"));
-  EXPECT_TRUE(refuses({.probability = 1.5}, "probability"));
-  EXPECT_TRUE(refuses({.affected = {"angles"}}, "'angles'"));
-  EXPECT_TRUE(refuses({.kind = Kind::kNan, .affected = {"count"}}, "'count'"));
+  using Fault = SignalFault<Reading>;
+  EXPECT_TRUE(Refuses<Fault>({.period = 1e-4}, "period"));
+  EXPECT_TRUE(Refuses<Fault>({.samples = 0}, "samples"));
+  EXPECT_TRUE(Refuses<Fault>({.probability = 1.5}, "probability"));
+  EXPECT_TRUE(Refuses<Fault>({.affected = {"angles"}}, "'angles'"));
+  EXPECT_TRUE(Refuses<Fault>({.kind = Kind::kNan, .affected = {"count"}}, "'count'"));
   EXPECT_TRUE(Refuses<SignalFault<int>>({.kind = Kind::kOffset, .size = 1}, "number"));
 }
 

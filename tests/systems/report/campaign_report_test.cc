@@ -7,7 +7,7 @@
 
 namespace tenon::campaign_report_test {
 
-using ::testing::AllOf, ::testing::ElementsAre, ::testing::HasSubstr, ::testing::IsEmpty;
+using ::testing::ElementsAre, ::testing::IsEmpty;
 using Json = nlohmann::json;
 
 /// Two axes of 3 x 2 points, 10 runs at each: the error grows with the force, a run with a force of 3 falls
@@ -171,7 +171,7 @@ TEST_F(CampaignPageTest, DrawsAnyTwoColumns) {
     EXPECT_EQ(picture[1], 0) << title << " does not need the style sheet";
   }
   EXPECT_THAT(pictures["Any two columns"][2].get<std::string>(),
-              AllOf(HasSubstr("|friction|"), HasSubstr("mass [kg]"), HasSubstr("force [N]: 1")));
+              HasSubstrs("|friction|", "mass [kg]", "force [N]: 1"));
   EXPECT_TRUE(pictures.contains("Map") && pictures.contains("Survival")) << pictures;
   EXPECT_THAT(browser.complaints(), IsEmpty());
   std::filesystem::remove(file);

@@ -2,9 +2,9 @@
 
 #include <tenon/systems/report/internal/report_json.h>
 #include <tenon/tests/systems/report/page_layout.h>
+#include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/temporary_path.h>
 
-#include <gmock/gmock.h>
 #include <httplib.h>
 
 #include <condition_variable>
@@ -15,7 +15,7 @@ namespace tenon::live_page_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using ::testing::AllOf, ::testing::Each, ::testing::HasSubstr, ::testing::IsEmpty;
+using ::testing::Each, ::testing::HasSubstr, ::testing::IsEmpty;
 
 constexpr auto kPatience = std::chrono::seconds(60);  // only a page that hangs takes so long
 
@@ -229,7 +229,7 @@ TEST_F(LivePageTest, FollowsScrubsAndIsSetBack) {
   Status(run.client());
   ASSERT_TRUE(Until("tenonReport.live.drives"));
   EXPECT_EQ(Text("#headline p"), "on flat ground");
-  EXPECT_THAT(Text("#run-bar"), AllOf(HasSubstr("running at 1.00×"), HasSubstr("you drive")));
+  EXPECT_THAT(Text("#run-bar"), HasSubstrs("running at 1.00×", "you drive"));
 
   // The plots show the newest samples in a moving window, thinned but with every peak.
   run.Send("append", Samples(1, 41, 35.01));
@@ -407,7 +407,7 @@ TEST_F(LivePageTest, DrivesPullsAndTunes) {
   Status("another");
   ASSERT_TRUE(Until("!tenonReport.live.drives"));
   run.Await("save");
-  EXPECT_THAT(Text("#run-bar"), AllOf(HasSubstr("another browser drives"), HasSubstr("take over")));
+  EXPECT_THAT(Text("#run-bar"), HasSubstrs("another browser drives", "take over"));
   EXPECT_EQ(Js("[...document.querySelectorAll('#run-bar fieldset, #drive fieldset, #tune "
                "fieldset')].every((f) => f.disabled)"),
             true);

@@ -2,9 +2,8 @@
 
 #include <tenon/systems/report/report.h>
 #include <tenon/tests/systems/report/page_layout.h>
+#include <tenon/tests/testing/matchers.h>
 #include <tenon/tests/testing/temporary_path.h>
-
-#include <gmock/gmock.h>
 
 #include <numbers>
 
@@ -12,7 +11,7 @@ namespace tenon::report_page_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using ::testing::AllOf, ::testing::Each, ::testing::HasSubstr, ::testing::IsEmpty, ::testing::StartsWith;
+using ::testing::Each, ::testing::HasSubstr, ::testing::IsEmpty, ::testing::StartsWith;
 
 /// A run with every kind of content, and a browser that shows it.
 struct RunPageTest : testing::BrowserTest {
@@ -326,9 +325,8 @@ TEST_F(RunPageTest, PlotsAsVectorPictures) {
   };
   Json force = parts("force");
   EXPECT_EQ(force["root"], "svg");
-  EXPECT_THAT(force["texts"].dump(),
-              AllOf(HasSubstr("\"time [s]\""), HasSubstr("\"force [N]\""), HasSubstr("\"output\""),
-                    HasSubstr("\"output ref\""), HasSubstr("\"push\""), HasSubstr("\"-0.5\"")));
+  EXPECT_THAT(force["texts"].dump(), HasSubstrs("\"time [s]\"", "\"force [N]\"", "\"output\"",
+                                                "\"output ref\"", "\"push\"", "\"-0.5\""));
   EXPECT_EQ(force["ground"], "#fff");
   EXPECT_EQ(force["classes"], 0) << "the file does not need the style sheet";
   ASSERT_EQ(force["curves"].size(), 2U);
@@ -336,7 +334,7 @@ TEST_F(RunPageTest, PlotsAsVectorPictures) {
   EXPECT_EQ(force["curves"][0][1], "5 4") << "a reference is dashed";
   EXPECT_EQ(force["curves"][1][1], "none");
   EXPECT_EQ(Js("document.documentElement.dataset.theme"), "dark") << "the page stays as it is";
-  EXPECT_THAT(parts("angle")["texts"].dump(), AllOf(HasSubstr("limit 28.65 °"), HasSubstr("angle [°]")));
+  EXPECT_THAT(parts("angle")["texts"].dump(), HasSubstrs("limit 28.65 °", "angle [°]"));
   EXPECT_THAT(parts("cables")["texts"].dump(), HasSubstr("lowest, mean and highest"));
   EXPECT_EQ(parts("cables")["curves"].size(), 2U) << "the band and the mean";
 
@@ -375,7 +373,7 @@ TEST_F(RunPageTest, ReplayAsPictureAndVideo) {
   EXPECT_LT(drawn["off"][1].get<double>(), 0.02);
   EXPECT_EQ(drawn["dashed"], 1) << "the path";
   EXPECT_EQ(drawn["shadows"], 2);
-  EXPECT_THAT(drawn["notes"].dump(), AllOf(HasSubstr("bodies"), HasSubstr("0.50 s"), HasSubstr("grid ")));
+  EXPECT_THAT(drawn["notes"].dump(), HasSubstrs("bodies", "0.50 s", "grid "));
 
   const std::string size =
       "[tenonReport.replay.renderer.domElement.width, tenonReport.replay.camera.aspect.toFixed(3)]";
@@ -437,7 +435,7 @@ TEST_F(RunPageTest, KeysAndWhoCannotSeeThePage) {
   browser.Press("?");
   EXPECT_EQ(Js("document.querySelector('#help').open"), true);
   EXPECT_THAT(Js("document.querySelector('#help').textContent").get<std::string>(),
-              AllOf(HasSubstr("space"), HasSubstr("play or pause"), HasSubstr("light or dark")));
+              HasSubstrs("space", "play or pause", "light or dark"));
   const double before = time();
   browser.Press("End");
   EXPECT_EQ(time(), before) << "under the help, keys do nothing";

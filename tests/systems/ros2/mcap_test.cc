@@ -63,8 +63,7 @@ TEST_F(McapTest, MessagesAreReadBackInTheirOrder) {
       EXPECT_EQ(state.effort, kJoints.effort);
       EXPECT_EQ(state.header.frame_id, "b");
       EXPECT_EQ(state.header.stamp.nanosec, 2u);
-      EXPECT_THAT(message.Read(twist),
-                  testing::AllOf(HasSubstr("/joint_states"), HasSubstr("geometry_msgs")));
+      EXPECT_THAT(message.Read(twist), HasSubstrs("/joint_states", "geometry_msgs"));
       ++joints;
     } else {
       ASSERT_EQ(message.topic, "/cmd_vel");
@@ -88,10 +87,10 @@ TEST_F(McapTest, BytesAndDefinitionsAreThoseOfRos2) {
                           "\2\0\0\0"s + "\0\0\0\0\0\0\xE0\x3F"s + "\0\0\0\0\0\0\0\xC0"s +  // 0.5, -2
                           "\0\0\0\0"s;                                                     // no velocity
   EXPECT_NE(file.find(cdr), file.npos);
-  EXPECT_THAT(file, HasSubstr("builtin_interfaces/Time stamp\nstring frame_id\n"));
-  EXPECT_THAT(file, HasSubstr("std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] "
-                              "velocity\nfloat64[] effort\n" +
-                              std::string(80, '=') + "\nMSG: std_msgs/Header\n"));
+  EXPECT_THAT(file, HasSubstrs("builtin_interfaces/Time stamp\nstring frame_id\n",
+                               "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] "
+                               "velocity\nfloat64[] effort\n" +
+                                   std::string(80, '=') + "\nMSG: std_msgs/Header\n"));
 }
 
 TEST_F(McapTest, ATruncatedFileIsReadAsFarAsItIsWhole) {
@@ -106,7 +105,7 @@ TEST_F(McapTest, ATruncatedFileIsReadAsFarAsItIsWhole) {
     EXPECT_GE(count, was_read ? 1 : 0) << size;
     was_read = count == 1;
     if (!was_read) {
-      EXPECT_THAT(told, testing::AllOf(HasSubstr("ends"), HasSubstr("up to byte"), HasSubstr("mcap")));
+      EXPECT_THAT(told, HasSubstrs("ends", "up to byte", "mcap"));
     }
   }
   EXPECT_TRUE(was_read);

@@ -9,10 +9,7 @@ using test::DogBot, test::QuadrupedBench;
 using Observed = test::Observed<NonlinearDisturbanceObserver>;
 
 NonlinearDisturbanceObserverParams Params(NdoReading reading) {
-  NonlinearDisturbanceObserverParams params;
-  params.robot = DogBot();
-  params.reading = reading;
-  return params;
+  return {.robot = DogBot(), .reading = reading};
 }
 
 /// Legs that move in flight, from a start in motion.

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 namespace tenon {
 
 // e'' = d - a from rest by the midpoint rule. In closed form s = s(0) - (k - d) t up to the layer, reached at

@@ -9,10 +9,7 @@ using test::A1, test::DogBot, test::QuadrupedBench;
 using Observed = test::Observed<ComObserver>;
 
 ComObserverParams Params(const QuadrupedDescription& robot, ForceSource source = ForceSource::kImu) {
-  ComObserverParams params;
-  params.robot = robot;
-  params.gains.force_source = source;
-  return params;
+  return {.robot = robot, .gains = {.force_source = source}};
 }
 
 /// A force on the trunk at p_B and a torque.
@@ -100,9 +97,7 @@ TEST(ComObserverTest, StartsOnAMovingRobotWithoutTransient) {
     bench.x.w_W = {1, 2, -1};
     for (int j = 0; j < kNumJoints; ++j) bench.x.qd[j] = 5 * std::cos(j);
     bench.ground = [](const LeggedState&, const QuadrupedDynamics&, double t) {
-      FootForces forces;
-      forces.front_right = {5 * std::sin(20 * t), 3, 40 + 20 * std::cos(15 * t)};
-      return forces;
+      return FootForces{.front_right = {5 * std::sin(20 * t), 3, 40 + 20 * std::cos(15 * t)}};
     };
     Observed run(bench, Params(DogBot(), source));
     for (int n = 0; n < 100; ++n) {
@@ -205,9 +200,7 @@ TEST(ComObserverTest, AnotherSourceGoesOnFromTheEstimate) {
   run.RunTo(0.4);
   ASSERT_GT(run.bench.x.v_W.norm(), 0.02);
   for (const ForceSource source : {ForceSource::kMomentum, ForceSource::kImu}) {
-    ComObserverGains gains;
-    gains.force_source = source;
-    run.rig.Set(run.rig->gains, gains);
+    run.rig.Set(run.rig->gains, {.force_source = source});
     for (int n = 0; n < 20; ++n) ASSERT_THAT(run.Tick().force_W, IsNear(force, 0.5)) << n;
   }
 }

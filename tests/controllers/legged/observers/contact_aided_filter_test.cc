@@ -16,12 +16,11 @@ Vec<3> Normal(RandomStream& random, double deviation) {
 }
 
 ContactAidedMean RandomMean(RandomStream& random) {
-  ContactAidedMean mean;
-  mean.p_WI = Normal(random, 1);
-  mean.v_WI = Normal(random, 1);
-  mean.q_WB = QuaternionFromRotationVector(Normal(random, 1));
-  mean.specific_force_bias_B = Normal(random, 0.1);
-  mean.angular_velocity_bias_B = Normal(random, 0.1);
+  ContactAidedMean mean{.p_WI = Normal(random, 1),
+                        .v_WI = Normal(random, 1),
+                        .q_WB = QuaternionFromRotationVector(Normal(random, 1)),
+                        .specific_force_bias_B = Normal(random, 0.1),
+                        .angular_velocity_bias_B = Normal(random, 0.1)};
   for (Vec<3>& foot : mean.feet_W) foot = Normal(random, 1);
   return mean;
 }
@@ -198,9 +197,8 @@ TEST(ContactAidedFilterTest, KnowsHowGoodItIs) {
     RandomStream random(static_cast<std::uint64_t>(run) + 10);
     const Vec<5> deviation(1e-3, 0.05, 0.02, 0.1, 0.01);
     const Sway start(0);
-    ContactAidedMean guess;
-    guess.p_WI = start.p + Normal(random, deviation[0]);
-    guess.v_WI = start.v + Normal(random, deviation[1]);
+    ContactAidedMean guess{.p_WI = start.p + Normal(random, deviation[0]),
+                           .v_WI = start.v + Normal(random, deviation[1])};
     guess.q_WB = QuaternionProduct(QuaternionFromRotationVector(Normal(random, deviation[2])),
                                    QuaternionFromRotation(start.R));
     Vec<3> force_bias = Normal(random, deviation[3]), rate_bias = Normal(random, deviation[4]);

@@ -106,9 +106,7 @@ GroundPlane GroundOn(const ElevationMap& map, const LeggedState& state) {
 
 TEST(MappedGroundTest, APlaneIsFoundExactly) {
   const ElevationMap map = test::MapOf([](double x, double y) { return 0.1 + 0.3 * x - 0.2 * y; });
-  LeggedState state;
-  state.p_WB << 0.2, -0.1, 0.4;
-  state.q_WB = QuaternionFromRotationVector({0, 0, 0.7});
+  const LeggedState state{.p_WB = {0.2, -0.1, 0.4}, .q_WB = QuaternionFromRotationVector({0, 0, 0.7})};
   const GroundPlane ground = GroundOn(map, state);
   EXPECT_THAT(ground.slope, IsNear(Eigen::Vector2d(0.3, -0.2), 1e-9));
   EXPECT_NEAR(ground.HeightAt({0, 0}), 0.1, 1e-9);

@@ -17,10 +17,8 @@ QuadrupedBench Flying(const QuadrupedDescription& robot) {
   bench.x.w_W = {0.5, -0.3, 0.2};
   bench.joint_reference = test::Swinging(robot);
   bench.ground = [](const LeggedState&, const QuadrupedDynamics&, double t) {
-    FootForces forces;
-    forces.front_left = {5 * std::sin(20 * t), 3, 40 + 20 * std::cos(15 * t)};
-    forces.rear_right = {0, -8 * std::cos(12 * t), 50};
-    return forces;
+    return FootForces{.front_left = {5 * std::sin(20 * t), 3, 40 + 20 * std::cos(15 * t)},
+                      .rear_right = {0, -8 * std::cos(12 * t), 50}};
   };
   return bench;
 }
@@ -34,10 +32,7 @@ QuadrupedBench::External AtJoints(const Vec<12>& torque) {
 }
 
 LegMomentumObserverParams Params(const QuadrupedDescription& robot, std::vector<double> gains = {100}) {
-  LegMomentumObserverParams params;
-  params.robot = robot;
-  params.gains.gains = std::move(gains);
-  return params;
+  return {.robot = robot, .gains = {.gains = std::move(gains)}};
 }
 
 /// The step response of a Butterworth filter, by partial fractions.
@@ -138,8 +133,7 @@ TEST(LegMomentumObserverTest, StartsOnAMovingRobotWithoutTransient) {
 // A straight leg carries a force along itself without torques, so this part of the force is not observable.
 TEST(LegMomentumObserverTest, FootForceStaysSmallNearASingularLeg) {
   const QuadrupedDescription robot = DogBot();
-  LeggedState x;
-  x.q = robot.stance;
+  LeggedState x{.q = robot.stance};
   QuadrupedDynamics dynamics;
   const QuadrupedModel model(robot);
   double straight = x.q[2];  // where the Jacobian of the front left leg is singular
@@ -154,8 +148,7 @@ TEST(LegMomentumObserverTest, FootForceStaysSmallNearASingularLeg) {
 
   LegMomentumObserverParams params = Params(robot, {1000});
   const auto estimate = [&](double knee) {
-    LeggedState posture;
-    posture.q = robot.stance;
+    LeggedState posture{.q = robot.stance};
     posture.q[2] = knee;
     TestRig<LegMomentumObserver> rig(params);
     rig.Fix(rig->state, posture).Fix(rig->torque, Vec<12>::Constant(-3)).Fix(rig->foot_forces, FootForces());
@@ -209,10 +202,8 @@ TEST(LegMomentumObserverTest, OtherGainsGoOnFromTheEstimate) {
   Observed run(bench, Params(DogBot()));
   run.RunTo(0.2);
   for (const int order : {3, 1, 5}) {
-    LegObserverGains gains;
-    gains.butterworth = ButterworthDesign{order, 80};
-    gains.dynamics = order == 1 ? LegDynamics::kThesis : LegDynamics::kExact;
-    run.rig.Set(run.rig->gains, gains);
+    run.rig.Set(run.rig->gains, {.butterworth = ButterworthDesign{order, 80},
+                                 .dynamics = order == 1 ? LegDynamics::kThesis : LegDynamics::kExact});
     for (int n = 0; n < 50; ++n) ASSERT_THAT(run.Tick().joint_torque, IsNear(torque, 0.02)) << order;
   }
 }

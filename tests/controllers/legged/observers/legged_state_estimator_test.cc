@@ -86,8 +86,7 @@ class SwayingRobot {
 };
 
 LeggedStateEstimatorParams Params(const SwayingRobot& robot, const QuadrupedDescription& description) {
-  LeggedStateEstimatorParams params;
-  params.robot = description;
+  LeggedStateEstimatorParams params{.robot = description};
   params.robot.contact.stiffness = 1e12;  // hard ground
   params.robot.contact.blend = 0;
   params.initial = robot.State();
@@ -164,8 +163,7 @@ TEST(LeggedStateEstimatorTest, FollowsAMotionInClosedForm) {
 // In the air only the IMU is used: a constant rate turns the trunk by exactly rate times time, and the fall
 // is a parabola.
 TEST(LeggedStateEstimatorTest, IntegratesTheGyroscopeInTheAir) {
-  LeggedStateEstimatorParams params;
-  params.robot = DogBot();
+  LeggedStateEstimatorParams params{.robot = DogBot()};
   params.initial = Standing(params.robot);
   const Vec<3> rate_B(0.5, -1, 2);
   params.initial.v_W = {1, 0, 4};
@@ -286,12 +284,7 @@ TEST(LeggedStateEstimatorTest, AFootThatSlipsIsAnchoredAnew) {
 }
 
 TEST(LeggedStateEstimatorTest, RefusesNonsense) {
-  const auto refuses = [](const auto& change, const char* key) {
-    LeggedStateEstimatorParams params;
-    params.robot = DogBot();
-    change(params);
-    return Refuses<LeggedStateEstimator>(params, key);
-  };
+  const auto refuses = RefusesChanged<LeggedStateEstimator>({.robot = DogBot()});
   EXPECT_TRUE(refuses([](auto& p) { p.robot.contact.stiffness = 0; }, "robot.contact.stiffness"));
   EXPECT_TRUE(refuses([](auto& p) { p.start.attitude = 0; }, "start.attitude"));
   EXPECT_TRUE(refuses([](auto& p) { p.initial.q_WB.setZero(); }, "initial.q_WB"));

@@ -11,9 +11,7 @@
 namespace tenon::com_planner_spline_test {
 
 ComPlannerParams SplineParams(SplineOrder order = SplineOrder::kCubic) {
-  ComPlannerParams params;
-  params.robot = test::DogBot();
-  params.reference = ComReference::kZmpSpline;
+  ComPlannerParams params{.robot = test::DogBot(), .reference = ComReference::kZmpSpline};
   params.zmp.spline.order = order;
   return params;
 }

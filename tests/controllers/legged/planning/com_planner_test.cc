@@ -11,9 +11,7 @@ const GaitTiming kPace{.num_steps = 2, .step = {0, 1, 0, 1}, .stance = 0.15, .sw
 const GaitTiming kCrawl{.num_steps = 4, .step = {1, 3, 0, 2}, .stance = 0.05, .swing = 0.2};
 
 ComPlannerParams Params() {
-  ComPlannerParams params;
-  params.robot = test::DogBot();
-  return params;
+  return {.robot = test::DogBot()};
 }
 
 /// The planner, fed with the schedule of an undisturbed walk.

@@ -455,11 +455,7 @@ TEST(FootSchedulerTest, ASingleGroupJumps) {
 }
 
 TEST(FootSchedulerTest, RefusesNonsense) {
-  const auto refuses = [](const auto& change, const auto&... keys) {
-    FootSchedulerParams params = Standard();
-    change(params);
-    return Refuses<FootScheduler>(params, keys...);
-  };
+  const auto refuses = RefusesChanged<FootScheduler>(Standard());
   EXPECT_TRUE(refuses([](auto& p) { p.gaits.trot.stance = -1; }, "gaits.trot", "stance_s"));
   EXPECT_TRUE(
       refuses([](auto& p) { p.gaits.crawl.swing_groups.pop_back(); }, "gaits.crawl", "'front_right'"));
@@ -559,10 +555,7 @@ constexpr StepTiming kTiming{.lookahead = 0.1, .free_tilt = 0.3, .clock_rate = 2
 double ClockRate(const Vec<4>& q_WB, const Vec<3>& w_W, const BodyReference& body = {},
                  const StepTiming& timing = kTiming) {
   TestRig<StepTimingAdapter> rig({.timing = timing});
-  LeggedState state;
-  state.q_WB = q_WB;
-  state.w_W = w_W;
-  rig.Fix(rig->state, state).Fix(rig->body, body);
+  rig.Fix(rig->state, {.q_WB = q_WB, .w_W = w_W}).Fix(rig->body, body);
   EXPECT_EQ(rig.Tick()[rig->clock_rate], 1) << "before the first update";
   return rig.Tick()[rig->clock_rate];
 }

@@ -10,10 +10,8 @@
 namespace tenon::pacer_test {
 
 PacerParams Standard() {
-  PacerParams params;
-  params.robot = test::DogBot();
-  params.gaits = YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml").Read<GaitFile>().gaits;
-  return params;
+  return {.robot = test::DogBot(),
+          .gaits = YamlDocument::Load(TENON_GAITS_DIR "/standard.yaml").Read<GaitFile>().gaits};
 }
 
 /// Drives that limit nothing.
@@ -184,8 +182,7 @@ TEST(PeriodicPendulumTest, RepeatsAlongThePath) {
 
 TEST(PeriodicPendulumTest, WithoutPhasesItRests) {
   PeriodicPendulum pendulum;
-  PlanarPath path;
-  path.position_W << 1, 2;
+  const PlanarPath path{.position_W = {1, 2}};
   pendulum.Begin(path, kFrequency);
   pendulum.Add(0, {5, 5});
   pendulum.Solve();
@@ -201,10 +198,7 @@ TEST(PeriodicPendulumTest, RefusesTooManyPhases) {
 }
 
 TEST(PlanarPathTest, GoesInCirclesAndLines) {
-  PlanarPath path;
-  path.position_W << 1, 2;
-  path.yaw = 0.3;
-  path.velocity << 0.4, 0.2;
+  PlanarPath path{.position_W = {1, 2}, .yaw = 0.3, .velocity = {0.4, 0.2}};
   for (const double rate : {0.0, 1e-6, 1e-4, 0.5, -2.0}) {
     path.yaw_rate = rate;
     const double h = 1e-5;

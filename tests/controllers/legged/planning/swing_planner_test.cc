@@ -15,9 +15,7 @@ constexpr GaitTiming kTrot{.num_steps = 2, .step = {0, 1, 1, 0}, .stance = 0.15,
 constexpr int kSwingTicks = 115;
 
 SwingPlannerParams Params() {
-  SwingPlannerParams params;
-  params.robot = test::DogBot();
-  return params;
+  return {.robot = test::DogBot()};
 }
 
 /// A trotting robot whose front-left and rear-right legs the test moves from state to state.
@@ -413,9 +411,7 @@ Vec<3> ShiftUnder(const WrenchEstimate& wrench, const SwingPlannerParams& params
 TEST(SwingPlannerTest, ShiftBalancesTheWrench) {
   SwingPlannerParams params = Params();
   params.step.free_shift = 0;
-  WrenchEstimate wrench;
-  wrench.force_W << 15, 20, -30;
-  wrench.torque_W << 2, 3, 0;
+  const WrenchEstimate wrench{.force_W = {15, 20, -30}, .torque_W = {2, 3, 0}};
   const Vec<3> shift = ShiftUnder(wrench, params, 5000);
   // The ground holds the weight and the disturbance, at the shifted place below the CoM: no moment is left.
   const Eigen::Vector3d at(shift[0], shift[1], -Trot(params).stance().com_height);
@@ -456,19 +452,17 @@ TEST(SwingPlannerTest, SmallWrenchesShiftNothing) {
   const Vec<3> direction(0.6, -0.8, 0);
   const double weight = params.robot.mass() * 9.81, height = Trot(params).stance().com_height;
   for (const double part : {0.5, 1.0, 1.1}) {
-    WrenchEstimate wrench;
-    wrench.force_W = part * 0.08 / height * weight * direction;
     const double expected = part > 1 ? 0.08 * (part - 1 / part) : 0;
-    EXPECT_THAT(ShiftUnder(wrench, params, 2000), IsNear(Vec<3>(expected * direction), 1e-6)) << part;
+    EXPECT_THAT(ShiftUnder({.force_W = part * 0.08 / height * weight * direction}, params, 2000),
+                IsNear(Vec<3>(expected * direction), 1e-6))
+        << part;
   }
 }
 
 TEST(SwingPlannerTest, ShiftIsSlowAndLimited) {
   SwingPlannerParams params = Params();
   params.step.shift_bandwidth = 4;
-  WrenchEstimate wrench;
-  wrench.force_W << 200, 0, 0;
-  EXPECT_THAT(ShiftUnder(wrench, params, 250),  // 1 / 4 s
+  EXPECT_THAT(ShiftUnder({.force_W = {200, 0, 0}}, params, 250),  // 1 / 4 s
               IsNear(Vec<3>(0.1 * (1 - std::exp(-1)), 0, 0), 1e-9));
 }
 

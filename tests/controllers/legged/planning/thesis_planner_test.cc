@@ -68,11 +68,7 @@ class ThesisPlannerTest : public ::testing::Test {
   ContactSchedule schedule_;
   WalkCommand command_;
   FootForces forces_;
-  TestRig<ThesisPlanner> rig_{[this] {
-    ComPlannerParams params;
-    params.robot = robot_;
-    return params;
-  }()};
+  TestRig<ThesisPlanner> rig_{ComPlannerParams{.robot = robot_}};
   const ThesisPlanner& block_ = rig_.system();
 };
 
@@ -161,17 +157,12 @@ TEST_F(ThesisPlannerTest, WithoutASplineThePlanIsTheRegularisedPath) {
 
 // At the end of the stance, weight and push have no horizontal moment about the centre of the feet that stay.
 TEST_F(ThesisPlannerTest, AHeuristicPlanRestsWhereTheFeetThatStayHoldThePush) {
-  ComPlannerParams params;
-  params.robot = robot_;
-  params.reference = ComReference::kHeuristic;
-  TestRig<ThesisPlanner> rig(params);
+  TestRig<ThesisPlanner> rig({.robot = robot_, .reference = ComReference::kHeuristic});
   const ThesisPlanner& block = rig.system();
   schedule_.timing.num_steps = 4;
   schedule_.timing.step = {0, 1, 2, 3};
   command_.forward = 0;
-  WrenchEstimate push;
-  push.force_W << 20, -15, 30;
-  push.torque_W << 2, -3, 1;
+  const WrenchEstimate push{.force_W = {20, -15, 30}, .torque_W = {2, -3, 1}};
   rig.Fix(block.schedule, schedule_).Fix(block.command, command_).Fix(block.ground, GroundPlane());
   rig.Fix(block.state, state_).Fix(block.foot_forces, forces_).Fix(block.wrench, push);
   const Vec<3> com = rig.RunTo(0.15)[block.reference].com_W;

@@ -67,13 +67,8 @@ TEST(WalkScheduleTest, StandsAfterTheLastSegment) {
 
 // A sine in the middle and rest at both ends; the rates are the derivatives of the height.
 TEST(WalkScheduleTest, SquatsBeginAndEndAtRest) {
-  WalkScheduleParams params;
-  params.segments.resize(1);
-  params.segments[0].duration = 8;
-  params.segments[0].squat_amplitude = 0.08;
-  params.segments[0].squat_frequency = 0.5;
-  params.rate = Hz(1000);
-  TestRig<WalkSchedule> rig(params);
+  TestRig<WalkSchedule> rig(WalkScheduleParams{
+      .segments = {{.duration = 8, .squat_amplitude = 0.08, .squat_frequency = 0.5}}, .rate = Hz(1000)});
   const auto at = [&](double t) {
     rig.RunTo(t);
     return rig[rig->command].height;
@@ -90,11 +85,7 @@ TEST(WalkScheduleTest, SquatsBeginAndEndAtRest) {
 }
 
 TEST(WalkScheduleTest, RefusesNonsense) {
-  const auto refuses = [](const auto& change, const auto&... keys) {
-    WalkScheduleParams params = Example();
-    change(params);
-    return Refuses<WalkSchedule>(params, keys...);
-  };
+  const auto refuses = RefusesChanged<WalkSchedule>(Example());
   EXPECT_TRUE(refuses([](auto& p) { p.segments.clear(); }, "segments"));
   EXPECT_TRUE(refuses([](auto& p) { p.segments[1].duration = 1; }, "segments.1"));
   EXPECT_TRUE(refuses([](auto& p) { p.segments[0].duration.reset(); }, "segments.0"));

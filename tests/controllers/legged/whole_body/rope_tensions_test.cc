@@ -146,11 +146,7 @@ TEST(RopeTensionsTest, RefuseNoFriction) {
 }
 
 JointPdParams Params(const QuadrupedDescription& robot) {
-  JointPdParams params;
-  params.robot = robot;
-  params.stiffness = 40;
-  params.damping = 2;
-  return params;
+  return {.robot = robot, .stiffness = 40, .damping = 2};
 }
 
 // Virtual work: when the joints move by dq with the feet on the ground, the torques do the work that lifts
@@ -158,8 +154,7 @@ JointPdParams Params(const QuadrupedDescription& robot) {
 TEST(StandingTorqueTest, DoesTheWorkThatLiftsTheRobot) {
   for (QuadrupedDescription robot : {DogBot(), A1()}) {
     const auto potential = [&](double s) {  // of the robot on its feet, the stance changed by s
-      LeggedState x;
-      x.q = robot.stance;
+      LeggedState x{.q = robot.stance};
       for (int leg = 0; leg < kNumLegs; ++leg) x.q.segment<2>(3 * leg + 1) += s * Vec<2>(1, -2);
       double depth = 0;
       for (int leg = 0; leg < kNumLegs; ++leg) depth -= robot.FootPosition(leg, x.q)[2] / kNumLegs;

@@ -8,9 +8,7 @@
 namespace tenon::whole_body_controller_test {
 
 WholeBodyParams Params() {
-  WholeBodyParams params;
-  params.robot = test::DogBot();
-  return params;
+  return {.robot = test::DogBot()};
 }
 
 /// All inputs of the controller, for a robot that stands still at its reference.

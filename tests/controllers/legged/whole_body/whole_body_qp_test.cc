@@ -277,8 +277,7 @@ TEST_P(WholeBodyQpTest, ItsMotionIsTheDynamicsWithDisturbances) {
     model_.Calc(RandomWalking(robot_, random), &dynamics_);
     const WholeBodyTask task = RandomTask(model_, GetParam(), random);
     const double limit = i % 2 == 0 ? 60 : 22;
-    WholeBodyQpParams params;
-    params.friction = 0.7;
+    const WholeBodyQpParams params{.friction = 0.7};
     WholeBodyQp qp(Vec<12>::Constant(limit));
     WholeBodySolution solution;
     const QpReport report = qp.Solve(dynamics_, task, params, &solution);
