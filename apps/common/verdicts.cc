@@ -44,9 +44,14 @@ void TaskBounds::Validate() const {
     throw ParameterError(fmt::format("at_least = {} must not be above at_most = {}", *at_least, *at_most));
 }
 
-void Task::AddTo(Summary& summary, double due) const {
-  for (const auto& [key, bounds] : figures)
-    summary.Require(key, {.low = bounds.at_least, .high = bounds.at_most}, due_s.value_or(due));
+void Task::AddTo(Summary& summary, double due, double weight, double length) const {
+  for (const auto& [key, bounds] : figures) {
+    const bool force = (key + ".").find("_N.") != std::string::npos;
+    Limits limits{.low = bounds.at_least, .high = bounds.at_most};
+    for (std::optional<double>* bound : {&limits.low, &limits.high})
+      if (*bound) **bound *= force ? weight : key == "climb_m" ? length : 1;
+    summary.Require(key, limits, due_s.value_or(due));
+  }
 }
 
 }  // namespace tenon::apps

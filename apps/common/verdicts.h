@@ -45,8 +45,9 @@ struct Task {
 
   static FieldList Fields() { return {{"figures", &Task::figures}, Field("due_s", &Task::due_s).AtLeast(0)}; }
   /// Sets the limits of the figures. A run without these figures is not finished, if it lasts until the task
-  /// is due, by default at `due` [s]. Throws KeyError, see Summary::Require.
-  void AddTo(Summary& summary, double due = 0) const;
+  /// is due, by default at `due` [s]. Bounds of forces and of climb_m are multiplied by `weight` and
+  /// `length`, for a scenario that is scaled to a robot. Throws KeyError, see Summary::Require.
+  void AddTo(Summary& summary, double due = 0, double weight = 1, double length = 1) const;
 };
 
 /// Physically impossible events of a run; only the first event of each kind is kept.

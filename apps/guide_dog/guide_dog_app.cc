@@ -25,6 +25,7 @@ LiveControls::Goal PersonGoalOf(const Person& person) {
 RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& options,
                       const Customisation<GuideDog>& customisation) {
   const double duration = Duration(scenario);
+  const SizeRatio ratio = RatioOf(scenario);
   if (!options.live && !options.out.empty()) CheckJudged(scenario.walk.judged_from_s, duration, true);
 
   DiagramBuilder builder;
@@ -68,7 +69,7 @@ RunResult RunGuideDog(const GuideDogScenario& scenario, const RunOptions& option
     collisions->AddTo(summary);
     ros2.AddTo(summary, simulator);
     outputs.AddTo(summary);
-    if (!options.live) scenario.task.AddTo(summary);
+    if (!options.live) scenario.task.AddTo(summary, 0, ratio.weight, ratio.length);
   };
   std::vector<const OutputPort<Geometry>*> shapes = GuideDogFigures::Shapes(loop);
   LiveControls controls;

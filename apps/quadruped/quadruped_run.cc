@@ -22,6 +22,7 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
                   std::optional<ObserverKind> observer, const Customisation<Loop>& customisation,
                   const Wire& wire, const auto&... judging) {
   const double duration = Duration(scenario);
+  const SizeRatio ratio = RatioOf(scenario);
   DiagramBuilder builder;
   Outputs outputs(builder);
   std::vector<const Source*> faults;
@@ -72,7 +73,7 @@ RunResult RunLoop(const RunOptions& options, const QuadrupedScenario& scenario, 
     if constexpr (requires { figures->commanded(); }) commanded = figures->commanded();
     if (!options.live && !wire.any()) {
       JudgeArrival(scenario, commanded, summary);
-      scenario.task.AddTo(summary, scenario.walk ? EndOfWalk(*scenario.walk) : 0);
+      scenario.task.AddTo(summary, scenario.walk ? EndOfWalk(*scenario.walk) : 0, ratio.weight, ratio.length);
     }
   };
   std::vector<const Source*> signals = Figures::Signals(loop);

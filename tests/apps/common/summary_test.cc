@@ -75,6 +75,23 @@ TEST(SummaryTest, ATaskThatIsNotDoneFailsTheRun) {
   EXPECT_TRUE(Throws<KeyError>([] { Ran().Require("wall", {}, 0); }, "'wall'", "did you mean"));
 }
 
+TEST(SummaryTest, BoundsOfForcesAndOfTheClimbFollowTheSizeOfTheRobot) {
+  const auto finished = [](const std::string& key, double value, double weight, double length) {
+    Summary summary = Ran();
+    summary.Set(key, value);
+    Task{.figures = {{key, {.at_least = 0.5, .at_most = 1}}}, .due_s = {}}.AddTo(summary, 0, weight, length);
+    return summary.finished();
+  };
+  for (const auto& [key, factor] :
+       {std::pair("tension_max_N", 4.0), {"force_error_N.x", 4.0}, {"climb_m", 0.25}, {"drift_m", 1.0}}) {
+    for (const double bound : {0.5, 1.0}) {
+      const double inside = bound == 1 ? 0.99 : 1.01;
+      EXPECT_TRUE(finished(key, inside * factor * bound, 4, 0.25)) << key;
+      EXPECT_FALSE(finished(key, factor * bound / inside, 4, 0.25)) << key;
+    }
+  }
+}
+
 TEST(TallyTest, IsEmptyWithoutValues) {
   const Tally none;
   EXPECT_EQ(none.min(), std::nullopt);
