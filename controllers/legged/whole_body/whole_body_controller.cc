@@ -126,7 +126,8 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
   task.normal_W = ground.Normal();
   const Eigen::Vector3d up(0, 0, model_.gravity());
   const Eigen::Matrix3d R_WB = state.R_WB();
-  const auto [tilt, turn] = AttitudeError(R_WB, RotationFromQuaternion(body.q_WB));
+  const Eigen::Matrix3d reference = RotationFromQuaternion(body.q_WB);
+  const auto [tilt, turn] = AttitudeError(R_WB, reference);
   const Eigen::Vector3d off = Shortened<3>(body.com_W - dynamics.com_W, gains.com_limit),
                         slow = body.com_velocity_W - dynamics.com_velocity_W,
                         tilted = tilt + Shortened<3>(turn, gains.turn_limit),
@@ -140,6 +141,8 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
   task.wrench.head<3>() = pull + model_.mass() * (body.com_acceleration_W + up);
   task.wrench.tail<3>() = dynamics.centroidal_inertia_W * (angular + body.alpha_W);
   task.tilt = tilt.norm();
+  task.turn =
+      std::abs((turn + gains.trunk_damping / gains.trunk_stiffness * slow_turn).dot(reference.col(2)));
   Vec<6> disturbance;
   disturbance << wrench.force_W, wrench.torque_W;
   if (gains.dynamics != BodyDynamics::kDecoupled)
@@ -153,7 +156,7 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
       by_others + WithoutTipping(by_ground, task.disturbance.tail<3>(), -tilt, state.w_W - body.w_W,
                                  body.alpha_W, dynamics, schedule, task.normal_W, gains);
   for (int leg = 0; leg < kNumLegs; ++leg) {
-    const FootReference& reference = feet[leg];
+    const FootReference& foot = feet[leg];
     task.stance[leg] = schedule.legs[leg].stance();
     const Vec<3>& v_W = dynamics.feet[leg].v_W;
     if (task.stance[leg]) {
@@ -164,11 +167,11 @@ WholeBodyTask WholeBodyController::MakeTask(const QuadrupedDynamics& dynamics, c
       task.foot_acceleration[leg] = -gains.stance_damping * v_W;
       if (excess > 0) task.foot_acceleration[leg] += gains.stretch_stiffness * excess / length * to_hip;
     } else {
-      const Eigen::Vector3d away = reference.p_W - dynamics.feet[leg].p_W, slower = reference.v_W - v_W;
+      const Eigen::Vector3d away = foot.p_W - dynamics.feet[leg].p_W, slower = foot.v_W - v_W;
       const Eigen::Vector3d correction =
           gains.sliding ? gains.sliding->swing.Acceleration(away, slower)
                         : Eigen::Vector3d(gains.swing_damping * slower + gains.swing_stiffness * away);
-      task.foot_acceleration[leg] = reference.a_W + Shortened<3>(correction, gains.swing_limit);
+      task.foot_acceleration[leg] = foot.a_W + Shortened<3>(correction, gains.swing_limit);
     }
   }
   if (gains.compensation == LegCompensation::kExact) {

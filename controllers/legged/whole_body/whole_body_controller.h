@@ -184,6 +184,10 @@ struct WholeBodyPlan {
 /// line is the same, but as a motion of the CoM the next stance of all feet can return it, while as a
 /// rotation of the trunk it moves the feet out of reach.
 ///
+/// **Turning.** The weight of the vertical moment grows with the turn e_z + k_d / k_p (w_ref - w)_z, which is
+/// the desired angular acceleration over k_p before its saturation. When friction saturates under a push that
+/// also turns the robot, a small weight lets the robot turn at once, and for as long as the push lasts.
+///
 /// **Load ramps.** With a `load_ramp` T above 0, the normal force of a foot is at most s m g while s < 1: s
 /// grows from 0 to 1 within T after touchdown and falls to 0 within T before the planned lift-off. T is
 /// limited to half of the time in which all feet stand. A foot whose lift-off waits for another one is not

@@ -21,6 +21,8 @@ struct WholeBodyQpParams {
   double tilt_weight = 0;             ///< growth of moment_weight with the tilt [1/(N m rad)^2]
   double free_tilt = 0.3;             ///< tilt of the trunk up to which moment_weight is constant [rad]
   double yaw_weight = 100;            ///< Q of the vertical moment about the CoM [1/(N m)^2]
+  double turn_weight = 0;             ///< growth of yaw_weight with the turn [1/(N m rad)^2]
+  double free_turn = 0.2;             ///< turn of the trunk up to which yaw_weight is constant [rad]
   double force_weight = 1e-3;         ///< R of the ground forces [1/N^2]
   double acceleration_weight = 1e-4;  ///< R of nu' [(m/s^2)^-2], [(rad/s^2)^-2]
   double slack_weight = 1e6;          ///< weight of the swing feet's acceleration errors [(m/s^2)^-2]
@@ -36,6 +38,8 @@ struct WholeBodyQpParams {
             Field("tilt_weight_per_rad2", &P::tilt_weight).AtLeast(0).Scaled("tilt_weight_per_rad2", moment),
             Field("free_tilt_rad", &P::free_tilt).AtLeast(0),
             Field("yaw_weight", &P::yaw_weight).Positive().Scaled("yaw_weight", moment),
+            Field("turn_weight_per_rad2", &P::turn_weight).AtLeast(0).Scaled("turn_weight_per_rad2", moment),
+            Field("free_turn_rad", &P::free_turn).AtLeast(0),
             Field("force_weight", &P::force_weight).Positive().Scaled(),
             Field("acceleration_weight", &P::acceleration_weight)
                 .Positive()
@@ -45,16 +49,20 @@ struct WholeBodyQpParams {
             Field("friction_pyramid", &WholeBodyQpParams::friction_pyramid)};
   }
   /// Weight of the horizontal moment at this tilt of the trunk [rad].
-  double MomentWeight(double tilt) const {
-    const double beyond = tilt > free_tilt ? tilt - free_tilt : 0;
-    return moment_weight + tilt_weight * beyond * beyond;
-  }
-  /// Diagonal of Q, force before moment, at this tilt of the trunk [rad].
-  Vec<6> WrenchWeights(double tilt) const {
+  double MomentWeight(double tilt) const { return Grown(moment_weight, tilt_weight, tilt - free_tilt); }
+  /// Weight of the vertical moment at this turn [rad].
+  double YawWeight(double turn) const { return Grown(yaw_weight, turn_weight, turn - free_turn); }
+  /// Diagonal of Q, force before moment, at this tilt of the trunk and turn [rad].
+  Vec<6> WrenchWeights(double tilt, double turn) const {
     const double moment = MomentWeight(tilt);
     Vec<6> weights;
-    weights << wrench_weight, wrench_weight, wrench_weight, moment, moment, yaw_weight;
+    weights << wrench_weight, wrench_weight, wrench_weight, moment, moment, YawWeight(turn);
     return weights;
+  }
+
+ private:
+  static double Grown(double weight, double growth, double beyond) {
+    return beyond > 0 ? weight + growth * beyond * beyond : weight;
   }
 };
 
@@ -66,6 +74,7 @@ struct WholeBodyTask {
   Vec<12> joint_disturbance = Vec<12>::Zero();       ///< F_hat, estimated external joint torques [N m]
   std::array<Vec<3>, kNumLegs> foot_acceleration{};  ///< a_i, a constraint in stance, soft in swing [m/s^2]
   double tilt = 0;                                   ///< angle between the trunk's z and its reference [rad]
+  double turn = 0;                                   ///< about that reference, see WholeBodyController [rad]
   Vec<3> normal_W{0, 0, 1};                          ///< unit normal of the ground
   /// upper bounds of the stance feet's normal forces, at least 0 [N]
   Vec<4> largest_load = Vec<4>::Constant(std::numeric_limits<double>::infinity());
@@ -116,8 +125,8 @@ struct WholeBodySolution {
 ///
 /// On two feet, force and moment cannot be realised independently: friction that resists a push from the side
 /// rolls the trunk. Q weighs the force first; once the trunk tilts by more than free_tilt, the weight of the
-/// moment grows with the square of the excess. The vertical moment has a separate weight, so that the robot
-/// turns rather than tilts when friction saturates.
+/// moment grows with the square of the excess. The vertical moment has a separate, small weight, so that the
+/// robot turns rather than tilts when friction saturates; it grows likewise once the turn exceeds free_turn.
 ///
 /// **Elimination.** The program is solved in 12 variables, f_i or gamma_k of each leg. The joints of a leg
 /// follow from trunk and foot, qdd = J_leg^-1 (a_foot - J' nu - J_b a_b), and the trunk's acceleration a_b

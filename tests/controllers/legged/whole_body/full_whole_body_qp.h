@@ -53,7 +53,7 @@ inline OwnedQp FullWholeBodyQp(const QuadrupedDynamics& dynamics, const WholeBod
     qp.b_in.segment<3>(row + 4) = -limit - constant;
     qp.b_in.segment<3>(row + 7) = -limit + constant;
   }
-  const Eigen::Matrix<double, 6, 12> QG = params.WrenchWeights(task.tilt).asDiagonal() * G;
+  const Eigen::Matrix<double, 6, 12> QG = params.WrenchWeights(task.tilt, task.turn).asDiagonal() * G;
   qp.H.bottomRightCorner<12, 12>() += G.transpose() * QG;
   qp.g.tail<12>() = -QG.transpose() * (task.wrench - task.disturbance);
   return qp;

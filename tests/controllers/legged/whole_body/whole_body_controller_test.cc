@@ -189,6 +189,8 @@ TEST(WholeBodyController, ErrorsOfTheCoMAndOfTheHeadingSaturate) {
   const Vec<3> full = inputs.dynamics.centroidal_inertia_W * Vec<3>(0, 0, 250);
   EXPECT_THAT(TaskFor(inputs, body, {.turn_limit = 2}).wrench.tail<3>(), IsNear(full, 1e-9));
   EXPECT_THAT(TaskFor(inputs, body, {.turn_limit = 0.2}).wrench.tail<3>(), IsNear(Vec<3>(0.2 * full), 1e-9));
+  body.w_W = Vec<3>(0.4, 0.1, -2);
+  EXPECT_NEAR(TaskFor(inputs, body, {.trunk_stiffness = 250, .trunk_damping = 50}).turn, 1 - 2 * 0.2, 1e-12);
 }
 
 // A robot turned by 2 rad and tilted by 0.1 rad rotates back about the axis of the tilt.

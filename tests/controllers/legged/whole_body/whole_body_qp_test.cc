@@ -253,21 +253,24 @@ TEST_F(WholeBodyQpTest, ATiltedTrunkCountsMoreThanTheCoM) {
 }
 
 // On slippery ground a wrench is asked for that takes more friction than there is.
-TEST_F(WholeBodyQpTest, ALightYawTorqueIsGivenUpBeforeTheOthers) {
+TEST_F(WholeBodyQpTest, ALightYawTorqueIsGivenUpBeforeTheOthersUnlessTheRobotTurns) {
   model_.Calc(test::Standing(robot_), &dynamics_);
   WholeBodyTask task;
   task.wrench << 30, 20, model_.mass() * model_.gravity(), 10, 0, 30;
-  const auto error = [&](double yaw_weight) {
-    const WholeBodyQpParams params{.moment_weight = 30, .yaw_weight = yaw_weight, .friction = 0.3};
+  const auto error = [&](double yaw_weight, double turn) {
+    task.turn = turn;
+    const WholeBodyQpParams params{
+        .moment_weight = 30, .yaw_weight = yaw_weight, .turn_weight = 990, .free_turn = 0.2, .friction = 0.3};
     WholeBodyQp qp(Limits());
     WholeBodySolution solution;
     EXPECT_TRUE(qp.Solve(dynamics_, task, params, &solution).ok());
     return Vec<6>(WrenchOf(dynamics_, solution.force) - task.wrench);
   };
-  const Vec<6> heavy = error(30), light = error(0.3);
+  const Vec<6> heavy = error(30, 0), light = error(0.3, 0.2), turning = error(0.3, 0.2 + std::sqrt(0.03));
   EXPECT_GT(std::abs(light[5]), std::abs(heavy[5]) + 1);
   EXPECT_LT(light.segment<2>(3).norm(), heavy.segment<2>(3).norm() / 2);
   EXPECT_LT(light.head<3>().norm(), heavy.head<3>().norm());
+  EXPECT_THAT(turning, IsNear(heavy, 1e-9));
 }
 
 TEST_P(WholeBodyQpTest, ItsMotionIsTheDynamicsWithDisturbances) {
