@@ -50,13 +50,13 @@ struct WholeBodyQpParams {
   }
   /// Weight of the horizontal moment at this tilt of the trunk [rad].
   double MomentWeight(double tilt) const { return Grown(moment_weight, tilt_weight, tilt - free_tilt); }
-  /// Weight of the vertical moment at this turn [rad].
-  double YawWeight(double turn) const { return Grown(yaw_weight, turn_weight, turn - free_turn); }
-  /// Diagonal of Q, force before moment, at this tilt of the trunk and turn [rad].
+  /// Diagonal of Q, force before moment, at this tilt of the trunk and turn [rad]. The weight of the vertical
+  /// moment grows up to that of the horizontal one.
   Vec<6> WrenchWeights(double tilt, double turn) const {
-    const double moment = MomentWeight(tilt);
+    const double moment = MomentWeight(tilt), grown = Grown(yaw_weight, turn_weight, turn - free_turn);
     Vec<6> weights;
-    weights << wrench_weight, wrench_weight, wrench_weight, moment, moment, YawWeight(turn);
+    weights << wrench_weight, wrench_weight, wrench_weight, moment, moment,
+        std::max(yaw_weight, std::min(grown, moment));
     return weights;
   }
 
@@ -126,7 +126,8 @@ struct WholeBodySolution {
 /// On two feet, force and moment cannot be realised independently: friction that resists a push from the side
 /// rolls the trunk. Q weighs the force first; once the trunk tilts by more than free_tilt, the weight of the
 /// moment grows with the square of the excess. The vertical moment has a separate, small weight, so that the
-/// robot turns rather than tilts when friction saturates; it grows likewise once the turn exceeds free_turn.
+/// robot turns rather than tilts when friction saturates; it grows likewise once the turn exceeds free_turn,
+/// up to that of the horizontal moment.
 ///
 /// **Elimination.** The program is solved in 12 variables, f_i or gamma_k of each leg. The joints of a leg
 /// follow from trunk and foot, qdd = J_leg^-1 (a_foot - J' nu - J_b a_b), and the trunk's acceleration a_b

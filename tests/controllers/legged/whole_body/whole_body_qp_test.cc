@@ -259,18 +259,22 @@ TEST_F(WholeBodyQpTest, ALightYawTorqueIsGivenUpBeforeTheOthersUnlessTheRobotTur
   task.wrench << 30, 20, model_.mass() * model_.gravity(), 10, 0, 30;
   const auto error = [&](double yaw_weight, double turn) {
     task.turn = turn;
-    const WholeBodyQpParams params{
-        .moment_weight = 30, .yaw_weight = yaw_weight, .turn_weight = 990, .free_turn = 0.2, .friction = 0.3};
+    const WholeBodyQpParams params{.moment_weight = 30,
+                                   .yaw_weight = yaw_weight,
+                                   .turn_weight = 1000,
+                                   .free_turn = 0.2,
+                                   .friction = 0.3};
     WholeBodyQp qp(Limits());
     WholeBodySolution solution;
     EXPECT_TRUE(qp.Solve(dynamics_, task, params, &solution).ok());
     return Vec<6>(WrenchOf(dynamics_, solution.force) - task.wrench);
   };
-  const Vec<6> heavy = error(30, 0), light = error(0.3, 0.2), turning = error(0.3, 0.2 + std::sqrt(0.03));
+  const Vec<6> heavy = error(30, 0), light = error(0.3, 0.2), turning = error(0.3, 0.2 + std::sqrt(0.0297));
   EXPECT_GT(std::abs(light[5]), std::abs(heavy[5]) + 1);
   EXPECT_LT(light.segment<2>(3).norm(), heavy.segment<2>(3).norm() / 2);
   EXPECT_LT(light.head<3>().norm(), heavy.head<3>().norm());
   EXPECT_THAT(turning, IsNear(heavy, 1e-9));
+  EXPECT_THAT(error(0.3, 2), IsNear(heavy, 1e-9));
 }
 
 TEST_P(WholeBodyQpTest, ItsMotionIsTheDynamicsWithDisturbances) {
