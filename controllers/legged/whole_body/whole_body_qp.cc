@@ -215,11 +215,10 @@ TENON_VECTOR_CLONES void WholeBodyQp::MakeProblem(const QuadrupedDynamics& dynam
   }
   std::array<double, kRows> weights;
   weights.fill(params.acceleration_weight);
-  const Vec<6> wrench = task.wrench - task.disturbance,
-               wrench_weights = params.WrenchWeights(task.tilt, task.turn);
+  const Vec<6> wrench = task.wrench - task.disturbance, Q = params.WrenchWeights(task.tilt, task.turn);
   for (int r = 0; r < 6; ++r) {
     rows[(kWrenchRow + r) * kWidth + kConstant] = -wrench[r];
-    weights[kWrenchRow + r] = wrench_weights[r];
+    weights[kWrenchRow + r] = Q[r];
   }
   for (int leg = 0; leg < kNumLegs; ++leg) {
     if (!task.stance[leg]) continue;
