@@ -98,42 +98,41 @@ void GuideDogFigures::Begin(const std::vector<std::string>& names, const std::ve
 }
 
 void GuideDogFigures::Row(std::span<const double> row) {
-  LeashRow(row);
-  StopRow(row);
-  HeadingRow(row);
+  const LeashState leash = leash_.In(row);
+  const LeggedState state = state_.In(row);
+  LeashRow(row, leash);
+  StopRow(row, leash.tension, state.v_W);
+  HeadingRow(row, leash.direction_W, state.R_WB());
   if (mode_) last_mode_ = row[*mode_];
   time_ = row[0];
 }
 
-void GuideDogFigures::LeashRow(std::span<const double> row) {
-  const auto [distance, tension, direction_W] = leash_.In(row);
-  tensions_.Add(tension);
-  if (tension > 0) tightens_.Meet(row[0]);
-  if (tension > threshold_ && crosses_.due && row[0] >= *crosses_.due - task_->crossing)
+void GuideDogFigures::LeashRow(std::span<const double> row, const LeashState& leash) {
+  tensions_.Add(leash.tension);
+  if (leash.tension > 0) tightens_.Meet(row[0]);
+  if (leash.tension > threshold_ && crosses_.due && row[0] >= *crosses_.due - task_->crossing)
     crosses_.Meet(row[0]);
 
   if (!mode_ || !activity_) return;
   const bool together =
       Is(row[*mode_], GuideMode::kMove) && Is(row[*activity_], Activity::kFollow) && row[*speed_] > 0;
   if (together) {
-    tensions_walking_.Add(tension);
-    distances_walking_.Add(distance);
-    slack_.Add(tension > 0 ? 0 : 1);
+    tensions_walking_.Add(leash.tension);
+    distances_walking_.Add(leash.length);
+    slack_.Add(leash.tension > 0 ? 0 : 1);
   }
-  leads_ = together && (leads_ || tension >= desired_tension_);
+  leads_ = together && (leads_ || leash.tension >= desired_tension_);
   if (!leads_) return;
-  tensions_leading_.Add(tension);
-  distances_leading_.Add(distance);
+  tensions_leading_.Add(leash.tension);
+  distances_leading_.Add(leash.length);
 }
 
-void GuideDogFigures::StopRow(std::span<const double> row) {
+void GuideDogFigures::StopRow(std::span<const double> row, double tension, const Vec<3>& v_W) {
   if (stop_delay_ || !mode_) return;
-  const double tension = leash_.In(row).tension;
   const bool moves = !Is(last_mode_, GuideMode::kStop);
   if (!cause_ && moves && (tension > threshold_ || row[obstacle_] != 0)) cause_ = row[0];
   if (cause_ && moves && tension <= threshold_ && row[obstacle_] == 0) cause_.reset();
   if (!cause_) return;
-  const Vec<3> v_W = state_.In(row).v_W;
   if (std::hypot(v_W[0], v_W[1]) >= kStanding) {
     standing_.reset();
     return;
@@ -142,12 +141,11 @@ void GuideDogFigures::StopRow(std::span<const double> row) {
   if (row[0] - *standing_ >= kStandingTime) stop_delay_ = *standing_ - *cause_;
 }
 
-void GuideDogFigures::HeadingRow(std::span<const double> row) {
-  const Eigen::Matrix3d R = state_.In(row).R_WB();
+void GuideDogFigures::HeadingRow(std::span<const double> row, const Vec<3>& direction_W,
+                                 const Eigen::Matrix3d& R) {
   if (headings_.size() == kSecond) headings_.pop_front();
   headings_.emplace_back(R(0, 0), R(1, 0));
   if (mode_ && Is(last_mode_, GuideMode::kStop) && Is(row[*mode_], GuideMode::kTurn)) {
-    const Vec<3> direction_W = leash_.In(row).direction_W;
     pull_yaw_ = std::atan2(-direction_W[1], -direction_W[0]);
     directed_.Meet(row[0]);
   }

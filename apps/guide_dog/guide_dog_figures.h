@@ -37,9 +37,9 @@ class GuideDogFigures final : public LogSink {
   void AddTo(Summary& summary) const;
 
  private:
-  void LeashRow(std::span<const double> row);
-  void StopRow(std::span<const double> row);
-  void HeadingRow(std::span<const double> row);
+  void LeashRow(std::span<const double> row, const LeashState& leash);
+  void StopRow(std::span<const double> row, double tension, const Vec<3>& v_W);
+  void HeadingRow(std::span<const double> row, const Vec<3>& direction_W, const Eigen::Matrix3d& R);
   /// Mean heading of the last second, relative to the pull [deg]; empty without a pull.
   std::optional<double> HeadingError() const;
 

@@ -266,13 +266,12 @@ class Proposal {
   bool Bend(int leg) {
     const auto& joints = robot_.legs[static_cast<std::size_t>(leg)].joints;
     const Vector3d &a0 = joints[0].axis, &a1 = joints[1].axis;
-    const bool left = leg == kFrontLeft || leg == kRearLeft;
     // Two angles of the abduction bring the axis of the hip pitch across: that with the hip outside first.
     const double level = -std::atan2(a1.z(), a1.y()) * (a0.x() > 0 ? 1 : -1);
     std::vector<double> angles{level, level > 0 ? level - pi : level + pi};
     const auto inwards = [&](double q0) {
       const double y = (Eigen::AngleAxisd(q0, a0) * joints[1].p_PJ).y();
-      return std::abs(y) < kOffAxis * length_ ? 0 : (y > 0) == left ? -1 : 1;
+      return std::abs(y) < kOffAxis * length_ ? 0 : (y > 0) == IsLeft(leg) ? -1 : 1;
     };
     std::ranges::sort(angles, {}, [&](double q0) { return std::pair(inwards(q0), std::abs(q0)); });
     if (std::ranges::none_of(angles, [&](double q0) { return Inside(joints[0], q0).has_value(); }) &&
@@ -336,9 +335,8 @@ class Proposal {
       LeggedState x;
       x.q = robot_.stance;
       for (int leg = 0; leg < kNumLegs; ++leg) {
-        const bool left = leg == kFrontLeft || leg == kRearLeft;
         x.q[kJointsPerLeg * leg] +=
-            (robot_.joint(kJointsPerLeg * leg).axis.x() > 0) == left ? outwards : -outwards;
+            (robot_.joint(kJointsPerLeg * leg).axis.x() > 0) == IsLeft(leg) ? outwards : -outwards;
       }
       return x;
     };

@@ -156,8 +156,7 @@ void CheckStance(const QuadrupedDescription& robot, const PerLeg<std::string>& f
             joint.upper, joint.name));
     }
     const Eigen::Vector3d p = robot.FootPosition(leg, robot.stance);
-    const bool front = leg == kFrontLeft || leg == kFrontRight, left = leg == kFrontLeft || leg == kRearLeft;
-    if ((p[0] > 0) != front || (p[1] > 0) != left)
+    if ((p[0] > 0) != IsFront(leg) || (p[1] > 0) != IsLeft(leg))
       throw ParameterError(fmt::format(
           "{}: '{}' is at ({:.3g}, {:.3g}, {:.3g}) m from the root link in the nominal stance, which is {} "
           "{} (x points forward, y to the left); swap the names of the feet, or turn the URDF's root link",

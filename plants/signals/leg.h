@@ -10,6 +10,12 @@ inline constexpr int kNumJoints = kNumLegs * kJointsPerLeg;  ///< joint 3 leg + 
 
 /// Index of a leg.
 enum Leg { kFrontLeft, kFrontRight, kRearLeft, kRearRight };
+constexpr bool IsFront(int leg) {
+  return leg == kFrontLeft || leg == kFrontRight;
+}
+constexpr bool IsLeft(int leg) {
+  return leg == kFrontLeft || leg == kRearLeft;
+}
 inline constexpr std::array<const char*, kNumLegs> kLegNames{"front_left", "front_right", "rear_left",
                                                              "rear_right"};
 /// Names of legs and joints as elements of signals; the names of a robot's joints are in JointDescription.

@@ -93,8 +93,7 @@ double MomentOf(const GaitTiming& timing, int step, const FootForces& forces) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (const Leg leg : {kFrontLeft, kFrontRight, kRearLeft, kRearRight}) {
     if (timing.step[leg] != step) continue;
-    const bool front = leg == kFrontLeft || leg == kFrontRight, left = leg == kFrontLeft || leg == kRearLeft;
-    sum += forces[leg][2] * Eigen::Vector2d(front ? 1 : -1, left ? 1 : -1).normalized();
+    sum += forces[leg][2] * Eigen::Vector2d(IsFront(leg) ? 1 : -1, IsLeft(leg) ? 1 : -1).normalized();
   }
   return sum.norm();
 }

@@ -98,9 +98,8 @@ TEST_F(QuadrupedProposalTest, TurnsLegsOutwardsThatWouldTouchTheTrunk) {
     const QuadrupedDescription robot = Load(proposal);
     LeggedState rolled{.q = robot.stance};
     for (int leg = 0; leg < kNumLegs; ++leg) {
-      const bool left = leg == kFrontLeft || leg == kRearLeft;
       const double splay = (robot.FootPosition(leg, robot.stance) - robot.HipPosition(leg, robot.stance)).y();
-      EXPECT_GT(left ? splay : -splay, 0.02) << leg;
+      EXPECT_GT(IsLeft(leg) ? splay : -splay, 0.02) << leg;
       rolled.q[3 * leg] += 0.5 * robot.joint(3 * leg).axis.x();
     }
     EXPECT_GT(QuadrupedClearance(robot, {}).At(rolled).trunk.distance, -1e-3);
