@@ -45,7 +45,7 @@
     }
     const shown = data.points.slice(0, 40);
     if (data.axes.filter((axis) => axis.labels.length > 1).length > 1) find('#picks').after(parent);  // with several axes, the map is the better overview
-    const left = Math.min(360, 20 + 6.6 * Math.max(...shown.map((point) => nameOf(point).length), 4));
+    const left = Math.min(420, 20 + 6.6 * Math.max(...shown.map((point) => nameOf(point).length), 4));
     const width = 1000, row = 20, plot = width - left - 170;
     const drawing = svg(parent, width, 24 + row * shown.length);
     const x = (share) => left + plot * share;
@@ -91,12 +91,12 @@
       }
       const values = cells.flat().filter((cell) => cell.weight).map((cell) => cell.sum / cell.weight);
       const low = what === 0 ? 0 : Math.min(...values), high = what === 0 ? 1 : Math.max(...values);
-      const left = 20 + 7 * Math.max(...up.map((text) => Math.min(text.length, 16))), width = 560;
+      const left = 20 + 7 * Math.max(...up.map((text) => Math.min(text.length, 32))), width = 560;
       const w = Math.min(90, (width - left) / across.length), h = Math.min(34, Math.max(14, 360 / up.length));
       const drawing = svg(area, width, h * up.length + 54);
       up.forEach((text, j) => {
         const y = h * (up.length - 1 - j);
-        shape(drawing, 'text', { x: left - 6, y: y + h / 2 + 4, 'text-anchor': 'end' }, text.slice(0, 16));
+        shape(drawing, 'text', { x: left - 6, y: y + h / 2 + 4, 'text-anchor': 'end' }, text.slice(0, 32));
         across.forEach((_, i) => {
           const cell = cells[i][j];
           if (!cell.weight) return;
