@@ -45,7 +45,7 @@
     }
     const shown = data.points.slice(0, 40);
     if (data.axes.filter((axis) => axis.labels.length > 1).length > 1) find('#picks').after(parent);  // with several axes, the map is the better overview
-    const left = Math.min(420, 20 + 6.6 * Math.max(...shown.map((point) => nameOf(point).length), 4));
+    const titles = shown.map((point) => nameOf(point).slice(-60)), left = 20 + 6.6 * Math.max(...titles.map((title) => title.length), 4);
     const width = 1000, row = 20, plot = width - left - 170;
     const drawing = svg(parent, width, 24 + row * shown.length);
     const x = (share) => left + plot * share;
@@ -55,7 +55,7 @@
     }
     shown.forEach((point, i) => {
       const y = 30 + row * i, share = point.survived / point.count;
-      shape(drawing, 'text', { x: left - 8, y: y + 4, 'text-anchor': 'end' }, nameOf(point).slice(-60));
+      shape(drawing, 'text', { x: left - 8, y: y + 4, 'text-anchor': 'end' }, titles[i]);
       shape(drawing, 'line', { x1: x(point.low), x2: x(point.high), y1: y, y2: y, stroke: traffic(share), 'stroke-width': 7, opacity: 0.35 });
       hint(shape(drawing, 'circle', { cx: x(share), cy: y, r: 4.5, fill: traffic(share) }), `${nameOf(point)}: ${percent(point.low)} to ${percent(point.high)}`);
       shape(drawing, 'text', { x: x(1) + 12, y: y + 4 }, `${point.survived} of ${point.count}, ${percent(share)}`);
@@ -91,12 +91,13 @@
       }
       const values = cells.flat().filter((cell) => cell.weight).map((cell) => cell.sum / cell.weight);
       const low = what === 0 ? 0 : Math.min(...values), high = what === 0 ? 1 : Math.max(...values);
-      const left = 20 + 7 * Math.max(...up.map((text) => Math.min(text.length, 32))), width = 560;
+      const titles = up.map((text) => text.slice(0, 40)), left = 20 + 7 * Math.max(...titles.map((title) => title.length));
+      const width = Math.max(560, left + 428);
       const w = Math.min(90, (width - left) / across.length), h = Math.min(34, Math.max(14, 360 / up.length));
       const drawing = svg(area, width, h * up.length + 54);
       up.forEach((text, j) => {
         const y = h * (up.length - 1 - j);
-        shape(drawing, 'text', { x: left - 6, y: y + h / 2 + 4, 'text-anchor': 'end' }, text.slice(0, 32));
+        shape(drawing, 'text', { x: left - 6, y: y + h / 2 + 4, 'text-anchor': 'end' }, titles[j]);
         across.forEach((_, i) => {
           const cell = cells[i][j];
           if (!cell.weight) return;
